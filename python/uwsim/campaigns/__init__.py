@@ -1,1 +1,1 @@
-"""Many flights or frames in parallel processes: sweeps, fleets, datasets, and the workers that they share."""
+"""Many flights or frames in parallel processes: sweeps, fleets, datasets, and the workers they share."""

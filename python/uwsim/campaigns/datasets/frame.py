@@ -43,9 +43,9 @@ class FrameJob:
 
 
 def folders(spec: DatasetSpec) -> dict[str, str]:
-    """Return the folder and suffix, such as depth/.png, of each kind of file that a frame has."""
+    """Return the folder and suffix, such as depth/.png, of each kind of file written for a frame."""
     suffixes = {"rgb": f"images/.{spec.pictures}", "arrays": "arrays/.npz", "multibeam": "multibeam/.npz"}
-    suffixes["yolo"] = "labels/.txt"  # YOLO's loaders replace "images" in a picture's path by "labels"
+    suffixes["yolo"] = "labels/.txt"  # YOLO loaders replace "images" in a picture's path with "labels"
     found: dict[str, str] = {
         name: suffixes.get(name, f"{name}/.png") for name in spec.write if name not in ("boxes", "sonar")
     }
@@ -57,7 +57,7 @@ def folders(spec: DatasetSpec) -> dict[str, str]:
 
 
 def file_name(spec: DatasetSpec, kind: str, number: int) -> str:
-    """Return the path of a frame's file in the dataset, such as depth/000007.png."""
+    """Return the path of a frame's file within the dataset, such as depth/000007.png."""
     folder, suffix = folders(spec)[kind].split("/")
     return f"{folder}/{number:06d}{suffix}"
 
@@ -159,7 +159,7 @@ def _add_multibeam(studio: Studio, record: dict[str, Any], files: dict[str, byte
 
 
 def _archive(**arrays: NDArray[Any]) -> bytes:
-    """Return the content of an .npz file; the same arrays give the same bytes."""
+    """Return the contents of an .npz file; equal arrays give equal bytes."""
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
     return stream.getvalue()

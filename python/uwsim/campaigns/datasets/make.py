@@ -31,10 +31,10 @@ Tell = Callable[[int, int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A dataset that is complete or in progress.
+    """A dataset, complete or in progress.
 
-    finished: how many of the n frames exist. files: the tables that cover all frames, written once all exist.
-    made: the number of frames rendered by this call, in wall_s seconds.
+    finished: how many of the n frames exist. files: the tables that cover all frames, written once all frames exist.
+    made: number of frames rendered by this call, in wall_s seconds.
     """
 
     spec: DatasetSpec
@@ -75,13 +75,13 @@ def make_dataset(
         uwsim.make_dataset("lake", "data", 1000, size=(320, 240), look_at=("gate", "pipeline"), workers=2)
 
     Poses are random, or evenly spaced along a track: either `along`, a file (see datasets.track.read_track), or the
-    track of `mission`, a file that is flown first. workers: the number of processes on this machine, by default one per
-    core; 0 renders in this process. scheduler: the address of a Dask cluster to use instead; its workers must see `out`
-    under the same path. resume: render the frames that are missing in `out`, which must have been begun with the same
-    options, scenario and build. options: the other fields of datasets.spec.DatasetSpec.
+    track of `mission`, a file that is flown first. workers: number of processes on this machine (default: one per
+    core); 0 renders in this process. scheduler: the address of a Dask cluster to use instead; its workers must see
+    `out` under the same path. resume: render the frames that are missing in `out`, which must have been begun with the
+    same options, scenario and build. options: the other fields of datasets.spec.DatasetSpec.
 
     A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the workers import
-    it. Raises ValueError before anything is written, or for a frame without a possible pose; OSError.
+    the program. Raises ValueError before anything is written, or if no pose is possible for a frame; also OSError.
     """
     source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
     spec = validated(DatasetSpec, {"scenario": source, "n": n, **options})
@@ -143,7 +143,7 @@ def _make(
 
 
 def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:
-    """Return n poses of the track, or None without one. Raises ValueError for options that a track makes useless."""
+    """Return n poses on the track, or None without one. Raises ValueError for options that a track makes useless."""
     if along is None and mission is None:
         return None
     if along is not None and mission is not None:
@@ -180,7 +180,7 @@ def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) 
 
 
 def _make_folders(into: Path, spec: DatasetSpec) -> None:
-    """Create the folders for files, and remove files that a killed process left unfinished."""
+    """Create the folders for the files, and remove files left unfinished by a killed process."""
     for name in _folder_names(spec):
         (into / name).mkdir(exist_ok=True)
         for left_over in (into / name).glob(".[0-9]*"):
@@ -192,7 +192,7 @@ def _folder_names(spec: DatasetSpec) -> list[str]:
 
 
 def _plan(spec: DatasetSpec, digest: str, track: Track | None) -> dict[str, Any]:
-    """Return everything that determines the files' content."""
+    """Return everything that determines the contents of the files."""
     poses = None
     if track is not None:
         arrays = (track.times_s, track.positions_m, track.orientations_xyzw)

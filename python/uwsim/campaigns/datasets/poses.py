@@ -23,7 +23,7 @@ SEEN_M = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A pose of the vehicle (orientation as x, y, z, w), and the name of its camera's target (None on a track)."""
+    """A pose of the vehicle (orientation as x, y, z, w) and the name of the camera's target (None on a track)."""
 
     position_m: Floats
     orientation_xyzw: Floats
@@ -63,7 +63,7 @@ class FreeWater:
         self._hull_m, self._eye_m = eye.hull_radius_m + clearance_m, clearance_m
 
     def under_water(self, bodies_m: Floats, eyes_m: Floats) -> NDArray[np.bool_]:
-        """Return the results (n,) of quick checks: whether positions are above the ground and below the surface."""
+        """Return a mask (n,) from quick checks that positions are above the ground and below the surface."""
         free = np.ones(len(bodies_m), bool)
         for points, clear_m in ((bodies_m, self._hull_m), (eyes_m, self._eye_m)):
             ground = self._world.height_at(points[:, :2])
@@ -73,21 +73,21 @@ class FreeWater:
         return free
 
     def clear(self, body_m: Floats, eye_m: Floats) -> bool:
-        """Return whether hull and camera keep their clearance from everything."""
+        """Return whether the hull and the camera keep their clearance from everything."""
         points = np.array([body_m, eye_m])
         if not (self._scene.distance_m(points) >= (self._hull_m, self._eye_m)).all():
             return False
         return all(self._world.solid_around(point) is None for point in points)
 
     def sees(self, eye_m: Floats, point_m: Floats) -> bool:
-        """Return whether the line of sight from the eye to a point is free."""
+        """Return whether the line of sight from the eye to a point is clear."""
         return bool(self._scene.visible(eye_m, point_m[None], SEEN_M)[0])
 
 
 def draw_viewpoint(
     targets: Targets, water: FreeWater, eye: Eye, limits: Limits, random: np.random.Generator
 ) -> Viewpoint:
-    """Return a pose from which a point of a target is visible at a random pixel. Raises ValueError if none is found.
+    """Return a pose from which a target point is visible at a random pixel. Raises ValueError if none is found.
 
     The vehicle's heading, pitch and roll, the pixel and the distance are drawn uniformly within their limits; together
     they determine the camera's position.
@@ -122,7 +122,7 @@ def _angles_rad(limits: Limits, random: np.random.Generator) -> Floats:
 
 
 def _rays(eye: Eye, random: np.random.Generator) -> Floats:
-    """Return unit vectors towards random pixels in the camera's frame, (BATCH, 3): x ahead, y left, z up."""
+    """Return unit vectors towards random pixels in the camera frame, (BATCH, 3): x ahead, y left, z up."""
     height, width = eye.rays.shape[:2]
     share = random.uniform(MARGIN, 1 - MARGIN, (BATCH, 2))
     rows, columns = (share[:, 0] * height).astype(int), (share[:, 1] * width).astype(int)
@@ -132,7 +132,7 @@ def _rays(eye: Eye, random: np.random.Generator) -> Floats:
 
 
 def visibility_m(water: _core.WaterOptics) -> float:
-    """Return the distance at which a diver sees a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
+    """Return the distance at which a diver can see a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
 
     Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, which gives the factor for 532
     nm.

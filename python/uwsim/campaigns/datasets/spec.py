@@ -1,4 +1,4 @@
-"""The validated options of `uwsim dataset`, which define a dataset's content."""
+"""The validated options of `uwsim dataset`, which define the contents of a dataset."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Metres = Annotated[float, InRange(0.01, 1000, "m")]
 
 
 class DatasetSpec(Model):
-    """A dataset's options, except for a track.
+    """The options of a dataset, except for a track.
 
     scenario: the name of a packaged scenario, or a file. n: number of frames. seed: the seed of all random draws and of
     the scenario; None: the scenario's own seed. vehicle: its name; None: the first. camera: a camera of the vehicle or
@@ -85,7 +85,7 @@ class DatasetSpec(Model):
 
     @property
     def effects_on(self) -> tuple[str, ...]:
-        """Return the names of the effects to apply. Raises ValueError for unknown names."""
+        """Return the names of the effects to apply. Raises ValueError if a name is unknown."""
         off = effects_on(self.without)
         return tuple(name for name in effects_on(self.effects) if name not in off)
 

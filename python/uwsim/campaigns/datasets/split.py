@@ -1,4 +1,4 @@
-"""The split of a dataset's frames into training and validation."""
+"""The split of a dataset's frames into training and validation sets."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ STRETCHES = 4
 def split_of_frames(count: int, val_share: float, seed: int, *, in_sequence: bool) -> list[str]:
     """Return the split of each frame.
 
-    round(val_share * count) frames are used for validation: random ones if the poses are random; whole stretches of a
-    sequence, since neighbouring frames look alike.
+    round(val_share * count) frames are used for validation: random frames if the poses are random, or whole stretches
+    of a sequence, since neighbouring frames look alike.
     """
     held_back = round(val_share * count)
     splits = np.full(count, SPLITS[0], dtype="<U5")

@@ -1,4 +1,4 @@
-"""Studio: a simulator with a camera, a sonar and targets, reused from frame to frame."""
+"""Studio: a simulator with a camera, a sonar and targets that is reused from frame to frame."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Studio:
     """Renders any frame of a dataset from its number alone; the result is the same in every process."""
 
     def __init__(self, spec: DatasetSpec, threads: int | None = None) -> None:
-        """Build the simulator. Raises ValueError for a name that the scenario does not have."""
+        """Build the simulator. Raises ValueError for a name that does not exist in the scenario."""
         self.spec = spec
         self.sim = Simulator(spec.scenario, seed=spec.seed, threads=threads)
         self.vehicle = self.sim.rov if spec.vehicle is None else self.sim.vehicles[spec.vehicle]
@@ -56,7 +56,7 @@ class Studio:
         self._drawing: tuple[Targets, Eye] | None = None
 
     def _try_variations(self) -> None:
-        """Raise ValueError unless both ends of each range and all choices are allowed."""
+        """Raise ValueError unless both ends of each range, and all choices, are allowed."""
         for name, variation in self.spec.vary.items():
             before = self.sim.parameters[name]
             for level in extremes(variation):
@@ -81,19 +81,19 @@ class Studio:
 
     @property
     def info(self) -> CameraInfo:
-        """The camera's intrinsics for its pictures; d is 0 without the effect `distortion`."""
+        """The camera intrinsics for its pictures; d is 0 without the `distortion` effect."""
         info = self.camera.info
         return info if "distortion" in self.effects else replace(info, d=np.zeros(5))
 
     @property
     def label_range_m(self) -> float:
-        """The largest distance at which objects are labelled; by default the water's current visibility."""
+        """The maximum distance at which objects are labelled; defaults to the current visibility in the water."""
         if self.spec.label_range_m is not None:
             return self.spec.label_range_m
         return visibility_m(core_optics(self.sim.optics).water) if "attenuation" in self.effects else np.inf
 
     def vary(self, number: int) -> dict[str, Any]:
-        """Draw a frame's parameters, set them and return their values by name."""
+        """Draw a frame's parameters, set them and return their values, keyed by name."""
         random = self._random(number, VALUES)
         levels = {name: level_at(variation, random.random()) for name, variation in self.spec.vary.items()}
         if levels:
@@ -124,7 +124,7 @@ class Studio:
             raise ValueError(f"frame {number}: {error}") from None
 
     def place(self, viewpoint: Viewpoint) -> None:
-        """Move the vehicle to a viewpoint. Raises ValueError for positions in the ground or in a solid."""
+        """Move the vehicle to a viewpoint. Raises ValueError if the position is in the ground or in a solid."""
         self.vehicle.place(viewpoint.position_m, viewpoint.orientation_xyzw)
 
     def picture(self, time_ns: int) -> Frame:
@@ -134,7 +134,7 @@ class Studio:
         return self.camera.capture(self.effects, geometry_only=only_geometry, at=at)
 
     def ping(self, time_ns: int) -> SonarImage:
-        """Return a ping of the forward-looking sonar; the time selects its noise."""
+        """Return a ping from the forward-looking sonar; the time selects the noise."""
         assert self.sonar is not None
         around = self.sim.around(self.vehicle.name)
         pose, model, name = self.sonar.world_from_sonar, self.sonar.model, self.sonar.stream

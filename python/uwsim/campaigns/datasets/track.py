@@ -1,4 +1,4 @@
-"""Poses along a track that was flown by a survey, a mission or a program of your own."""
+"""Poses along a track flown by a survey, a mission or a program of your own."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Track:
     orientations_xyzw: Floats
 
     def spread(self, count: int) -> Track:
-        """Return `count` evenly spaced poses of the track. Raises ValueError if it has fewer."""
+        """Return `count` evenly spaced poses on the track. Raises ValueError if the track has fewer."""
         if count > len(self.times_s):
             raise ValueError(f"n = {count:,}: the track has {len(self.times_s):,} poses")
         chosen = np.linspace(0, len(self.times_s) - 1, count).round().astype(int)
@@ -37,11 +37,11 @@ class Track:
 
 
 def read_track(path: str | Path) -> Track:
-    """Read a track: track-VEHICLE.csv of `uwsim run`, track.npz of `uwsim survey`, or an .npz of your own.
+    """Read a track: track-VEHICLE.csv from `uwsim run`, track.npz from `uwsim survey`, or an .npz of your own.
 
-    Your own file needs position_world_m (n, 3), orientation_xyzw (n, 4) and optionally time_s (n,). A survey's track
-    contains only the sonar's path: the vehicle is assumed to be at these positions, level and heading along the path.
-    Without times, poses are one second apart. Raises ValueError or OSError.
+    Your own file needs position_world_m (n, 3), orientation_xyzw (n, 4) and optionally time_s (n,). A survey track
+    contains only the path of the sonar: the vehicle is assumed to be at these positions, level and heading along the
+    path. Without times, poses are one second apart. Raises ValueError or OSError.
     """
     file = Path(path)
     try:
@@ -57,7 +57,7 @@ def read_track(path: str | Path) -> Track:
 
 
 def track_of(samples: Any) -> Track:
-    """Build a track from a flight's samples (flight.samples.Samples), or from columns with the same names."""
+    """Build a track from the samples of a flight (flight.samples.Samples), or from columns with the same names."""
     turns = Rotation.from_euler("ZYX", np.column_stack([samples[name] for name in ANGLES]))
     positions = np.column_stack([samples[name] for name in ("x_m", "y_m", "z_m")])
     return _checked(samples[TIMES], positions, turns.as_quat())

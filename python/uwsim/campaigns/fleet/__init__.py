@@ -1,4 +1,4 @@
-"""Fleets: a large area divided into tiles, each surveyed by a separate vehicle; all maps are merged into one."""
+"""Fleets: a large area divided into tiles, each surveyed by a separate vehicle, with all maps merged into one."""
 
 from uwsim.campaigns.fleet.fleet import Fleet, run_fleet
 

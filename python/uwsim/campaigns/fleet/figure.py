@@ -1,4 +1,4 @@
-"""A picture of a fleet's survey: the merged map from above, and the coverage of each tile."""
+"""A picture of a fleet survey: the merged map from above, and the coverage of each tile."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FEW = 150
 def draw_fleet(
     path: Path, map_path: Path, tiles: list[Tile], results: Mapping[int, Mapping[str, Any]], figures: Mapping[str, Any]
 ) -> None:
-    """Draw the lowest occupied voxel of each column, and the tiles' outlines and coverage. Raises OSError."""
+    """Draw the lowest occupied voxel in each column, and the outline and coverage of each tile. Raises OSError."""
     occupied = OccupancyMap.read(map_path).occupied_voxels()
     figure = new_figure(9.0, 8.0)
     axes = figure.add_subplot()

@@ -36,8 +36,8 @@ Tell = Callable[[int, int, int], None]
 class Fleet:
     """A survey of an area in tiles, complete or in progress.
 
-    results: by tile number. figures: values for the whole area. interrupted: whether tiles or the score are missing;
-    `resume=True` continues.
+    results: keyed by tile number. figures: values for the whole area. interrupted: whether tiles or the score are
+    missing; `resume=True` continues the survey.
     """
 
     out: Path
@@ -48,7 +48,7 @@ class Fleet:
 
     @property
     def failed(self) -> dict[int, str]:
-        """The errors of tiles that could not be surveyed, by tile number."""
+        """The errors of tiles that could not be surveyed, keyed by tile number."""
         return {number: str(result["error"]) for number, result in self.results.items() if result["error"]}
 
 
@@ -71,9 +71,9 @@ def run_fleet(
 ) -> Fleet:
     """Survey a scenario's area in tiles of about tile_m; write `out`/map.bt, summary.json and tiles.png.
 
-    Each tile has a separate starting position, and is surveyed by a copy of the scenario's first vehicle in that part
-    of the terrain. voxel_m, seed: override the scenario's. vehicles: the number of vehicles that share the tiles; it
-    determines the fleet's total time, but not the map. workers, scheduler, resume, retry_failed: see
+    Each tile has its own starting position, and is surveyed by a copy of the scenario's first vehicle in that part of
+    the terrain. voxel_m, seed: override the values in the scenario. vehicles: number of vehicles that share the tiles;
+    affects the fleet's total time but not the map. workers, scheduler, resume, retry_failed: see
     uwsim.campaigns.sweeps.run_sweep. Raises ScenarioError, ValueError or OSError.
     """
     base = load(scenario)
@@ -133,7 +133,7 @@ def run_fleet(
 
 
 def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
-    """Build the scenario of the first tile that is not dry; raise its error, or ScenarioError if all are dry."""
+    """Build the scenario of the first tile that is not dry. Raises its error, or ScenarioError if all tiles are dry."""
     for job in jobs.values():
         try:
             job.scenario_of_tile(base)
@@ -203,7 +203,7 @@ def _flown_figures(
 def shares(times_s: list[float], vehicles: int) -> list[float]:
     """Return each vehicle's working time if the longest tile goes to the first free vehicle (LPT; Graham 1969).
 
-    The transits between tiles are not included.
+    Transits between tiles are not included.
     """
     busy = [0.0] * min(vehicles, max(len(times_s), 1))
     for time_s in sorted(times_s, reverse=True):

@@ -1,4 +1,4 @@
-"""Scoring of a fleet's map tile by tile, so that no process needs the whole world."""
+"""Tile-by-tile scoring of a fleet's map, so that no process needs the whole world."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RETRIES = 2
 
 
 class _ScoreJobs(Mapping[int, ScoreJob]):
-    """The jobs that score the tiles, built one at a time to save memory, since a ping may belong to several jobs."""
+    """The jobs that score the tiles, built one at a time to save memory, since several jobs may share a ping."""
 
     def __init__(self, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path):
         self._jobs, self._grid, self._results = jobs, grid, results
@@ -51,7 +51,7 @@ class _ScoreJobs(Mapping[int, ScoreJob]):
 
 
 def by_tile(occupied_m: NDArray[np.float32], grid: Grid, tiles: list[Tile]) -> dict[int, NDArray[np.float32]]:
-    """Assign voxels (n, 3) to tiles by grid cell; in a cell with several tiles, by the tiles' outlines."""
+    """Assign voxels (n, 3) to tiles by grid cell or, in a cell with several tiles, by tile outline."""
     codes = grid.cells_of(occupied_m) @ (grid.count[1], 1) if len(occupied_m) else np.empty(0, np.int64)
     order = np.argsort(codes, kind="stable")
     occupied_m, codes = occupied_m[order], codes[order]
@@ -72,7 +72,7 @@ def scored(
     crew: Workers, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path,
     stop_requested: Callable[[], bool],
 ) -> dict[str, Any] | None:  # fmt: skip
-    """Score each tile's part of the merged map on workers; return the values for the whole map by name.
+    """Score each tile's part of the merged map on workers; return the values for the whole map, keyed by name.
 
     Returns None if stop_requested() ended the work. Raises OSError if a tile cannot be scored.
     """

@@ -1,4 +1,4 @@
-"""File names in a fleet's folder: the merged map, and for each tile its map and the positions of its pings."""
+"""The names of the files in a fleet's folder: the merged map and, for each tile, its map and ping positions."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ def map_file(out: Path, tile: int) -> Path:
 
 
 def path_file(out: Path, tile: int) -> Path:
-    """Return the path of a tile's file of sonar positions at each ping, (n, 3) float32."""
+    """Return the path of a tile's file with the sonar position at each ping, (n, 3) float32."""
     return out / TILES / f"{tile:06d}.npy"
 
 
 def scores_file(out: Path) -> Path:
-    """Return the path of the file with all tiles' scores."""
+    """Return the path of the file with the scores of all tiles."""
     return out / TILES / "scores.json"

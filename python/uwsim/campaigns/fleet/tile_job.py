@@ -1,4 +1,4 @@
-"""Jobs of a fleet's workers: surveying a tile, and scoring its part of the merged map."""
+"""Jobs for a fleet's workers: surveying a tile, and scoring its part of the merged map."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ START_Z_M, CLEAR_M = -1.5, 2.0
 
 @dataclass(frozen=True)
 class TileJob:
-    """A tile to survey. scenario: a name or path. seed: determines the water and all vehicles' noise."""
+    """A tile to survey. scenario: a name or path. seed: determines the water and the noise of all vehicles."""
 
     scenario: str
     seed: int | None
@@ -75,7 +75,7 @@ class DryTileError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class ScoreJob:
-    """The part of a merged map that belongs to a tile, to be scored.
+    """The part of a merged map that belongs to a tile and is to be scored.
 
     occupied_m (n, 3): centres of occupied voxels. path_m (k, 3): sonar positions at pings in range.
     """
@@ -98,7 +98,7 @@ def _terrain(scenario: str) -> Any:
 
 
 def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return two opposite corners of the part of the terrain that a tile's survey may see."""
+    """Return two opposite corners of the part of the terrain that a tile survey may see."""
     sonar = base.vehicles[0].sonar
     reach_m = MARGIN_M + sonar.loaded.band(sonar.frequency_khz).range_max_m
     (x0, y0), (x1, y1) = (area_m.min(axis=0) - reach_m).tolist(), (area_m.max(axis=0) + reach_m).tolist()
@@ -107,10 +107,10 @@ def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, 
 
 
 def fly_tile(job: TileJob) -> dict[str, Any]:
-    """Survey a tile; return its values, its map as .ot bytes, and its pings' positions as .npy bytes.
+    """Survey a tile; return its values, its map as .ot bytes, and its ping positions as .npy bytes.
 
-    The result of a tile without enough water has `dry` set; the result of a failed tile has `error` set. Raises
-    OSError, MemoryError.
+    The result has `dry` set for a tile without enough water, and `error` for a tile that failed. Raises OSError or
+    MemoryError.
     """
     begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"error": None, "dry": None, "build": build_fingerprint()}
@@ -134,7 +134,7 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
     occupancy = OccupancyMap(resolution_m=job.voxel_m)
     _, record = fly_survey(sim, occupancy, least_share=0.0)
     if record.interrupted:
-        raise KeyboardInterrupt  # the survey caught it, but half a tile is not a result
+        raise KeyboardInterrupt  # the survey caught the error, but half a tile is not a result
     path = io.BytesIO()
     np.save(path, record.path_world_m.astype(np.float32))
     result |= {
@@ -147,7 +147,7 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
 
 
 def score_tile(job: ScoreJob) -> dict[str, Any]:
-    """Return counts and sums from which the whole map's score is computed; voxels on tile borders are counted once."""
+    """Return counts and sums for computing the score of the whole map; voxels on tile borders are counted once."""
     begun_cpu_s = time.process_time()
     scenario = job.job.scenario_of_tile(_loaded(job.job.scenario))
     sim = Simulator(scenario, threads=1)

@@ -1,4 +1,4 @@
-"""Division of a survey's area into tiles."""
+"""Division of a survey area into tiles."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 4, 40
 
 @dataclass(frozen=True)
 class Tile:
-    """A part of the area that one vehicle surveys. area_m: its corners, (x, y). cell: its grid square, (i, j).
+    """A part of the area surveyed by one vehicle. area_m: its corners, (x, y). cell: its grid square, (i, j).
 
-    Tiles share a cell if the area's outline cuts a square into several pieces.
+    Tiles share a cell if the outline of the area cuts a square into several pieces.
     """
 
     number: int
@@ -31,10 +31,10 @@ class Tile:
 
 @dataclass(frozen=True)
 class Grid:
-    """A grid over an area's bounding box.
+    """A grid over the bounding box of an area.
 
-    low_m: the box's lower corner (x, y). edge_m: the cells' size (x, y), at most the requested length. count: the
-    number of cells along x and y.
+    low_m: lower corner (x, y) of the box. edge_m: cell size (x, y), at most the requested length. count: number of
+    cells along x and y.
     """
 
     low_m: tuple[float, float]
@@ -47,14 +47,14 @@ class Grid:
         return np.asarray(np.clip(cells, 0, np.array(self.count) - 1))
 
     def corners(self, cell: tuple[int, int]) -> Corners:
-        """Return the corners of a cell, counter-clockwise."""
+        """Return the corners of a cell, counterclockwise."""
         (x, y), (dx, dy) = self.low_m, self.edge_m
         i, j = cell
         return tuple((x + (i + a) * dx, y + (j + b) * dy) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)))
 
 
 def grid_over(area_m: Corners, tile_m: float) -> Grid:
-    """Return a grid with cells of about tile_m that covers the bounding box exactly. Raises ValueError."""
+    """Return a grid of cells of about tile_m that exactly covers the bounding box. Raises ValueError."""
     low, high = np.min(area_m, axis=0), np.max(area_m, axis=0)
     across, up = (max(1, math.ceil(size / tile_m - 1e-9)) for size in (high - low).tolist())
     if across * up > MAX_TILES:
@@ -64,7 +64,7 @@ def grid_over(area_m: Corners, tile_m: float) -> Grid:
 
 
 def tiles_of(area_m: Corners, grid: Grid, voxel_m: float) -> tuple[list[Tile], float]:
-    """Return the tiles of a simple polygon, and the area [m2] of the omitted slivers."""
+    """Return the tiles of a simple polygon, and the area [m2] of the slivers that were omitted."""
     whole = CrossSection([np.asarray(area_m, np.float64)], fillrule=FillRule.EvenOdd)
     tiles, left_m2 = list[Tile](), 0.0
     for j in range(grid.count[1]):

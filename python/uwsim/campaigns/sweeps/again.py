@@ -1,4 +1,4 @@
-"""Repeats one run, identical bit for bit, and produces everything that a sweep leaves out: recording, map, report."""
+"""Repeats one run, bit-identically, and produces everything that a sweep omits: recording, map and report."""
 
 from __future__ import annotations
 

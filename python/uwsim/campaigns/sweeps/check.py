@@ -1,4 +1,4 @@
-"""Checks a sweep before it is flown: every name that it varies, and both ends of every range, one at a time."""
+"""Checks a sweep before it is flown: every name it varies, and both ends of every range, one at a time."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ MAX_TRIED = 200
 
 
 class Jobs:
-    """Builds the jobs for a sweep's runs."""
+    """Builds the jobs for the runs of a sweep."""
 
     def __init__(self, spec: SweepSpec, folder: Path) -> None:
         self._spec, self._folder = spec, folder
         self._digests: dict[str, str] = {}
 
     def of(self, run: Run) -> Job:
-        """Return the job for a run. Raises MissionError if its mission's file is missing."""
+        """Return the job for a run. Raises MissionError if its mission file is missing."""
         return self.with_levels(run.levels, run.seed)
 
     def with_levels(self, levels: Mapping[str, Level], seed: int | None = None) -> Job:
@@ -62,10 +62,10 @@ class Jobs:
 
 
 def require_flyable(spec: SweepSpec, source: SourceFile, folder: Path) -> None:
-    """Raise ScenarioError, with one line per mistake, if a choice or an end of a range is rejected.
+    """Raise ScenarioError, with one line per mistake, if a choice or either end of a range is rejected.
 
     Each value is first tried alone, so that each mistake is reported once. A rejected value is tried again with the
-    first values of all other names. Builds one simulator, with all first values.
+    first values of all other names. One simulator is built, with all the first values.
     """
     jobs, mistakes = Jobs(spec, folder), list[str]()
     first = {name: extremes(variation)[0] for name, variation in spec.vary.items()}

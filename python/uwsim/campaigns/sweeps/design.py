@@ -73,13 +73,13 @@ def _grid(variation: Variation) -> list[Level]:
 
 
 def _rounded(level: Level) -> Level:
-    """Round away floating-point noise: 0.6000000000000001 becomes 0.6."""
+    """Round off floating-point noise: 0.6000000000000001 becomes 0.6."""
     value = level.value if isinstance(level.value, int) else float(f"{level.value:.12g}")
     return Level(value, value)
 
 
 def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
-    """Return points (samples, variations) in the unit cube; all but random ones are drawn by scipy.stats.qmc."""
+    """Return points (samples, variations) in the unit cube; all except random ones are drawn by scipy.stats.qmc."""
     random, width, count = np.random.default_rng(spec.seed), len(spec.vary), spec.samples or 1
     if spec.method == "random":
         return random.random((count, width))

@@ -1,4 +1,4 @@
-"""Pictures for the report of a sweep."""
+"""Pictures for a sweep report."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BLUE = "#2f6f9f"
 
 
 def draw_distributions(path: Path, rows: Rows, metrics: Sequence[str]) -> None:
-    """Draw a histogram of each metric, with its median."""
+    """Draw a histogram of each metric, marking the median."""
     figure, panels = _panels(len(metrics))
     for axes, metric in zip(panels, metrics, strict=True):
         values = rows.numbers(metric)
@@ -59,7 +59,7 @@ def draw_effects(path: Path, spec: SweepSpec, rows: Rows, metric: str, varied: S
 
 
 def draw_sensitivity(path: Path, found: Sensitivity) -> None:
-    """Draw the table of sensitivities as a heat map."""
+    """Draw the sensitivity table as a heat map."""
     rows, columns = found.values.shape
     figure = new_figure(2.4 + 1.15 * columns, 1.4 + 0.42 * rows)
     axes = figure.add_subplot()
@@ -87,7 +87,7 @@ def _panels(count: int) -> tuple[Any, list[Axes]]:
 
 
 def _means(axes: Axes, x: Any, y: Any) -> None:
-    """Draw means over groups of equal size, or for each value if there are only a few values."""
+    """Draw means over groups of equal size, or for each value if there are only a few."""
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     if len(x) < 4:

@@ -1,4 +1,4 @@
-"""One run of a sweep, flown by a worker: the scenario with the run's values, the flight and its results."""
+"""One run of a sweep, flown by a worker: the scenario with the values of the run, the flight and its results."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MAX_LIST = 16
 
 @dataclass(frozen=True)
 class Job:
-    """A run to be flown by a worker. values: by parameter or key. mission: a file; None for a survey."""
+    """A run to be flown by a worker. values: keyed by parameter or scenario key. mission: a file; None for a survey."""
 
     scenario: str
     seed: int | None
@@ -57,7 +57,7 @@ class Job:
         return self.map or self.mission is None
 
     def flight(self) -> dict[str, Any]:
-        """Return the arguments of `fly` for this run; a survey does not measure its map's growth."""
+        """Return the arguments of `fly` for this run; a survey does not measure the growth of its map."""
         is_survey = self.mission is None
         return {
             "arguments": self.arguments, "map": self.makes_map, "map_growth": not is_survey,
@@ -72,7 +72,7 @@ def _loaded(scenario: str) -> Scenario:
 
 
 def fly_job(job: Job) -> dict[str, Any]:
-    """Fly a run; return its values by name, its provenance and the error that ended it, if any.
+    """Fly a run; return its values by name, its provenance and the error, if any, that ended it.
 
     A mistake in the scenario or mission becomes an error in the result. Raises OSError and MemoryError, which may be
     transient.
@@ -106,12 +106,12 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
 
 
 def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
-    """Fly and score a run; return its values, including the map's."""
+    """Fly and score a run; return its values, including those of the map."""
     if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
         raise MissionError(f"mission '{job.mission}': is missing here, or has changed since the sweep was started")
     flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
     if flown.interrupted:
-        raise KeyboardInterrupt  # the flight caught it, but half a run is not a result
+        raise KeyboardInterrupt  # the flight caught the error, but half a run is not a result
     values = flight_values(scored(flown, sim)) | {"result": flown.result}
     values.pop("map", None)
     return values
@@ -122,7 +122,7 @@ def _is_same_file(path: Path, digest: str | None) -> bool:
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Flatten nested values, with dotted names; only numbers, text, booleans and None are kept."""
+    """Flatten nested values into dotted names, keeping only numbers, text, booleans and None."""
     found: dict[str, Any] = {}
     for name, value in values.items():
         if name not in OF_THE_WALL:

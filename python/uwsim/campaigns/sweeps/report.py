@@ -1,4 +1,4 @@
-"""The report of a sweep: one HTML file with embedded pictures and links to the worst runs."""
+"""The report on a sweep: one HTML file with embedded pictures and links to the worst runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SHOWN, ERRORS_SHOWN, EFFECTS = 6, 20, 12
 
 
 class Figure(NamedTuple):
-    """A picture of the report."""
+    """A picture in the report."""
 
     path: Path
     title: str
@@ -33,7 +33,7 @@ class Figure(NamedTuple):
 
 
 def write_report(path: Path, name: str, spec: SweepSpec, rows: Rows, count: int, again: Mapping[int, Path]) -> None:
-    """Draw the pictures and write the page. again: the folders of repeated worst runs. Raises ValueError or OSError."""
+    """Draw the pictures and write the page. again: folders of the repeated worst runs. Raises ValueError or OSError."""
     shown = _shown(spec, rows)
     of = spec.objective.metric if spec.objective is not None else (shown[0] if shown else None)
     missed = rows.missed(spec.require)
@@ -57,7 +57,7 @@ def write_report(path: Path, name: str, spec: SweepSpec, rows: Rows, count: int,
 
 
 def _shown(spec: SweepSpec, rows: Rows) -> list[str]:
-    """Return the metrics to draw: requested ones that are numeric, else the most relevant that differ between runs."""
+    """Return the metrics to draw: requested numeric ones, or else the most relevant ones that differ between runs."""
     for metric in spec.show:
         rows.require_metric(metric, "show")
     if spec.show:

@@ -20,8 +20,7 @@ PROVENANCE = ("run", "sample", "seed", "error", "trials", "scenario_digest", "bu
 class Rows:
     """The table of a sweep.
 
-    rows: values by column, in the order of the runs. varied: the columns of varied values. metrics: the columns of
-    results.
+    rows: values keyed by column, in run order. varied: the columns of varied values. metrics: the columns of results.
     """
 
     rows: list[dict[str, Any]]
@@ -30,7 +29,7 @@ class Rows:
 
     @classmethod
     def of(cls, runs: list[Run], results: Mapping[int, Mapping[str, Any]], plan: Mapping[str, Any]) -> Rows:
-        """Build the rows of finished runs from all runs and the results so far."""
+        """Build the rows for finished runs from all runs and the results so far."""
         rows, metrics = [], dict[str, None]()
         for run in runs:
             result = results.get(run.number)
@@ -60,7 +59,7 @@ class Rows:
 
     @property
     def columns(self) -> list[str]:
-        """The names of all columns, in the table's order."""
+        """The names of all columns, in table order."""
         return [*PROVENANCE[:3], *self.varied, *self.metrics, *PROVENANCE[3:]]
 
     @property
@@ -69,7 +68,7 @@ class Rows:
         return [row for row in self.rows if row["error"]]
 
     def numbers(self, column: str) -> NDArray[np.float64]:
-        """Return a column (n,) as numbers; NaN where a row has none, as in failed runs."""
+        """Return a column (n,) as numbers, with NaN for rows without one, such as failed runs."""
         values = [row.get(column) for row in self.rows]
         return np.array([float(v) if isinstance(v, bool | int | float) else np.nan for v in values], np.float64)
 
@@ -90,12 +89,12 @@ class Rows:
         return found
 
     def require_metric(self, name: str, what: str) -> None:
-        """Raise ValueError if no run has a metric with this name."""
+        """Raise ValueError if no run has a metric of this name."""
         if self.metrics and name not in self.metrics:
             raise ValueError(f"{what} = {name}: no such metric{did_you_mean(name, self.metrics)}")
 
     def missed(self, require: Mapping[str, Limits]) -> dict[str, int]:
-        """Return the number of rows outside each limit, including rows without the metric. Raises ValueError."""
+        """Return the number of rows outside each limit, counting rows without the metric. Raises ValueError."""
         found = {}
         for name, limits in require.items():
             self.require_metric(name, "require")
@@ -106,7 +105,7 @@ class Rows:
         return found
 
     def worst(self, objective: Objective | None, count: int) -> list[int]:
-        """Return the run numbers of the worst runs that have the metric, worst first. Raises ValueError."""
+        """Return the numbers of the worst runs that have the metric, worst first. Raises ValueError."""
         if objective is None or not self.rows:
             return []
         self.require_metric(objective.metric, "objective.metric")

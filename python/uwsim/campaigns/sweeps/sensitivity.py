@@ -34,7 +34,7 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class SobolIndex:
-    """Sobol' indices of a variation: the share of a metric's variance that it explains alone, and in total."""
+    """Sobol' indices of a variation: the shares of a metric's variance that it explains on its own and in total."""
 
     metric: str
     varied: str
@@ -72,7 +72,7 @@ def _share(rows: Rows, varied: str, metric: str) -> float:
 
 
 def sobol_indices_of(spec: SweepSpec, rows: Rows, metrics: Sequence[str]) -> list[SobolIndex]:
-    """Return Sobol' indices for `method: saltelli`, for metrics that all runs have; averaged over seeds.
+    """Return Sobol' indices for `method: saltelli`, for the metrics that all runs have, averaged over seeds.
 
     Estimated by scipy.stats.sobol_indices as in Saltelli et al. (2010), Comput. Phys. Commun. 181, 259-270.
     """

@@ -1,4 +1,4 @@
-"""The schema of a sweep's YAML file."""
+"""The schema of a sweep YAML file."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ SeedNumber = Annotated[int, InRange(0, 2**63 - 1)]
 
 
 def _scenario(value: object, info: ValidationInfo) -> object:
-    """Return the absolute path if the value names a file next to the sweep's file, else the value unchanged."""
+    """Return the absolute path if the value names a file next to the sweep file, or else the value unchanged."""
     return beside((info.context or {}).get("folder", Path()), value)
 
 
 def beside(folder: Path, value: Any) -> Any:
-    """Return a value in which each string that names a file in the folder is replaced by the file's absolute path."""
+    """Return a value with each string that names a file in the folder replaced by the file's absolute path."""
     if isinstance(value, str) and value and len(value) < 1000 and "\n" not in value and (folder / value).is_file():
         return str((folder / value).resolve())
     if isinstance(value, Mapping):
@@ -164,7 +164,7 @@ class SweepSpec(Model):
 
 
 def read_sweep(source: str | Path | Mapping[str, Any]) -> tuple[SweepSpec, SourceFile, Path]:
-    """Read a sweep from a file or from values; return it, its source and its folder.
+    """Read a sweep from a file or from values; return it with its source and folder.
 
     Raises ScenarioError, with one line per mistake.
     """

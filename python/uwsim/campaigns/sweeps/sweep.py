@@ -1,4 +1,4 @@
-"""run_sweep: flies all runs of a sweep on workers, and writes table and report; `uwsim sweep` calls it."""
+"""run_sweep: flies all runs of a sweep on workers, and writes the table and report; `uwsim sweep` calls it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Tell = Callable[[int, int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """A sweep that is complete or in progress.
+    """A sweep, complete or in progress.
 
     rows: the table, with one row per finished run. out: the folder. runs: all runs, including those not yet flown.
     """
@@ -55,7 +55,7 @@ class Sweep:
 
     @property
     def missed(self) -> dict[str, int]:
-        """The number of runs outside each limit in the sweep's `require`."""
+        """The number of runs that are outside each limit in the sweep's `require`."""
         return self.rows.missed(self.spec.require)
 
 
@@ -74,13 +74,13 @@ def run_sweep(
 ) -> Sweep:
     """Fly all runs of a sweep; write `out`/runs.parquet and, if requested, report.html, and repeat the worst runs.
 
-    source: a YAML file, or its values. workers: the number of processes on this machine, by default one per core; 0
-    flies in this process. scheduler: the address of a Dask cluster to use instead. resume: fly the runs that are
-    missing in `out`, which must have been begun with the same sweep and build. retry_failed: also repeat failed runs. A
-    failed run becomes a row with its error.
+    source: a YAML file or its values. workers: number of processes on this machine (default: one per core); 0 flies in
+    this process. scheduler: the address of a Dask cluster to use instead. resume: fly the runs that are missing in
+    `out`, which must have been begun with the same sweep and build. retry_failed: also repeat failed runs. A failed run
+    becomes a row with its error.
 
     Programs that call this must do so under `if __name__ == "__main__":`, since the workers import them. Raises
-    ScenarioError for mistakes in the file, before anything is written; ValueError, OSError.
+    ScenarioError for mistakes in the file, before anything is written; also ValueError and OSError.
     """
     spec, read_from, folder = read_sweep(source)
     with show("checking the sweep"):
@@ -122,7 +122,7 @@ def _fly(
     crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
     stop_requested: Callable[[], bool], tell: Tell,
 ) -> None:  # fmt: skip
-    """Fly the missing runs, and record each in the ledger as it finishes."""
+    """Fly the missing runs, recording each in the ledger as it finishes."""
     finished = count - len(missing)
     failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
     tell(finished, failed, count)
@@ -148,9 +148,9 @@ def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
 
 
 def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full") -> None:
-    """Repeat one run of a sweep, and write its scenario, recording, map and report to a folder.
+    """Repeat one run of a sweep; write its scenario, recording, map and report to a folder.
 
-    With the same build, the values are the same to the last bit. Raises ScenarioError, ValueError or OSError.
+    With the same build, the values are bit-identical. Raises ScenarioError, ValueError or OSError.
     """
     spec, _, beside = read_sweep(source)
     runs = runs_of(spec)

@@ -1,4 +1,4 @@
-"""The table of a sweep: one Parquet file with one row per run."""
+"""The table of a sweep: a Parquet file with one row per run."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ TABLE = "runs.parquet"
 
 
 def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
-    """Write the rows atomically. notes: the file's metadata. Raises OSError or MissingExtraError.
+    """Write the rows atomically. notes: metadata for the file. Raises OSError or MissingExtraError.
 
-    The same rows give the same bytes with the same pyarrow. A column of mixed types becomes text.
+    The same rows give the same bytes with the same version of pyarrow. Columns of mixed types become text.
     """
     need_extra("pyarrow", "sweeps", "the table of a sweep")
     import pyarrow as pa

@@ -1,4 +1,4 @@
-"""Application of a run's values to a scenario, as parameters or as keys of the scenario's file."""
+"""Application of a run's values to a scenario, as parameters or as keys in the scenario file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PART = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
 
 def varied(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
-    """Return a validated copy with these values by name. Raises ScenarioError that names the offending values."""
+    """Return a validated copy with these named values. Raises ScenarioError, naming the offending values."""
     parameters = {name: value for name, value in values.items() if is_parameter(scenario, name)}
     keys = {name: value for name, value in values.items() if name not in parameters}
     changed = scenario
@@ -31,12 +31,12 @@ def varied(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 
 def is_parameter(scenario: Scenario, name: str) -> bool:
-    """Return whether a name denotes a parameter or a group of parameters."""
+    """Return whether a name refers to a parameter or a group of parameters."""
     return find(scenario, name) is not None
 
 
 def place(scenario: Scenario, name: str) -> Place:
-    """Parse the name of a key in the scenario, such as survey.area_m[0][1]. Raises ScenarioError if unknown."""
+    """Parse the name of a scenario key, such as survey.area_m[0][1]. Raises ScenarioError if it is unknown."""
     parts: list[str | int] = [int(index) if index else key for key, index in PART.findall(name)]
     node: Any = scenario
     for k, part in enumerate(parts):

@@ -11,7 +11,7 @@ AGAIN_S = 1.0
 
 
 class WallLimitError(BaseException):
-    """A run took longer than wall_limit_s. Not an Exception, since a mission might catch it."""
+    """A run took longer than wall_limit_s. Not an Exception, which a mission might catch."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Workers of Dask's `distributed`: processes on this machine, or on any cluster with a scheduler."""
+"""Workers from Dask's `distributed`: processes on this machine, or on any cluster with a scheduler."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SETTINGS = {
 
 
 class ClusterWorkers:
-    """Workers of a Dask cluster. Each must have the same build of uwsim, and access to the files that jobs name."""
+    """Workers on a Dask cluster. Each must have the same build of uwsim, and access to the files that jobs name."""
 
     def __init__(
         self,
@@ -115,7 +115,7 @@ class ClusterWorkers:
             self._closers.close()
 
     def _kill(self) -> None:
-        """Kill local workers: closing the cluster would wait for their queued jobs."""
+        """Kill the local workers, since closing the cluster would wait for their queued jobs."""
         for nanny in self._own.workers.values() if self._own is not None else ():
             nanny.auto_restart = False
             if nanny.pid:
@@ -131,7 +131,7 @@ class ClusterWorkers:
             raise OSError("the connection to the scheduler was lost; --resume continues")
 
     def _require_workers(self) -> None:
-        """Raise OSError if there has been no worker for too long, for example because each dies as it starts."""
+        """Raise OSError if there have been no workers for too long, for example because each dies as it starts."""
         if self._client.nthreads():
             self._seen_s = time.monotonic()
         elif time.monotonic() - self._seen_s > WORKERLESS_S:
@@ -145,11 +145,11 @@ class ClusterWorkers:
 
 
 class _Trials:
-    """Counts the trials of each job.
+    """Counts the attempts at each job.
 
-    When a worker dies, Dask reports all jobs that were queued there, since it cannot know which of them was the cause.
-    These jobs are suspects: until they are finished, each worker runs only one job at a time, and a suspect has one
-    trial more than other jobs.
+    When a worker dies, Dask reports all jobs queued there, since it cannot know which of them was the cause. These jobs
+    are suspects: until they are finished, each worker runs only one job at a time, and suspects get one attempt more
+    than other jobs.
     """
 
     def __init__(self, retries: int) -> None:
@@ -163,10 +163,10 @@ class _Trials:
         if future.status == "finished":
             self.suspects.discard(number)
             try:
-                return Finished(number, future.result(WORKERLESS_S), failed + 1)  # waits if its worker has just died
+                return Finished(number, future.result(WORKERLESS_S), failed + 1)  # waits if the worker has just died
             except TimeoutError:
                 raise OSError(NO_WORKERS) from None
-        if future.status in ("pending", "lost"):  # its result was lost with another worker before it was fetched
+        if future.status in ("pending", "lost"):  # the result was lost with another worker before it was fetched
             return None
         if future.status != "error":
             raise OSError("the scheduler has lost its jobs; --resume continues")
@@ -184,7 +184,7 @@ class _Trials:
 
 
 def local_workers(count: int) -> ClusterWorkers:
-    """Start worker processes on this machine, which listen on 127.0.0.1 only. Raises OSError."""
+    """Start worker processes on this machine that listen on 127.0.0.1 only. Raises OSError."""
     closers = contextlib.ExitStack()
     try:
         closers.enter_context(dask.config.set(SETTINGS))

@@ -1,4 +1,4 @@
-"""Setup of a worker process: it ignores Ctrl-C, which terminals send to all processes; the parent handles it."""
+"""Worker process set-up: workers ignore Ctrl-C, which terminals send to all processes, and leave it to the parent."""
 
 from __future__ import annotations
 

@@ -18,18 +18,18 @@ class JobProgress(Stoppable):
         self._bar, self._task, self._doing = bar, task, doing
 
     def tell(self, finished: int, failed: int, count: int) -> None:
-        """Show the numbers of finished and failed jobs."""
+        """Show the number of finished and failed jobs."""
         note = f"[red]{failed:,} failed" if failed else ""
         self._bar.update(self._task, completed=finished, total=count, note=note, activity=self._doing)
 
     @contextmanager
     def activity(self, activity: str) -> Iterator[None]:
-        """Show an activity during the block."""
+        """Show an activity for the duration of the block."""
         self._bar.update(self._task, activity=activity)
         yield
 
     def stop(self, *, in_haste: bool = False) -> None:
-        """End early; jobs in progress are lost. in_haste: end immediately, since finished jobs are on disk."""
+        """Stop early; jobs in progress are lost. in_haste: stop immediately, since finished jobs are on disk."""
         super().stop(in_haste=in_haste)
         if in_haste:
             raise KeyboardInterrupt
@@ -37,7 +37,7 @@ class JobProgress(Stoppable):
 
 @contextmanager
 def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
-    """Show a progress bar during the block. what: the jobs, such as "runs"; doing: the activity."""
+    """Show a progress bar for the duration of the block. what: the jobs, such as "runs". doing: the activity."""
     console = Console(stderr=True)
     bar = Progress(
         TextColumn("{task.fields[activity]}"),

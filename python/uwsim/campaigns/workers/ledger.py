@@ -1,4 +1,4 @@
-"""The ledger of a folder: the finished jobs of a plan, with their results. It survives a kill at any time."""
+"""The ledger in a folder: the finished jobs of a plan, with their results. It survives a kill at any time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LEDGER = "ledger.jsonl"
 
 
 class Ledger:
-    """A file of JSON lines: the first contains the plan, each other line the result of one job.
+    """A file of JSON lines: the plan on the first line, then the result of one job on each line.
 
     Each line is flushed to disk before the job counts as finished. `resume` drops a line that was cut off by a kill, so
     each job is either finished or not. If a job has several lines, the last one counts.

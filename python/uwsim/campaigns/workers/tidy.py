@@ -1,4 +1,4 @@
-"""Returns the memory of deleted simulators to the system at intervals, so that workers do not grow."""
+"""Returns the memory of deleted simulators to the system at intervals, so that workers do not keep growing."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ Work = Callable[[Any], dict[str, Any]]
 
 @dataclass(frozen=True)
 class Finished:
-    """A finished job. result: None if every trial failed or killed its worker. why: the reason, in that case."""
+    """A finished job. result: None if every attempt failed or killed its worker. why: the reason for a None result."""
 
     job: int
     result: dict[str, Any] | None
@@ -25,7 +25,7 @@ class Finished:
 
 
 class Workers(Protocol):
-    """Processes that run jobs; a context manager that ends them."""
+    """Processes that run jobs; as a context manager, it ends them."""
 
     count: int
     """The number of jobs that run at the same time."""
@@ -33,7 +33,7 @@ class Workers(Protocol):
     def finished(
         self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
     ) -> Iterator[Finished]:
-        """Run jobs, passed by number; yield each as it finishes.
+        """Run jobs, given by number; yield each as it finishes.
 
         retries: how often a job is tried again if its worker died, or it raised OSError or MemoryError. Ends early,
         dropping the jobs in progress, once stop_requested() is true.
@@ -47,7 +47,7 @@ class Workers(Protocol):
 
 
 class ThisProcess:
-    """Runs jobs one by one in this process, for tests and debuggers."""
+    """Runs jobs one at a time in this process, for tests and debuggers."""
 
     count = 1
 
@@ -80,9 +80,9 @@ class ThisProcess:
 
 
 def open_workers(count: int | None = None, *, scheduler: str | None = None) -> Workers:
-    """Return workers, for a `with` statement.
+    """Return workers for use in a `with` statement.
 
-    count: the number of processes on this machine, by default one per core; 0 runs jobs in this process. scheduler: the
+    count: number of processes on this machine (default: one per core); 0 runs jobs in this process. scheduler: the
     address of a Dask cluster, such as tcp://10.0.0.1:8786, whose workers are used instead. Raises ValueError.
     """
     if count is not None and not 0 <= count <= 4096:

@@ -1,1 +1,1 @@
-"""Writers for a dataset's files, one module per format."""
+"""Writers for the files of a dataset, one module per format."""

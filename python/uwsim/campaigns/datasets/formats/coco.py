@@ -1,4 +1,4 @@
-"""COCO's instance format: boxes and masks of the objects in pictures. https://cocodataset.org/#format-data."""
+"""COCO instance format: boxes and masks of the objects in pictures. https://cocodataset.org/#format-data."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def annotations_of(
     labels: NDArray[np.uint16], class_of_label: Sequence[int], names: Sequence[str], distances_m: NDArray[np.float32],
     min_pixels: int,
 ) -> list[dict[str, Any]]:  # fmt: skip
-    """Return the annotations of a picture's objects, without ids.
+    """Return the annotations for the objects in a picture, without ids.
 
     labels: (H, W). class_of_label: the class index of each label. names: the name of each label. distances_m: (H, W),
-    the distance of each pixel. min_pixels: objects with fewer pixels are left out. Besides COCO's fields, an annotation
-    has the object's name, its label and the median distance of its pixels.
+    the distance of each pixel. min_pixels: objects with fewer pixels are omitted. In addition to the COCO fields, an
+    annotation has the object's name, its label and the median distance of its pixels.
     """
     found = []
     for label in np.flatnonzero(np.bincount(labels.ravel())).tolist():
@@ -51,7 +51,7 @@ def coco(
     class_names: Sequence[str],
     pictures: Iterable[tuple[dict[str, Any], list[dict[str, Any]]]],
 ) -> dict[str, Any]:
-    """Return the content of a COCO file. pictures: pairs of an `images` entry, with an id, and its annotations."""
+    """Return the contents of a COCO file. pictures: pairs of an `images` entry, with an id, and its annotations."""
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
     for image, things in pictures:

@@ -1,4 +1,4 @@
-"""transforms.json, read by NeRF and Gaussian splatting programs such as nerfstudio and instant-ngp."""
+"""transforms.json, as read by NeRF and Gaussian splatting programs such as nerfstudio and instant-ngp."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ OPTICAL_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 def transforms(
     k: NDArray[np.float64], d: NDArray[np.float64], size: tuple[int, int], frames: Iterable[Mapping[str, Any]]
 ) -> dict[str, Any]:
-    """Return the content of transforms.json.
+    """Return the contents of transforms.json.
 
     k: (3, 3), d: (5,): intrinsics as in CameraInfo, for the pictures as written. size: width, height. frames: mappings
     with world_from_optical (4, 4), file, split and optionally depth_file. Pixel centres have half-integer coordinates

@@ -1,4 +1,4 @@
-"""Depth, normals, labels and sonar levels as PNG files that any library reads."""
+"""Depth, normals, labels and sonar levels as PNG files that any library can read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FARTHEST_M = 65.535
 
 
 def png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
-    """Encode pixels (H, W) or (H, W, 3) as PNG; the same pixels give the same bytes."""
+    """Encode pixels (H, W) or (H, W, 3) as PNG; equal pixels give equal bytes."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -36,7 +36,7 @@ def normal_pixels(
     rays: (H, W, 2), X/Z and Y/Z of each pixel.
     """
     turn = world_from_optical[:3, :3].T.astype(np.float32)
-    x, y, z = turn @ normals_world.reshape(-1, 3).T  # one array per axis: twice as fast in NumPy
+    x, y, z = turn @ normals_world.reshape(-1, 3).T  # one array per axis, which is twice as fast in NumPy
     across, down = rays.reshape(-1, 2).T
     side = np.where(x * across + y * down + z > 0.0, np.float32(-127.5), np.float32(127.5))
     hit = (x != 0.0) | (y != 0.0) | (z != 0.0)

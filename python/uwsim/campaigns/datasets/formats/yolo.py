@@ -1,4 +1,4 @@
-"""YOLO's box format: a text file for each picture. https://docs.ultralytics.com/datasets/detect/."""
+"""YOLO box format: one text file per picture. https://docs.ultralytics.com/datasets/detect/."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from uwsim.campaigns.datasets.formats.coco import STUFF
 
 
 def yolo_lines(things: Sequence[Mapping[str, Any]], width: int, height: int) -> str:
-    """Return a picture's text file, from COCO annotations: class, then centre and size as fractions of the picture."""
+    """Return the text file for a picture from COCO annotations: class, then centre and size as picture fractions."""
     lines = []
     for thing in things:
         left, top, across, down = thing["bbox"]
@@ -19,6 +19,6 @@ def yolo_lines(things: Sequence[Mapping[str, Any]], width: int, height: int) -> 
 
 
 def yolo_yaml(class_names: Sequence[str]) -> str:
-    """Return the content of data.yaml, which names the lists of pictures and the classes, numbered from 0."""
+    """Return the contents of data.yaml, which names the picture lists and the classes, numbered from 0."""
     names = "".join(f"  {number}: {name}\n" for number, name in enumerate(class_names[len(STUFF) :]))
     return f"train: train.txt\nval: val.txt\nnames:\n{names}"
