@@ -1,7 +1,7 @@
-"""The engine of all environments: starts and steps the episodes of a batch, and reports which have ended.
+"""The engine behind all environments: starts and steps the episodes of a batch, and reports which have ended.
 
-A single environment is a batch of one, so member i of a vector environment has the same episodes, to the last bit, as a
-single environment with the same seed.
+A single environment is a batch of one, so member i of a vector environment has bit-identical episodes to a single
+environment with the same seed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SEED_MAX = 2**63
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The outcome of a step, one row per member. figures: the values for `info`, by name."""
+    """The outcome of a step, one row per member. figures: the values for `info`, keyed by name."""
 
     observation: Any
     reward: Floats
@@ -72,7 +72,7 @@ class Episodes:
             self.generators[member], self.generator_seeds[member] = np_random(seed)
 
     def begin(self, mask: Flags) -> Any:
-        """Begin episodes for the members in a mask (n,); return all members' observations."""
+        """Begin episodes for the members in a mask (n,); return the observations of all members."""
         self._restart(mask)
         observation = self.observe()
         self._judged()  # so that cells seen at the start earn no reward
@@ -115,7 +115,7 @@ class Episodes:
         return self._motion
 
     def observe(self) -> Any:
-        """Return all members' observations at the current time."""
+        """Return the observations of all members at the current time."""
         motion = self._motion = Motion.of(self.batch.observe(self.task.vehicle))
         observation = self.task.observe(motion, self._actions)
         if self.eye is None:
@@ -147,7 +147,7 @@ class Episodes:
         return self.task.judge(self.motion, self._actions)
 
     def _advance(self, efforts: Floats, before_s: Floats) -> Flags | None:
-        """Step the batch; return a mask of members whose motion diverged, or None if none did."""
+        """Step the batch; return a mask of the members whose motion diverged, or None if none did."""
         try:
             self.batch.step(self.steps, {self.task.vehicle: efforts})
         except ValueError:
@@ -170,7 +170,7 @@ class Episodes:
         return values
 
     def render(self, member: int, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """Return a picture (height, width, 3) of the current state, taken by a camera of the member's vehicle."""
+        """Return a picture (height, width, 3) of the current state from a camera on the member's vehicle."""
         vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
         seen = vehicle.cameras[camera]
         seen.change(seen.mount.model_copy(update={"width": width, "height": height}))
@@ -178,12 +178,12 @@ class Episodes:
 
 
 def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
-    """Return the scenario that replaces the task's own or, if there is none, the task's own."""
+    """Return the scenario that replaces the task's own, or the task's own if none is given."""
     return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)
 
 
 def require_driven(task: Task) -> None:
-    """Raise ValueError unless the vehicle has actuators for all axes that the task's actions set."""
+    """Raise ValueError unless the vehicle has actuators for all axes set by the task's actions."""
     driven = task.batch.simulator(0).vehicles[task.vehicle].controllable
     idle = [axis for axis in task.axes if axis not in driven]
     if idle:

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Generation:
-    """Results of a generation: mean and best return of its candidates, and the processor time used so far."""
+    """Results of a generation: mean and best return of its candidates, and processor time used so far."""
 
     index: int
     mean: float
@@ -47,7 +47,7 @@ def evolve(
 ) -> LinearPolicy:
     """Return the mean of the last generation's distribution. Episodes are seeded consecutively from first_seed.
 
-    start: the mean of the first candidates; by default all weights are zero. spread: the standard deviation of their
+    start: the mean of the first candidates; by default, all weights are zero. spread: the standard deviation of their
     weights, each multiplied by the usual size of its input. Raises MissingExtraError if cma is not installed.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
@@ -75,7 +75,7 @@ def evolve(
 
 
 def free_weights(kind: type[Task]) -> NDArray[np.bool_]:
-    """Return which weights and, in the last column, biases are free: (axes, width + 1).
+    """Return a mask (axes, width + 1) of the free weights and, in the last column, the free biases.
 
     A vehicle that is symmetric to port and starboard acts mirrored in a mirrored situation, so half of the weights are
     zero. If a field has no mirror factors, all weights are free.

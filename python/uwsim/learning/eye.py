@@ -1,4 +1,4 @@
-"""Pictures as part of observations, taken by one camera that moves from member to member."""
+"""Pictures as part of observations, taken by a single camera that moves from member to member."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ EFFECTS = ("attenuation", "backscatter", "sunlight", "lamps", "distortion", "exp
 
 
 class Eye:
-    """A simulator's camera that takes pictures from the poses of all members.
+    """A simulator camera that takes pictures from the poses of all members.
 
-    Image noise depends on the scenario's seed and the member's time, not on the member's seed. All members have the
+    Image noise depends on the scenario's seed and the member's time, not on the member's seed. All members share the
     light of the scenario.
     """
 
@@ -71,7 +71,7 @@ class Eye:
         return pictures
 
     def _blacken(self, pictures: NDArray[np.uint8], batch: Batch) -> None:
-        """Make the pictures of members whose camera has failed black."""
+        """Blacken the pictures of members whose camera has failed."""
         for k, faults in enumerate(batch.faults):
             if any(isinstance(fault, CameraFault) for fault in faults):
                 pictures[k] *= batch.aboard(k).camera_is_on(self._names[0], self._name)
@@ -87,7 +87,7 @@ class Eye:
 
 
 def look(space: Space[Any], eye: Eye | None) -> Space[Any]:
-    """Return the space of observations, with the eye's pictures if there is an eye."""
+    """Return the observation space, including the eye's pictures if there is an eye."""
     if eye is None:
         return space
     parts = dict(space.spaces) if isinstance(space, Dict) else {"state": space}

@@ -11,14 +11,14 @@ ALTITUDE = Field("altitude", 1, 100.0, "m", "above the bed, by the echo sounder,
 
 
 def ranges_field(beams: int, range_max_m: float) -> Field:
-    """Return the observation field for a ping's ranges."""
+    """Return the observation field for the ranges of a ping."""
     return Field(
         "sonar_ranges", beams, range_max_m, "m", f"of a ping, starboard to port; {range_max_m:g}: no echo", low=0.0
     )
 
 
 def seen_by_fan(batch: Batch, vehicle: str, fields: tuple[Field, ...]) -> Floats:
-    """Return ranges and altitude, (n, beams + 1). Raises ValueError if the task needs another number of beams."""
+    """Return ranges and altitude, (n, beams + 1). Raises ValueError if the task needs a different number of beams."""
     fan = fields[0]
     ranges = batch.ping(vehicle).ranges_m
     if ranges.shape[1] != fan.width:

@@ -15,7 +15,7 @@ from uwsim.learning.view import RENDER_MODES, View
 
 
 class LoneEnv(gymnasium.Env[Any, Any]):
-    """An environment with one member of a task, with the same episodes as a VectorEnv's member with the same seed.
+    """An environment with one member of a task; its episodes equal those of a VectorEnv member with the same seed.
 
     task: the task's class. render_mode: "rgb_array" or None. view: camera and size of rendered pictures. options: see
     EpisodeOptions. Raises ValueError for invalid options, before anything is built.
@@ -35,7 +35,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         self._ended = True
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode; with a seed, the first episode of that seed's generator.
+        """Begin an episode; with a seed, the first episode from that seed's generator.
 
         Raises ValueError for any option, since there are none.
         """
@@ -50,7 +50,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Apply an action for one period.
 
-        Raises ValueError if the action is outside [-1, 1], or the episode has ended.
+        Raises ValueError if the action is outside [-1, 1] or the episode has ended.
         """
         if self._ended:
             raise ValueError("step: the episode has ended, or none has begun: reset() first")
@@ -61,7 +61,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         return first(outcome.observation), float(outcome.reward[0]), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture (height, width, 3) from a camera of the vehicle, or None without a render_mode."""
+        """Return a picture (height, width, 3) from a camera on the vehicle, or None without a render_mode."""
         if self.render_mode is None:
             return None
         return self.episodes.render(0, self.view.camera, self.view.width, self.view.height)

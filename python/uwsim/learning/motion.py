@@ -1,4 +1,4 @@
-"""The motion of a batch's members, with conversions to the axes that tasks need."""
+"""The motion of batch members, with conversions to the axes that tasks need."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Motion:
     """The true motion of a vehicle in each member of a batch.
 
     position_world_m: (n, 3). world_from_body: (n, 3, 3). velocity_body: (n, 6), linear and angular [m/s, rad/s].
-    time_s: (n,), since each member's start. collisions: (n,), number of contacts begun.
+    time_s: (n,), time since each member's start. collisions: (n,), number of contacts begun.
     """
 
     position_world_m: Floats
@@ -29,7 +29,7 @@ class Motion:
 
     @staticmethod
     def of(batch: BatchMotion) -> Motion:
-        """Return a copy of a batch's motion."""
+        """Return a copy of the motion in a batch."""
         return Motion(
             batch.position_world_m.copy(),
             rotations(batch.orientation_xyzw),
@@ -61,12 +61,12 @@ class Motion:
         return self.world_from_body[:, :2, 0]
 
     def in_body(self, vectors_world: Floats) -> Floats:
-        """Return world vectors, (n, 3) or (3,), in each member's body axes."""
+        """Return world vectors, (n, 3) or (3,), in the body axes of each member."""
         vectors = np.broadcast_to(vectors_world, self.position_world_m.shape)
         return np.asarray(np.einsum("nij,ni->nj", self.world_from_body, vectors))
 
     def towards(self, place_world_m: Floats) -> Floats:
-        """Return the vector to a position, (n, 3) or (3,), in each member's body axes."""
+        """Return the vector to a position, (n, 3) or (3,), in the body axes of each member."""
         return self.in_body(place_world_m - self.position_world_m)
 
 

@@ -1,4 +1,4 @@
-"""Checked options for the episodes of an environment."""
+"""Validated options for the episodes of an environment."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ PICTURE_MAX = 1024
 
 @dataclass(frozen=True)
 class EpisodeOptions:
-    """Options that all environments have.
+    """Options common to all environments.
 
     scenario: replaces the task's scenario; it must contain what the task needs. randomize: (low, high) by name in
     `Simulator.parameters`; values are drawn uniformly for each episode. They add to the task's own ranges and override
-    those of the same name. duration_s: time after which an episode is truncated. threads: by default all. camera: name
-    of a vehicle's camera whose pictures, of camera_size (height, width), are added to the observation. faults: these
+    those of the same name. duration_s: time after which an episode is truncated. threads: defaults to all. camera: name
+    of a vehicle camera whose pictures, of camera_size (height, width), are added to the observation. faults: these
     replace the scenario's faults in each episode and have the same keys; random faults (rate_per_h) are drawn for each
     episode. sonar_mode: mode of the task's sonar, "geometry" or "physics".
     """
@@ -80,7 +80,7 @@ def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Sce
 
 
 def checked_ranges(ranges: Ranges, scenario: Scenario) -> dict[str, tuple[float, float]]:
-    """Return the ranges, checked. Raises ValueError unless names are parameters of the scenario and low <= high."""
+    """Return the validated ranges. Raises ValueError unless names are parameters of the scenario and low <= high."""
     parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
     names = list(parameters)
     checked = {}

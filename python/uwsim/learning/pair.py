@@ -33,7 +33,7 @@ STRUCK = -20.0
 
 
 class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stubs
-    """Two BlueROV2 Heavy vehicles start 3 m apart in a gusty current; each must go to the other's start and stay.
+    """Two BlueROV2 Heavy vehicles start 3 m apart in a gusty current; each must move to the other's start and stay.
 
     Observation: as in uwsim/StationKeeping-v0 with respect to the target, then the other vehicle's relative position
     and velocity. Reward: as in uwsim/StationKeeping-v0 with respect to the target, and -20 for both vehicles on a
@@ -81,7 +81,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, NDArray[np.float32]], dict[str, dict[str, Any]]]:
-        """Begin an episode; with a seed, the first episode of that seed's generator. options: ignored."""
+        """Begin an episode; with a seed, the first episode from that seed's generator. options: ignored."""
         if seed is not None or self._generator is None:
             self._generator, _ = np_random(seed)
         draws = self._generator
@@ -141,7 +141,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return np.asarray(camera.capture().rgb)
 
     def close(self) -> None:
-        """Do nothing, since no resource is open."""
+        """Do nothing, since no resources are open."""
 
 
 def _checked(name: str, actions: dict[str, NDArray[np.float32]]) -> Floats:

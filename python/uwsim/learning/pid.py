@@ -1,4 +1,4 @@
-"""The PID controller from the vehicle's file as a policy, for comparison with learned policies."""
+"""The PID controller from the vehicle file as a policy, for comparison with learned policies."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class _Velocity:
 
 @dataclass
 class _Member:
-    """A batch's member with the interface that a controller needs, and with its true state."""
+    """A batch member in its true state, with the interface that a controller needs."""
 
     pose: _Pose = field(default_factory=lambda: _Pose(np.eye(4)))
     velocity: _Velocity = field(default_factory=lambda: _Velocity(np.zeros(3), np.zeros(3)))
@@ -49,9 +49,9 @@ class _Member:
 
 
 class Pid:
-    """Holds a position (3,) and a heading in all members, with the vehicle file's control loops; see `Controller`.
+    """Holds a position (3,) and heading in all members with the control loops in the vehicle file; see `Controller`.
 
-    Like a policy, it acts once per period. It receives the true motion, and makes one Python call per member and
+    Like a policy, it acts once per period. It receives the true motion, and takes one Python call per member and
     period.
     """
 
@@ -64,7 +64,7 @@ class Pid:
         self._controllers = [Controller(m, episodes.period_s, settings=settings) for m in self._members]
 
     def __call__(self, observation: Any) -> Floats:
-        """Return the efforts of all members, (n, 6). observation: not used."""
+        """Return the efforts of all members, (n, 6). observation: ignored."""
         motion = self._episodes.motion
         for k, (member, controller) in enumerate(zip(self._members, self._controllers, strict=True)):
             pose = np.eye(4)

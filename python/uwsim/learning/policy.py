@@ -1,4 +1,4 @@
-"""A policy small enough to read: actions are a linear function of the observation, clipped to [-1, 1]."""
+"""A policy small enough to read: each action is a linear function of the observation, clipped to [-1, 1]."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Policy(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LinearPolicy:
-    """A linear policy. weights: (axes, width). bias: (axes,). about: where the policy comes from."""
+    """A linear policy. weights: (axes, width). bias: (axes,). about: the origin of the policy."""
 
     weights: Floats
     bias: Floats

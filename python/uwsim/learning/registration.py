@@ -26,14 +26,14 @@ def register() -> None:
 
 
 def lone(task: str, **arguments: Any) -> gymnasium.Env[Any, Any]:
-    """Return an environment for the task of this name."""
+    """Return an environment for the task with this name."""
     from uwsim.learning.lone_env import LoneEnv
 
     return LoneEnv(_task(task), **arguments)
 
 
 def vector(task: str, num_envs: int = 1, **arguments: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-    """Return a vector environment for the task of this name."""
+    """Return a vector environment for the task with this name."""
     from uwsim.learning.vector_env import BatchEnv
 
     return BatchEnv(_task(task), num_envs, **arguments)

@@ -1,4 +1,4 @@
-"""Measures the returns of policies, by flying one episode per seed, all at the same time."""
+"""Measures the returns of policies by flying one episode per seed, all simultaneously."""
 
 from __future__ import annotations
 

@@ -66,10 +66,10 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # stable_baselines3 is not ins
         return observation, reward.astype(np.float32), ended, infos
 
     def close(self) -> None:
-        """Do nothing: no resource is open."""
+        """Do nothing, since no resources are open."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return an attribute of the environment, for each index."""
+        """Return an attribute of the environment for each index."""
         return [getattr(self._env, attr_name)] * len(list(self._get_indices(indices)))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:

@@ -1,4 +1,4 @@
-"""Task: defines the start, the observations, the rewards and the end of a batch's episodes."""
+"""Task: defines the start, observations, rewards and end of a batch's episodes."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Field:
-    """A part of an observation: `width` values with the same unit, each within +-limit (or [low, limit]).
+    """A part of an observation: `width` values in the same unit, each within +-limit (or [low, limit]).
 
     mirror: the factor on each value when port and starboard are exchanged; () if no such factors exist. usual: the
-    usual size of each value, for learners; by default its limit.
+    usual size of each value, for learners; defaults to its limit.
     """
 
     name: str
@@ -64,9 +64,9 @@ class Verdict:
 class Task(ABC):
     """A kind of episode, for all members of a batch together: arrays have one row per member.
 
-    scenario_file: name of a file in the folder `learning` of the assets. period_s: time between actions. duration_s:
-    time after which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: ranges (low,
-    high) of parameters that are drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
+    scenario_file: name of a file in the `learning` folder of the assets. period_s: time between actions. duration_s:
+    time after which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: (low, high)
+    ranges of the parameters drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
     needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;
     all other observed values are the true motion.
 
@@ -90,7 +90,7 @@ class Task(ABC):
 
     @classmethod
     def fields(cls) -> tuple[Field, ...]:
-        """Return the fields of an observation, in order: those of the goal, then those of the vehicle."""
+        """Return the fields of an observation in order: those of the goal, then those of the vehicle."""
         return (
             *cls.goal_fields,
             Field(
@@ -119,7 +119,7 @@ class Task(ABC):
 
     @classmethod
     def action_mirror(cls) -> tuple[int, ...]:
-        """Return the factor on each value of an action when port and starboard are exchanged."""
+        """Return the factor on each action value when port and starboard are exchanged."""
         return tuple((*ARROW, *TURN)[AXES.index(axis)] for axis in cls.axes)
 
     @property
@@ -159,7 +159,7 @@ class Task(ABC):
 
 
 def observed(fields: tuple[Field, ...], goal: Floats, now: Motion, actions: Floats) -> NDArray[np.float32]:
-    """Return observations with these fields: the goal's values, then the vehicle's motion."""
+    """Return observations with these fields: the goal values, then the vehicle's motion."""
     return cut(np.concatenate((goal, now.up_body, now.velocity_body, actions), axis=1), fields)
 
 
@@ -178,7 +178,7 @@ _LIMITS: dict[tuple[Field, ...], tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 def limits(fields: tuple[Field, ...]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the lowest and highest values of an observation, (width,) each."""
+    """Return the lowest and highest values in an observation, (width,) each."""
     if fields not in _LIMITS:
         low = [-field.limit if field.low is None else field.low for field in fields for _ in range(field.width)]
         high = [field.limit for field in fields for _ in range(field.width)]

@@ -19,13 +19,13 @@ class Track:
         self.length_m = float(self._begins[-1])
 
     def at(self, along_m: Floats) -> tuple[Floats, Floats]:
-        """Return the points (m, 2) at distances (m,) along the line, and the line's directions (m, 2) there."""
+        """Return the points (m, 2) at distances (m,) along the line, and the line directions (m, 2) there."""
         piece = np.clip(np.searchsorted(self._begins, along_m, side="right") - 1, 0, len(self._lengths) - 1)
         direction = self._directions[piece]
         return self._points[piece] + (along_m - self._begins[piece])[:, None] * direction, direction
 
     def nearest(self, places_m: Floats) -> tuple[Floats, Floats]:
-        """Return how far along the line the points nearest to places (n, 2) are, and their distances: (n,) each."""
+        """Return the distances along the line to the points nearest to places (n, 2), and their offsets: (n,) each."""
         away = places_m[:, None] - self._points[None, :-1]
         along = np.clip(np.einsum("nkj,kj->nk", away, self._directions), 0.0, self._lengths)
         apart = np.linalg.norm(away - along[:, :, None] * self._directions, axis=2)

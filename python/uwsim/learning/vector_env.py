@@ -1,4 +1,4 @@
-"""Gymnasium vector environment for a task: all members are in one batch and stepped by one call."""
+"""Gymnasium vector environment for a task, with all members in one batch and stepped by one call."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
 
     @property
     def np_random_seed(self) -> Any:  # read-only, with one entry per member, as in SyncVectorEnv
-        """The seed of each member's generator; -1 before the first reset."""
+        """The seed of each member's generator, or -1 before the first reset."""
         return tuple(self.episodes.generator_seeds)
 
     @property  # type: ignore[misc]
@@ -69,7 +69,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
     ) -> tuple[Any, dict[str, Any]]:
         """Begin episodes for all members, or for options["reset_mask"] (n,) bool. Member i gets seed + i, or seed[i].
 
-        Raises ValueError for a wrong number of seeds, another option or an invalid mask.
+        Raises ValueError for a wrong number of seeds, any other option, or an invalid mask.
         """
         seeds = [None] * self.num_envs if seed is None else seed
         if isinstance(seeds, int | np.integer):
@@ -125,7 +125,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
 
 
 def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
-    """Return values in the form of Gymnasium's vector info: each with a mask (n,) of the members that have it."""
+    """Return values in the format of Gymnasium's vector info, each with a mask (n,) of the members that have it."""
     if not mask.any():
         return {}
     info: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
 
 
 def parts(observation: Any, mask: Flags) -> NDArray[Any]:
-    """Return an object array (n,): the observations of the members in a mask, None for the others."""
+    """Return an object array (n,) with the observations of the members in a mask, and None for the others."""
     each = np.full(len(mask), None, object)
     for member in np.flatnonzero(mask).tolist():
         if isinstance(observation, dict):

@@ -1,4 +1,4 @@
-"""View: camera and size of an environment's rendered pictures."""
+"""View: the camera and size of an environment's rendered pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ RENDER_MODES = ["rgb_array"]
 class View:
     """How an environment is rendered.
 
-    camera: one of the vehicle's, such as "chase" or "front". width, height: in pixels.
+    camera: a camera on the vehicle, such as "chase" or "front". width, height: in pixels.
     """
 
     camera: str = "chase"

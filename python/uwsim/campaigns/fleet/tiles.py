@@ -42,7 +42,7 @@ class Grid:
     count: tuple[int, int]
 
     def cells_of(self, points_m: NDArray[np.floating]) -> NDArray[np.int64]:
-        """Return the cells (n, 2) of points (n, 2 or more); points outside get the nearest cell."""
+        """Return the cells (n, 2) of points (n, 2 or more); points outside are assigned to the nearest cell."""
         cells = np.floor((points_m[:, :2] - self.low_m) / self.edge_m).astype(np.int64)
         return np.asarray(np.clip(cells, 0, np.array(self.count) - 1))
 

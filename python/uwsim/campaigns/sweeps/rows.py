@@ -94,7 +94,7 @@ class Rows:
             raise ValueError(f"{what} = {name}: no such metric{did_you_mean(name, self.metrics)}")
 
     def missed(self, require: Mapping[str, Limits]) -> dict[str, int]:
-        """Return the number of rows outside each limit, counting rows without the metric. Raises ValueError."""
+        """Return the number of rows outside each limit, including rows without the metric. Raises ValueError."""
         found = {}
         for name, limits in require.items():
             self.require_metric(name, "require")

@@ -18,7 +18,7 @@ PLOT_M = CELLS * CELL_M
 DEPTH_M = 3.5
 FULL_PAY, STRUCK, DONE = 100.0, -5.0, 10.0
 ENOUGH = 0.95
-LOST_M = 4.0  # how far outside the plot the episode ends
+LOST_M = 4.0  # an episode ends this far outside the plot
 CLIMB_1_M, DAMP_S_M = 2.0, 2.0  # gains of the depth control
 
 
@@ -53,14 +53,14 @@ class Coverage(Task):
         return Dict({"state": super().observation_space, "map": Box(0, 255, (1, CELLS, CELLS), np.uint8)})
 
     def efforts(self, actions: Floats, now: Motion) -> Floats:
-        """Return the efforts of the actions, with a heave effort that keeps the depth."""
+        """Return the efforts of the actions, plus a heave effort that maintains the depth."""
         efforts = super().efforts(actions, now)
         up_m_s = np.einsum("ni,ni->n", now.up_body, now.velocity_body[:, :3])
         efforts[:, 2] = np.clip(CLIMB_1_M * (-DEPTH_M - now.position_world_m[:, 2]) - DAMP_S_M * up_m_s, -1.0, 1.0)
         return efforts
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin at random places in the plot, with empty maps."""
+        """Begin at random positions in the plot, with empty maps."""
         self._seen[members] = False
         self._count[members] = 0
         places = spread(draws[:, :2], -0.4 * PLOT_M, 0.4 * PLOT_M)
@@ -89,7 +89,7 @@ class Coverage(Task):
         self._seen[members, rows, columns] = True
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the verdict: newly surveyed cells are rewarded."""
+        """Return the verdict, rewarding newly surveyed cells."""
         count = self._seen.sum(axis=(1, 2))
         share = count / CELLS**2
         done, struck = share >= ENOUGH, now.collisions > 0

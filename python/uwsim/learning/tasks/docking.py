@@ -13,7 +13,7 @@ from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
 from uwsim.scenario.build.station import dock_position
 from uwsim.simulator.docking import CAPTURE_DEG, CAPTURE_M_S
 
-CAUGHT_M = 0.5  # the command `dock` allows 1.5 m
+CAUGHT_M = 0.5  # the `dock` command allows 1.5 m
 ARRIVED, STRUCK = 10.0, -1.0
 TURN_PAY_M = 1.0  # per radian
 EFFORT_COST = 0.01
@@ -67,7 +67,7 @@ class Docking(Task):
         return np.concatenate([now.towards(self._dock_m), now.in_body(self._ahead)], axis=1)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the verdict: approach and alignment are rewarded."""
+        """Return the verdict, rewarding approach and alignment."""
         distance_m = np.linalg.norm(now.position_world_m - self._dock_m, axis=1)
         off_rad = np.arccos(np.clip(now.world_from_body[:, :, 0] @ self._ahead, -1.0, 1.0))
         slow = np.linalg.norm(now.velocity_body[:, :3], axis=1) <= CAPTURE_M_S

@@ -66,7 +66,7 @@ class GatePassing(Task):
         return seen_by_fan(self.batch, self.vehicle, self.goal_fields)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the verdict: approach and passing are rewarded."""
+        """Return the verdict, rewarding approach and passing."""
         away = now.position_world_m - self._middle_m
         distance_m = np.linalg.norm(away, axis=1)
         beyond = away @ self._through > 0.0

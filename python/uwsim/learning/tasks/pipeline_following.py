@@ -19,7 +19,7 @@ HALF_PAY_M = 1.0
 LOST_M, END_M = 5.0, 3.0
 ARRIVED, STRUCK, LOST = 10.0, -5.0, -5.0
 HEIGHT_COST, EFFORT_COST = 0.02, 0.01
-FIRST_SHARE = 0.6  # episodes begin within this first share of the pipe's length
+FIRST_SHARE = 0.6  # episodes begin within this initial share of the pipe's length
 
 
 class PipelineFollowing(Task):
@@ -64,7 +64,7 @@ class PipelineFollowing(Task):
         return seen_by_fan(self.batch, self.vehicle, self.goal_fields)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the verdict: progress along the pipe is rewarded."""
+        """Return the verdict, rewarding progress along the pipe."""
         along_m, aside_m = self._track.nearest(now.position_world_m[:, :2])
         height_m = now.position_world_m[:, 2] - self.batch.world.height_at(now.position_world_m[:, :2])
         arrived = along_m > self._track.length_m - END_M

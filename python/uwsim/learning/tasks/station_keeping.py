@@ -1,4 +1,4 @@
-"""Station keeping: hold a position and a heading in a gusty current."""
+"""Station keeping: hold a position and heading in a gusty current."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class StationKeeping(Task):
         return Start(self.place_m + spread(draws[:, :3], -1.0, 1.0), spread(draws[:, 3], -1.0, 1.0) * math.pi / 4)
 
     def goal(self, now: Motion) -> Floats:
-        """Return the vector to the target, and the target heading."""
+        """Return the vector to the target and the target heading."""
         return way_to(self.place_m, now)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the verdict: proximity to the target and its heading is rewarded."""
+        """Return the verdict, rewarding proximity to the target and its heading."""
         distance_m = np.linalg.norm(now.position_world_m - self.place_m, axis=1)
         facing = 0.5 * (1.0 + now.heading[:, 0])
         reward = facing / (1.0 + distance_m / HALF_PAY_M) - EFFORT_COST * (actions**2).mean(axis=1)

@@ -1,4 +1,4 @@
-"""Waypoint: go to a position in a current, and come to rest there."""
+"""Waypoint: move to a position in a current, and come to rest there."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MIDDLE_M = np.array([0.0, 0.0, -7.0])
 
 
 class Waypoint(Task):
-    """Go from one position to another, both drawn in a box of 16 x 16 x 6 m, in a gusty current of up to 0.28 m/s.
+    """Move from one position to another, both drawn in a box of 16 x 16 x 6 m, in a gusty current of up to 0.28 m/s.
 
     Reward of a step: the approach in metres, minus 0.02 x the mean square of the efforts; 10 for arriving, within 0.5 m
     and slower than 0.3 m/s; -5 for a collision. Termination: arrival, a collision, or 25 m away.
@@ -49,7 +49,7 @@ class Waypoint(Task):
         return now.towards(self._places_m)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the verdict: approach is rewarded."""
+        """Return the verdict, rewarding approach."""
         distance_m = np.linalg.norm(now.position_world_m - self._places_m, axis=1)
         slow = np.linalg.norm(now.velocity_body[:, :3], axis=1) < SLOW_M_S
         arrived, struck = (distance_m < NEAR_M) & slow, now.collisions > 0
