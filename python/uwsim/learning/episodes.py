@@ -67,7 +67,7 @@ class Episodes:
         self._motion: Motion | None = None
 
     def seed(self, member: int, seed: int | None) -> None:
-        """Give a member a new generator with this seed; None: a random seed, and only if it has no generator yet."""
+        """Give a member a new generator with this seed; None: a random seed, but only if it has no generator yet."""
         if seed is not None or self.generators[member] is None:
             self.generators[member], self.generator_seeds[member] = np_random(seed)
 

@@ -29,7 +29,7 @@ class JsonScan:
         return int(np.count_nonzero(self._are(wanted)))
 
     def flat_lists(self, length: int) -> list[tuple[int, int]]:
-        """Return the bracket positions of all lists of numbers, true, false and null with at least `length` items."""
+        """Return the bracket positions of lists of numbers, true, false and null of at least `length` characters."""
         places = np.flatnonzero(self._are("[]{}") | self.quotes)
         signs = self.characters[places]
         flat = (signs[:-1] == ord("[")) & (signs[1:] == ord("]")) & (np.diff(places) >= length)

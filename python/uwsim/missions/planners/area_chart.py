@@ -28,7 +28,7 @@ class AreaChart:
     """The chart of a polygon (k, 2). Nothing higher than top_z_m can be passed over.
 
     start_m: the vehicle's position, (2,). If it is outside the area, the vehicle may approach through the convex hull
-    of the area and start_m.
+    of the area and start_m until it reaches the area.
     """
 
     def __init__(self, area_m: Sequence[Sequence[float]] | Floats, top_z_m: float, start_m: Floats) -> None:
