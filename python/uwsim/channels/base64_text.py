@@ -1,4 +1,4 @@
-"""Base64 in pieces: one call for megabytes would block all other threads, since it holds the GIL."""
+"""Chunked Base64: a single call on megabytes of data holds the GIL and would block all other threads."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def to_base64(data: bytes | memoryview) -> str:
 
 
 def from_base64(text: str) -> bytes:
-    """Decode base64. Raises ValueError unless all characters belong to the alphabet and the padding is right."""
+    """Decode base64. Raises ValueError for characters outside the alphabet and for incorrect padding."""
     last = max(0, len(text) - 1) // PIECE_CHARACTERS * PIECE_CHARACTERS
     if "=" in text[:last]:
         raise ValueError("padding before the end")

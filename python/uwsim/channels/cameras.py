@@ -1,4 +1,4 @@
-"""Camera channels: JPEG pictures with camera_info, depth images, pan and tilt commands."""
+"""Camera channels: JPEG pictures with camera_info, depth images, and pan and tilt commands."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def vehicle_cameras(source: Source, sim: Simulator, pictures: Pictures) -> list[
 
 
 def aim_channels(prefix: str, vehicle: str | None, name: str, camera: Camera) -> list[Channel]:
-    """Return the channels that turn a camera, one for each axis that its motor can turn."""
+    """Return the channels that pan and tilt a camera, one for each motorised axis."""
     motor = camera.mount.pan_tilt
     if motor is None:
         return []
@@ -106,7 +106,7 @@ def compressed_image(jpeg: bytes, time_ns: int, frame_id: str, format_text: str 
 
 
 def depth_message(picture: Picture, frame_id: str) -> Any:
-    """Return a picture's depth along the optical axis, 32FC1 [m]."""
+    """Return a picture's depth along the optical axis as a 32FC1 Image [m]."""
     height, width = picture.frame.depth_m.shape
     return build.message(
         "sensor_msgs/msg/Image",
@@ -120,7 +120,7 @@ def depth_message(picture: Picture, frame_id: str) -> Any:
 
 
 def info_message(picture: Picture, frame_id: str) -> Any:
-    """Return the intrinsics of a picture at the size at which it is sent."""
+    """Return a picture's intrinsics, scaled to the size at which it is sent."""
     info, stream = picture.frame.info, picture.stream
     scale = stream.width / info.width if stream.width else 1.0
     # Pixel centres are at integer coordinates: u' + 0.5 = scale (u + 0.5).

@@ -1,4 +1,4 @@
-"""ROS 2's serialisation (CDR) and type descriptions, shared by DDS, recordings and Foxglove."""
+"""ROS 2 serialisation (CDR) and type descriptions, shared by DDS, recordings and Foxglove."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ BIG_ENDIAN = b"\x00\x00\x00\x00"
 
 
 class Schema(NamedTuple):
-    """ROS 2's description of a type. text: its definition with all types that it contains, encoding "ros2msg".
+    """A ROS 2 type description. text: the definition, including all nested types, in the "ros2msg" encoding.
 
-    type_hash: RIHS01 (REP 2016), by which ROS 2 from Iron on distinguishes types.
+    type_hash: RIHS01 (REP 2016), used to distinguish types since ROS 2 Iron.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Schema(NamedTuple):
 
 @cache
 def store_of(distro: Distro) -> Typestore:
-    """Return the types of a distribution, plus our types that it lacks."""
+    """Return the types of a distribution, plus those of our types that it lacks."""
     if distro == "jazzy":
         return typestore()
     store, ours = get_typestore(Stores.ROS2_HUMBLE), typestore().fielddefs
@@ -43,14 +43,14 @@ def store_of(distro: Distro) -> Typestore:
 
 @cache
 def is_as_in_jazzy(name: str, distro: Distro) -> bool:
-    """Return whether a type has the same fields, and thus the same bytes, in a distribution and in Jazzy."""
+    """Return whether a type has the same fields, and so the same serialised form, in a distribution as in Jazzy."""
     return schema(name, distro).text == schema(name).text
 
 
 def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
-    """Encode a message in CDR, with a header of four bytes, zero-padded to a multiple of four as in DDS.
+    """Encode a message in CDR, with a four-byte header, zero-padded to a multiple of four bytes as in DDS.
 
-    The bytes are read-only. Readers ignore the padding.
+    The returned bytes are read-only. Readers ignore the padding.
     """
     store, name = store_of(distro), message.__msgtype__
     definition = store.get_msgdef(name)
@@ -65,9 +65,9 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
 
 def _blank(size: int, message: Any) -> memoryview:
-    """Return a buffer for a message, zeroed except where its field `data`, if large, will be written.
+    """Return a buffer for a message, zeroed except for the part that a large `data` field will fill.
 
-    All other fields lie within `rest` bytes of either end, regardless of where `data` is.
+    All other fields lie within `rest` bytes of either end, wherever `data` is.
     """
     field = getattr(message, "data", None)
     length = field.nbytes if isinstance(field, np.ndarray) else 0

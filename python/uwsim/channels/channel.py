@@ -1,4 +1,4 @@
-"""Channel and Service: the entries of the table of a simulator's topics and services."""
+"""Channel and Service: the entries in a simulator's table of topics and services."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _no_command(live: LiveSimulator, message: Any) -> None:
 
 
 class Drops:
-    """The number of a channel's messages that did not reach a peer because the peer or its network was too slow."""
+    """Counts the messages of a channel that did not reach a peer because the peer or its network was too slow."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -44,14 +44,14 @@ class Channel:
 
     name: without a leading slash. type: in ROS 2's spelling, such as "sensor_msgs/msg/LaserScan". rate_hz: the rate of
     readings in simulated time; None: one reading when the first subscriber connects. latched: whether later subscribers
-    receive the latest message immediately. leads: whether its readings precede those of the other channels at a
-    tick, which refer to them. over_link: whether the channel crosses the acoustic link. priority: on the
-    link, COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into few bytes for the
-    link, a name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real
-    time, messages are published as soon as they are ready, and some are skipped, as with pictures; their timing, but
-    not their content, then depends on the machine. pieced: whether a late picture is assembled from earlier ones, so
-    that its content also depends on the machine. catch_up: for a channel whose messages build on each other: returns
-    one message with everything since a cursor (None: since the beginning), and the next cursor; called on any thread.
+    receive the latest message immediately. leads: whether it is read before the other channels at a tick, because their
+    messages refer to its readings. over_link: whether the channel crosses the acoustic link. priority: on the link,
+    COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into few bytes for the link, a
+    name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real time,
+    messages are published as soon as they are ready, and some are skipped, as with pictures; their timing, but not
+    their content, then depends on the machine. pieced: whether a late picture is assembled from earlier ones, so that
+    its content also depends on the machine. catch_up: for a channel whose messages build on each other: returns one
+    message with everything since a cursor (None: since the beginning), and the next cursor; called on any thread.
     keep_up: called between two steps at rate_hz as soon as a server offers the channel, with or without subscribers,
     since the content of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the
     simulator's thread; returns a message of `messages.typestore()` stamped with simulated time, or None if there is
@@ -105,14 +105,14 @@ class Service:
 
 
 def require_live(live: LiveSimulator | None) -> LiveSimulator:
-    """Return the simulator. Raises NotRunningError if there is none, since a recording is played."""
+    """Return the simulator. Raises NotRunningError if there is none because a recording is being played."""
     if live is None:
         raise NotRunningError("there is no simulator, only a recording")
     return live
 
 
 def keep_up(live: LiveSimulator | None, channels: Iterable[Channel]) -> list[Subscription]:
-    """Start the work that channels do even without subscribers. Servers call this once, and cancel it when they end."""
+    """Start the work that channels do even without subscribers. Servers call this once, and cancel it on shutdown."""
     going_on: list[Subscription] = []
     if live is None:
         return going_on

@@ -1,4 +1,4 @@
-"""A vehicle's command services: one for each command in the table that has a service type."""
+"""A vehicle's command services: one for each command in the command table that has a service type."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _given(vehicle: str, command: Command, steering: Steering) -> Callable[[Live
 
 
 def arguments_of(command: Command, request: Request) -> dict[str, Any]:
-    """Return the command's arguments from a request to its service. Raises ValueError for a SetBool without `data`."""
+    """Extract a command's arguments from a service request. Raises ValueError for a SetBool without `data`."""
     if command.service == SET_BOOL:
         return {command.arguments[0].name: field(request, "data", bool, None)}
     return dict(request)
@@ -57,7 +57,7 @@ def named_arguments(service: Service, values: list[Any]) -> Request:
 
 
 def request_of(command: Command, arguments: Mapping[str, Any]) -> Request:
-    """Return the request that issues a command through its service."""
+    """Return the service request that issues a command."""
     if command.service == SET_BOOL:
         flag = command.arguments[0]
         return {"data": bool(arguments.get(flag.name, flag.default))}

@@ -1,4 +1,4 @@
-"""Command channels of a vehicle: /cmd_vel, wrench, thruster and fin commands, and the sonar's tilt."""
+"""A vehicle's command channels: /cmd_vel, wrench, thruster and fin commands, and sonar tilt."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
     def hear(
         name: str, kind: str, description: str, apply: Any, *, idle: Any = None, packing: str = "deflate"
     ) -> Channel:
-        """Return a channel. idle: the message that ends a steering command."""
+        """Return an inbound channel. idle: the message that ends a steering command."""
         steers = idle is not None
         return Channel(
             topic(name), kind, "in", description, frame_id=frame_id, over_link=True, priority=COMMAND, packing=packing,

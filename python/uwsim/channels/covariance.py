@@ -1,4 +1,4 @@
-"""Variances of readings, derived from the sensors' noise parameters, for the covariances in messages.
+"""Variances of sensor readings, derived from the noise parameters, for the covariance fields of messages.
 
 A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the turn-on bias, the Gauss-Markov
 bias and the flicker noise in their stationary state, the random walk so far, and rounding, quantum^2 / 12 (uniform over
@@ -17,7 +17,7 @@ UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of an unkn
 
 
 def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) -> float:
-    """Return the variance of a channel's errors [unit^2] at a time since the start; 0 for an exact sensor.
+    """Return the error variance of a channel [unit^2] at a given time since the start; 0 for an exact sensor.
 
     rate_hz: the sensor's sampling rate.
     """
@@ -29,14 +29,14 @@ def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) ->
 
 
 def isotropic(value: float) -> NDArray[np.float64]:
-    """Return the covariance (9,), row by row, of three axes with equal, independent errors."""
+    """Return the row-major covariance (9,) of three axes with equal, independent errors."""
     return np.array([value, 0.0, 0.0, 0.0, value, 0.0, 0.0, 0.0, value])
 
 
 def of_velocity(beams: NDArray[np.float64], value: float) -> NDArray[np.float64]:
-    """Return the covariance (9,) of a velocity that is the least-squares fit to beams' velocities.
+    """Return the row-major covariance (9,) of a velocity obtained by a least-squares fit to beam velocities.
 
-    beams: unit vectors (n, 3). value: the variance of each beam's velocity. With fewer than three directions, the
+    beams: unit vectors (n, 3). value: the variance of each beam velocity. With fewer than three directions, the
     covariance is unknown.
     """
     if np.linalg.matrix_rank(beams) < 3:

@@ -1,4 +1,4 @@
-"""/diagnostics: a live simulator's pace and delivery, and each vehicle's all stop, for ROS's monitors."""
+"""/diagnostics: pace and message delivery of a live simulator, and each vehicle's all stop, for ROS monitors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HELD = 0.95  # fraction of the requested speed
 
 
 def diagnostics_channel(live: LiveSimulator, offered: Callable[[], Iterable[Channel]] = tuple) -> Channel:
-    """Return the channel of a live simulator's pace: speed, factor, lateness_s, slipped_s, paused.
+    """Return the channel that reports a live simulator's pace: speed, factor, lateness_s, slipped_s, paused.
 
     offered: returns the channels whose dropped messages are reported.
     """
@@ -61,7 +61,7 @@ def _status(level: int, name: str, text: str, values: Mapping[str, Any], hardwar
 
 
 def _vehicles(sim: Simulator) -> list[Any]:
-    """Report whether each vehicle obeys commands; with a link, this is only known from its delayed telemetry."""
+    """Report whether each vehicle obeys commands; across a link, this is known only from its delayed telemetry."""
     return [
         _status(
             WARN if vehicle.all_stopped else OK,

@@ -1,4 +1,4 @@
-"""A vehicle's own estimate of its motion as nav_msgs/Odometry; `odom` has the true motion."""
+"""A vehicle's own estimate of its motion as nav_msgs/Odometry; the true motion is on `odom`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TOPIC = "odometry/estimate"
 
 
 def has_estimate(source: Source) -> bool:
-    """Return whether a vehicle has the instruments that its navigation needs."""
+    """Return whether a vehicle carries the instruments that onboard navigation needs."""
     return any(sensor.kind == "imu" for sensor in source.entry.model.sensors.values())
 
 
@@ -62,10 +62,10 @@ def _odometry(source: Source, sim: Simulator) -> Any:
 
 
 def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the covariances of pose and twist, (6, 6) each, as ROS defines them.
+    """Return the pose and twist covariances, each (6, 6), as ROS defines them.
 
     Pose: position, then rotation about the fixed axes of odom. Twist: in body axes, so that the attitude error adds to
-    the velocity's error.
+    the velocity error.
     """
     errors, turn = estimate.covariance, estimate.pose.world_from_body[:3, :3]
     x, y, z = estimate.velocity.linear_body_m_s

@@ -18,7 +18,7 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Reading:
-    """One message of a channel. time_ns: the simulated time at which it was read; tick: the same time in steps."""
+    """One message from a channel. time_ns: the simulated time at which it was read; tick: that time in steps."""
 
     __slots__ = ("_cdr", "_lock", "_make", "_message", "channel", "tick", "time_ns")
 
@@ -32,7 +32,7 @@ class Reading:
         cdr: memoryview | None = None,
         make: Callable[[], Any] | None = None,
     ) -> None:
-        """message: None if `cdr` holds the message, or if `make` builds it when it is first needed."""
+        """message: None if `cdr` holds the encoded message, or if `make` builds the message on first access."""
         self._make = make
         self.channel = channel
         self.time_ns = time_ns
@@ -56,7 +56,7 @@ class Reading:
             return self._cdr
 
     def caught_up(self) -> Reading:
-        """Return a reading with the same time that combines all of the channel's messages so far."""
+        """Return a reading with the same time stamp that combines all messages of the channel so far."""
         catch_up = self.channel.catch_up
         assert catch_up is not None
         return Reading(self.channel, None, self.time_ns, self.tick, make=lambda: catch_up(None)[0])
@@ -89,7 +89,7 @@ class Readings(Protocol):
 
 
 class Feed:
-    """Shares a live simulator's channels among several sinks. A channel is read only while it has sinks."""
+    """Shares a live simulator's channels among sinks. A channel is read only while it has at least one sink."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live
@@ -123,13 +123,16 @@ class Feed:
         return lambda: self._leave(tap, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return the reading for a late sink of a latched channel: all messages so far if they build on each other."""
+        """Return the reading for a sink that joins a latched channel late.
+
+        If the channel's messages build on each other, the reading combines all of them so far.
+        """
         with self._lock:
             tap = self._taps.get(channel.name)
             return None if tap is None else tap.late()
 
     def share(self, reading: Reading) -> None:
-        """Share a reading that a recorder has just taken, so that the channel is not read again at that tick.
+        """Share a reading that a recorder has just taken, so that the channel is not read twice at the same tick.
 
         Must be called on the stepping thread.
         """
@@ -150,7 +153,7 @@ class Feed:
 
 
 class _Tap:
-    """One channel's subscription. sinks: replaced as a whole, since the stepping thread reads it without a lock."""
+    """A subscription to a channel. sinks: replaced, never mutated, as the stepping thread reads it without a lock."""
 
     def __init__(self, live: LiveSimulator, channel: Channel, fresh: Mapping[str, Reading]) -> None:
         """fresh: readings shared by a recorder, by channel name."""
@@ -172,7 +175,7 @@ class _Tap:
             self.read_once(self._hand_on)
 
     def read_once(self, sink: Sink) -> None:
-        """Read now, for a sink that would otherwise wait long for the next reading."""
+        """Read immediately, for a sink that would otherwise have a long wait for the next reading."""
 
         def take(done: Future[Reading | None]) -> None:
             error = done.exception()

@@ -1,4 +1,4 @@
-"""Channels for time and frames: /clock, /tf, /tf_static, odometry and joint states.
+"""Channels for time, frames and motion: /clock, /tf, /tf_static, odometry and joint states.
 
 The source of odom -> base_link on /tf is chosen by the user: `Tf`.
 """
@@ -47,7 +47,7 @@ def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "
 
 
 def vehicle_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
-    """Return the channels of a vehicle's true motion and joint states."""
+    """Return a vehicle's true motion and joint-state channels."""
     found = [
         Channel(
             source.topic(name), "nav_msgs/msg/Odometry", "out", "the true pose and velocity; covariances are 0",

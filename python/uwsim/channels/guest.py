@@ -1,4 +1,4 @@
-"""Participants in a graph other than simulators, which may outlive them, such as the operator's station."""
+"""Guests: participants in a graph that are not simulators and may outlive them, such as the operator's station."""
 
 from __future__ import annotations
 
@@ -49,10 +49,10 @@ class Node(Protocol):
         """Return whether a topic has subscribers."""
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether a subscriber was ready for a topic's last message, or no message has been published yet."""
+        """Return True if a subscriber was ready for a topic's last message, or if none has been published yet."""
 
     def silence_s(self, client: str) -> float:
-        """Return how long [s] nothing has been received from a client, including answers to pings."""
+        """Return the time [s] since anything, including a ping reply, was last received from a client."""
 
 
 class Guest(Protocol):
@@ -67,7 +67,7 @@ class Guest(Protocol):
         """The services that the guest offers."""
 
     def connect(self, node: Node) -> None:
-        """Receive the guest's node; called once."""
+        """Called once, with the guest's node."""
 
     def demanded(self) -> None:
         """Called on the network thread when a topic gets its first subscriber."""

@@ -1,7 +1,7 @@
-"""Channels of imaging sonars: echo levels, and pictures for an operator. VIEWS has a class for each kind of sonar.
+"""Imaging sonar channels: echo levels, and pictures for an operator. VIEWS maps each kind of sonar to a class.
 
-Pings are computed in parallel with the steps, like cameras' pictures. A side-scan or profiling sonar's picture combines
-several pings, which its view keeps.
+Pings are computed in parallel with the steps, like camera pictures. A side-scan or profiling sonar's picture combines
+several pings, which are stored in its view.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ SOUND_SPEED_M_S = 1500.0
 
 
 class Look(NamedTuple):
-    """One result of a sonar. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port."""
+    """The result of one reading. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port."""
 
     time_ns: int
     level_db: Levels
@@ -42,12 +42,12 @@ class Look(NamedTuple):
 
 
 class View(Protocol):
-    """Displays one kind of sonar. rate_hz: the default rate of results."""
+    """Produces the display of one kind of sonar. rate_hz: the default rate of results."""
 
     rate_hz: float
 
     def begin(self, sonar: ImagingSonar, time_ns: int) -> Callable[[], tuple[Any, ...]]:
-        """Store the state; return a function that computes level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
+        """Capture the state; return a function that computes level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
 
 
 class Ahead:
@@ -70,7 +70,7 @@ class Ahead:
 
 
 class Aside:
-    """A side-scan sonar: the picture is a waterfall of the last pings, the latest at the top, port on the left."""
+    """A side-scan sonar: the picture is a waterfall of recent pings, latest at the top and port on the left."""
 
     rate_hz = RATE_HZ
 
@@ -101,9 +101,9 @@ class Aside:
 
 
 class Across:
-    """A profiling sonar, whose beam a motor steps back and forth; the picture shows the last echo in each direction.
+    """A profiling sonar: a motor steps its beam back and forth, and the picture shows the last echo in each direction.
 
-    In each period of 1 / RATE_HZ, the sonar pings as often as the sound's travel time allows.
+    In each period of 1 / RATE_HZ, the sonar pings as often as the travel time of sound allows.
     """
 
     rate_hz = RATE_HZ
@@ -138,7 +138,7 @@ VIEWS: dict[type, Callable[[], View]] = {ForwardLooking: Ahead, SideScan: Aside,
 
 
 def imaging_channels(source: Source, sim: Simulator, pictures: Pictures) -> list[Channel]:
-    """Return the channels of levels and pictures of a vehicle's imaging sonars."""
+    """Return the echo-level and picture channels of a vehicle's imaging sonars."""
     found = []
     for name, sonar in source.of(sim).imaging_sonars.items():
         topic, frame_id, view = source.topic(name), source.frame(f"{name}_link"), VIEWS[type(sonar.model)]()
@@ -230,7 +230,7 @@ def _levels(sonar: ImagingSonar) -> Callable[[Look, str], Any]:
 
 
 def _coarser(level_db: Levels, width: int) -> Levels:
-    """Average power over neighbouring columns of levels (rows, columns), to leave at most about `width` columns."""
+    """Average the power in adjacent columns of levels (rows, columns), leaving at most about `width` columns."""
     together = -(-level_db.shape[1] // width)
     columns = level_db.shape[1] // together
     power = 10.0 ** (level_db[:, : columns * together].astype(np.float64) / 10.0)

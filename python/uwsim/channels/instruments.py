@@ -1,4 +1,4 @@
-"""Channels of sensors and the battery. KINDS has the ROS message and a function for each kind of sensor."""
+"""Sensor and battery channels. KINDS lists the ROS message type and a message builder for each kind of sensor."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DVL_MODE_BOTTOM = 1
 
 
 class Errors(NamedTuple):
-    """The statistics of a sensor's errors at one time."""
+    """A sensor's error statistics at one time."""
 
     mount: SensorMount
     rate_hz: float
@@ -33,7 +33,7 @@ class Errors(NamedTuple):
     sound_speed_m_s: float = math.nan  # for a DVL, at its vehicle's depth
 
     def variance(self, channel: str) -> float:
-        """Return the variance of a channel's errors [unit^2]."""
+        """Return the error variance of a channel [unit^2]."""
         return variance(self.mount, channel, self.rate_hz, self.time_s)
 
 
@@ -54,9 +54,9 @@ class FilterInput(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """The messages of a kind of sensor.
+    """How one kind of sensor is published.
 
-    write(value, header, errors): builds a message. even_invalid: whether samples without an echo are published, too.
+    write(value, header, errors): builds a message. even_invalid: whether samples without an echo are published as well.
     """
 
     type: str
@@ -65,7 +65,7 @@ class Kind(NamedTuple):
 
 
 def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channels of a vehicle's sensors, which have the sensors' names, and of its battery."""
+    """Return the channels of a vehicle's sensors, each named after its sensor, and of its battery."""
     found = [
         Channel(
             source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
@@ -120,7 +120,7 @@ def _height_m(source: Source, sim: Simulator) -> float:
 
 
 def _is_out_of_reach(value: Any) -> bool:
-    """Return whether a sample is invalid because there was no echo, as opposed to being lost."""
+    """Return whether a sample is invalid because there was no echo, as opposed to having been lost."""
     return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
 
 
@@ -141,7 +141,7 @@ def _battery(source: Source, sim: Simulator) -> Any:
 
 
 def _imu(value: Any, header: Any, errors: Errors) -> Any:
-    """Return an Imu message. Acceleration is specific force, as in REP 145."""
+    """Return an Imu message. Its acceleration is the specific force, as in REP 145."""
     return build.message(
         "sensor_msgs/msg/Imu",
         header=header,
@@ -172,7 +172,7 @@ def _default(kind: str, parameter: str) -> float:
 
 
 def _dvl(value: Any, header: Any, errors: Errors) -> Any:
-    """Return a marine_acoustic_msgs/Dvl: x ahead, z along the beams, so y is to starboard."""
+    """Return a marine_acoustic_msgs/Dvl in axes with x forward, y to starboard and z along the beams."""
     mount = errors.mount
     down = np.array([1.0, -1.0, -1.0])
     velocity = down * value.velocity_m_s
@@ -205,19 +205,19 @@ def _dvl(value: Any, header: Any, errors: Errors) -> Any:
 
 
 def _plain(name: str, field: str, channel: str) -> Write:
-    """Return a function that builds a message of a scalar, with header and variance."""
+    """Return a function that builds a message with a header, a scalar and its variance."""
     return lambda value, header, errors: build.message(
         name, header=header, variance=errors.variance(channel), **{field: value}
     )
 
 
 def _bare(name: str, convert: Callable[[float], Any]) -> Write:
-    """Return a function that builds a message that contains only a scalar."""
+    """Return a function that builds a message containing nothing but a scalar."""
     return lambda value, header, errors: build.message(name, data=convert(value))
 
 
 def _usbl(value: Any, header: Any, errors: Errors) -> Any:
-    """Return the position relative to the station, along the world's axes: east, north, up."""
+    """Return a message with the position relative to the station in world axes: east, north, up."""
     header.frame_id = "world"
     return build.message(
         "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)

@@ -1,4 +1,4 @@
-"""Channels of the map of all pings since a server began: /octomap_binary, /map_changes and /placed_ping."""
+"""Channels of the map of all pings since a server started: /octomap_binary, /map_changes and /placed_ping."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps
 
 
 class _Late:
-    """A channel's result, computed from a ping every period_ns and published one ping later (the first immediately)."""
+    """A result computed every period_ns from the latest ping and published one ping later; the first is immediate."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
@@ -52,15 +52,15 @@ class _Late:
 
     @property
     def said(self) -> tuple[int, Any] | None:
-        """The stamp and the result that are due now; waits for the result."""
+        """The stamp and result now due, or None; waits for the result."""
         return None if self._said is None else (self._said[0], self._said[1].result())
 
 
 class PingMap:
-    """A map, in the odom frame, of all pings since a server began to offer it, with or without subscribers.
+    """A map, in the odom frame, of all pings since a server started to offer it, with or without subscribers.
 
-    For each ping, the steps wait only for ray casting and the chain; insertion and serialisation run in order on a
-    separate thread. A map is published one ping later, the first map immediately.
+    For each ping, the steps wait only for ray casting and the processing chain; insertion and serialisation run in
+    order on a separate thread. A map is published one ping later, the first map immediately.
     """
 
     def __init__(self, source: Source, pings: Pings) -> None:
@@ -79,7 +79,7 @@ class PingMap:
         return self._map is not None
 
     def channels(self) -> list[Channel]:
-        """Return the channels of the map, and of pings from which clients can build a map."""
+        """Return the map's channels, and the channel of pings from which clients can build their own map."""
         placed = Channel(
             self._source.topic(PLACED), PLACED_PING, "out", "each ping with the pose of the sonar, for a map elsewhere",
             rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"), over_link=True, priority=PING,
@@ -88,7 +88,7 @@ class PingMap:
         return [*self.map_channels(), placed]
 
     def map_channels(self) -> list[Channel]:
-        """Return the channels of the map."""
+        """Return the channels of the map itself."""
         rate_hz, frame_id = self._pings.rate_hz, self._source.frame("odom")
         return [
             Channel(
@@ -105,14 +105,14 @@ class PingMap:
         ]  # fmt: skip
 
     def read(self, sim: Simulator) -> Any:
-        """Insert the latest ping; once a second, return the map as of the previous reading, else None."""
+        """Insert the latest ping; return the map as of the previous reading once a second, otherwise None."""
         self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
         said = self._whole.said
         return None if said is None else self._message(*said)
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Insert the latest ping; four times a second, return the changes up to the previous reading, if any."""
+        """Insert the latest ping; return the changes up to the previous reading, if any, four times a second."""
         self.keep_up(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
         said = self._news.said
@@ -121,12 +121,12 @@ class PingMap:
         return self._changes_message(said[0], (said[1], None))[0]
 
     def go_on_from(self, path: Path) -> None:
-        """Continue a map from a file, before the first ping. Raises ValueError or OSError."""
+        """Continue from a map in a file; call before the first ping. Raises ValueError or OSError."""
         self._map = OccupancyMap.read(path, on_outside="count")
         self._worker.submit(self.changes.forget, self._map.resolution_m)
 
     def points(self) -> tuple[NDArray[np.float64], float]:
-        """Return the centres (n, 3) of occupied voxels in the odom frame, and their edge [m]. Raises ValueError."""
+        """Return the centres (n, 3) of occupied voxels in odom, and their edge length [m]. Raises ValueError."""
         return self._worker.submit(self._points).result()
 
     def write(self, path: Path) -> None:
@@ -142,13 +142,13 @@ class PingMap:
         return round(self._pings.interval_s * 1e9)
 
     def keep_up(self, sim: Simulator) -> None:
-        """Insert the latest ping, if it is not in the map yet."""
+        """Insert the latest ping unless the map already contains it."""
         taken = self._pings.newest(sim)
         if taken.ping.time_ns != self._newest_ns:
             self._insert(sim, taken)
 
     def _insert(self, sim: Simulator, taken: TakenPing) -> None:
-        """Pass a ping through the chain into the map; begin a new map if simulated time went back."""
+        """Process a ping and insert its points into the map; start a new map if simulated time has gone back."""
         if self._map is None or taken.ping.time_ns < self._newest_ns:
             self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
@@ -157,14 +157,14 @@ class PingMap:
         self._queue(points_odom, taken.odom_from_sonar[:3, 3], self._pings.model.range_max_m)
 
     def _queue(self, points_odom: NDArray[np.float32], origin_m: NDArray[np.float64], reach_m: float) -> None:
-        """Insert a scan on the worker's thread; wait if too many are queued."""
+        """Queue a scan for insertion on the worker thread; wait if too many are queued."""
         assert self._map is not None
         self._waiting.append(self._worker.submit(self._map.insert_scan, points_odom, origin_m, reach_m))
         while len(self._waiting) > WAITING_MAX or (self._waiting and self._waiting[0].done()):
             self._waiting.popleft().result()
 
     def _read_placed(self, sim: Simulator) -> Any:
-        """Return the latest ping with the sonar's pose."""
+        """Return the latest ping together with the pose of the sonar."""
         taken = self._pings.newest(sim)
         stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
         header = build.header(stamp_ns, self._source.frame("odom"))
@@ -175,7 +175,7 @@ class PingMap:
         return build.message(PLACED_PING, header=header, sonar=pose, ranges=ranges_m, **angles)
 
     def _note_changes(self) -> Any:
-        """Move changes from the map to the list of changes, on the worker's thread."""
+        """Move changes from the map to the list of changes, on the worker thread."""
         assert self._map is not None
         return self.changes.note(self._map.changed_occupancy())
 
@@ -211,23 +211,23 @@ class PingMap:
 
 
 def empty_map(scenario: Scenario) -> OccupancyMap:
-    """Return an empty map with the voxel size of the scenario's survey, or 0.2 m."""
+    """Return an empty map with the voxel size of the scenario's survey, or 0.2 m if it has none."""
     return OccupancyMap(scenario.survey.voxel_m if scenario.survey else 0.2, on_outside="count")
 
 
 def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
-    """Pass a ping through the chain: scan, cloud, removal of echoes off the hull; return points (n, 3) in odom."""
+    """Process a ping (scan, point cloud, removal of echoes off the hull); return points (n, 3) in odom."""
     cloud_m = ranging.to_point_cloud(scan_of(head, taken))
     return placed_echoes(cloud_m, hull, taken.odom_from_body, taken.odom_from_sonar)
 
 
 def insert_ping(occupancy: OccupancyMap, head: Head, taken: TakenPing, hull: Box) -> None:
-    """Pass a ping through the chain into a map."""
+    """Process a ping and insert its points into a map."""
     occupancy.insert_scan(mapped_points(head, taken, hull), taken.odom_from_sonar[:3, 3], head.model.range_max_m)
 
 
 def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
-    """Return which beams (n,) of a scan hit the vehicle's own hull."""
+    """Return a mask (n,) of the beams of a scan that hit the vehicle's own hull."""
     angles_rad = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
     sonar = np.column_stack([met * np.cos(angles_rad), met * np.sin(angles_rad), np.zeros_like(met), np.ones_like(met)])
@@ -237,6 +237,6 @@ def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.
 
 
 def binary(occupancy: OccupancyMap | None) -> bytes:
-    """Return the data that octomap_msgs::binaryMsgToMap reads: a .bt file without its header."""
+    """Return the data expected by octomap_msgs::binaryMsgToMap: a .bt file without its header."""
     assert occupancy is not None
     return occupancy.to_bytes("bt").partition(b"\ndata\n")[2]

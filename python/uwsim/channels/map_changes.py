@@ -1,4 +1,4 @@
-"""The occupied voxels of a growing map, as bits in blocks, and their changes, for live views."""
+"""The occupied voxels of a growing map, stored as bits in blocks, and their changes, for live views."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Part(NamedTuple):
 
 
 class MapChanges:
-    """Records changes on one thread, and provides readers on other threads with the changes that they lack.
+    """Records changes on one thread, and gives readers on other threads the changes that they do not have yet.
 
     A cursor is the number of changes that a reader has received.
     """
@@ -48,13 +48,13 @@ class MapChanges:
             self._begin_anew(resolution_m)
 
     def note(self, changes: OccupancyChanges) -> Part:
-        """Record the map's changes since the last call; return them as the fields of a message."""
+        """Record changes to the map since the last call; return them as the fields of a message."""
         blocks, counts, cells = in_blocks(changes)
         with self._lock:
             return self._add(Part(0, False, self._resolution_m, blocks.ravel(), counts, cells))
 
     def take(self, part: Part) -> None:
-        """Apply the changes of one message; a snapshot starts over."""
+        """Apply the changes in one message; a snapshot replaces the current state."""
         with self._lock:
             if part.snapshot or part.resolution != self._resolution_m:
                 self._begin_anew(part.resolution)
@@ -122,7 +122,7 @@ _EMPTY = {"blocks": np.zeros(0, np.int16), "counts": np.zeros(0, np.uint16), "ce
 
 
 def in_blocks(changes: OccupancyChanges) -> tuple[NDArray[np.int16], NDArray[np.uint16], NDArray[np.uint16]]:
-    """Convert changes, which are in Morton order, to the message's fields: blocks (n, 3), counts (n,) and cells."""
+    """Convert changes in Morton order to the fields of the message: blocks (n, 3), counts (n,) and cells."""
     blocks, inside = changes.cells >> 4, (changes.cells & 15).astype(np.uint16)
     cells = inside[:, 0] | inside[:, 1] << 4 | inside[:, 2] << 8 | np.where(changes.occupied, OCCUPIED, 0)
     begins = np.flatnonzero(np.r_[len(blocks) > 0, (blocks[1:] != blocks[:-1]).any(axis=1)])

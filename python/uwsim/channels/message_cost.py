@@ -1,7 +1,7 @@
-"""The memory that a message will cost, computed before it is built, and the memory that it occupies.
+"""The memory cost of a message: predicted before it is built, and measured afterwards.
 
 A message with empty lists has a fixed size, which depends on its type. A client can add to it only through lists, whose
-lengths are known. So the cost is bounded before anything is built.
+lengths are known, so the cost is bounded before anything is built.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ LONGEST_NUMBER = {"float64": 25, "float32": 16}  # characters in JSON, with the 
 
 
 class Cost(NamedTuple):
-    """The cost of one message with empty lists. written_bytes: for writing it, as plain values and twice as JSON."""
+    """The cost of one message with empty lists. written_bytes: the cost of writing it: plain values, and JSON twice."""
 
     objects: int
     made_bytes: int
@@ -41,7 +41,7 @@ class Cost(NamedTuple):
 
 @cache
 def cost_of(name: str) -> Cost:
-    """Return the cost of a message of a type with empty lists."""
+    """Return the cost of a message of this type with empty lists."""
     message = default_message(name)
     objects, made = _measured(message)
     text = len(orjson.dumps(to_plain(message, 1), option=orjson.OPT_SERIALIZE_NUMPY))
@@ -76,7 +76,7 @@ def _digits(base: str) -> int:
 
 @cache
 def element_cost(kind: Kind) -> Cost:
-    """Return the cost of one more element of a list."""
+    """Return the cost of one additional list element."""
     if kind.is_message:
         one = cost_of(kind.base)
         return Cost(one.objects, one.made_bytes + SLOT_BYTES, one.written_bytes + SLOT_BYTES)
@@ -125,14 +125,14 @@ class Meter:
             raise ValueError(f"{path}: a message that takes {needed / 1e6:.1f} MB: one of this size {rule}")
 
     def pause(self) -> None:
-        """Give other tasks a turn."""
+        """Let other tasks run."""
         self.pauses += 1
         if self._pause is not None:
             self._pause()
 
 
 def held_bytes(message: Any) -> int:
-    """Return the approximate size of a message [bytes]: its type's fixed size plus its lists, arrays and strings."""
+    """Return a message's approximate size [bytes]: the fixed size of its type plus its lists, arrays and strings."""
     return _holder(message.__msgtype__)(message)
 
 
@@ -152,7 +152,7 @@ def _holder(name: str) -> Callable[[Any], int]:
 
 
 def _part_holder(kind: Kind) -> Callable[[Any], int] | None:
-    """Return a function that measures what a field adds to its type's fixed size, or None if it adds nothing."""
+    """Return a function that measures what a field adds to the fixed size of its type, or None if it adds nothing."""
     if kind.is_message:
         if kind.length is None:
             return lambda value: _holder(kind.base)(value) if _varies(kind.base) else 0

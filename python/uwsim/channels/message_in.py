@@ -1,7 +1,7 @@
-"""Conversion of plain values, from a client's JSON or CBOR, to a message object, checking every field.
+"""Conversion of plain values, from a client's JSON or CBOR, to a message object, with every field checked.
 
 A missing or null field gets its default, except that null for a floating-point number means NaN, as in our output. An
-error names the field's path, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
+error states the path of the field, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
 
 The contents of a list are counted against a budget before they are allocated, and the conversion is done in chunks.
 """
@@ -57,7 +57,7 @@ def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = N
 
 
 def typed_array(tag: cbor2.CBORTag) -> np.ndarray[Any, np.dtype[Any]]:
-    """Return the array in a CBOR tag of RFC 8746. Raises ValueError for other tags and wrong lengths."""
+    """Return the array in an RFC 8746 CBOR tag. Raises ValueError for other tags and for invalid lengths."""
     element = _ARRAYS.get(tag.tag)
     if element is None or not isinstance(tag.value, bytes) or len(tag.value) % element.itemsize:
         raise ValueError(f"CBOR tag {tag.tag}: must be a typed array of RFC 8746 with whole elements")
@@ -229,7 +229,7 @@ def _array_reader(kind: Kind) -> Reader:
 
 
 def _count(value: Any) -> int:
-    """Return the largest number of elements that a value can contain: four base64 characters encode three bytes."""
+    """Return an upper bound on the elements in a value; in base64, four characters encode three bytes."""
     if isinstance(value, cbor2.CBORTag):
         return len(value.value) if isinstance(value.value, bytes) else 0
     if isinstance(value, np.ndarray):
@@ -253,7 +253,7 @@ def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dty
 
 
 def _numbers(value: list[Any], kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
-    """Convert a list to an array of a type that NumPy chooses, or to an array of strings if not all are numbers."""
+    """Convert a list to an array whose type NumPy chooses, or to an array of strings if not all items are numbers."""
     types = set(map(type, value))
     if kind.base.startswith("float") and type(None) in types:
         value = [np.nan if v is None else v for v in value]

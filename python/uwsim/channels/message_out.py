@@ -1,6 +1,6 @@
-"""Conversion of a message object to plain values, for JSON (orjson) or CBOR (cbor2), or to ROS's serialisations.
+"""Conversion of a message object to plain values, for JSON (orjson) or CBOR (cbor2), or to a ROS serialisation.
 
-A function is composed for each type on first use, so that writing a message need not inspect types.
+A writer is composed for each type on first use, so that types need not be inspected for every message.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
 
 
 def to_bytes(message: Any, ros: Ros = 2) -> bytes:
-    """Serialise a message for ROS 1, or for ROS 2 (CDR, little-endian, with a header of four bytes)."""
+    """Serialise a message for ROS 1, or for ROS 2 (little-endian CDR with a four-byte header)."""
     name = message.__msgtype__
     if ros == 2:
         return bytes(typestore().serialize_cdr(message, name))
@@ -66,7 +66,7 @@ def to_bytes(message: Any, ros: Ros = 2) -> bytes:
 
 
 def from_bytes(data: bytes, name: str) -> Any:
-    """Deserialise a message of a type from ROS 2's format. Raises ValueError if the data are invalid."""
+    """Deserialise a message from ROS 2's format. Raises ValueError if the data are invalid."""
     try:
         return typestore().deserialize_cdr(data, name)
     except Exception as error:  # the generated code raises any error for damaged bytes
@@ -143,7 +143,7 @@ def _array_writer(base: str, form: Form) -> Writer:
 
 
 def _literal_array(values: np.ndarray[Any, np.dtype[Any]]) -> Any:
-    """Return what orjson writes as a list of numbers, with words in place of its nulls."""
+    """Return a value that orjson writes as a list of numbers, with words where it would otherwise write null."""
     words = [_word(value) for value in values[~np.isfinite(values)]]
     if not words:
         return values

@@ -1,8 +1,8 @@
 """The ROS message types in use: names, fields and classes, from the typestores of `rosbags`.
 
-Whichever client it is for, a message is an instance of `typestore().types[name]`, a class of ROS 2 Jazzy, whose
-spelling of names is used here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns its fields in the spelling of
-ROS 1 (Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or ROS 2.
+For every client, a message is an instance of `typestore().types[name]`, a ROS 2 Jazzy class, and type names are spelled
+as in Jazzy ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns the fields of a type in the spelling of ROS 1
+(Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or ROS 2.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class Kind(NamedTuple):
 
 
 class Field(NamedTuple):
-    """One field. name: in the client's spelling. attribute: its name in the message object; None if absent there."""
+    """A field. name: as spelled by the client. attribute: its name in the message object; None if absent there."""
 
     name: str
     attribute: str | None
@@ -120,7 +120,7 @@ def typestore() -> Typestore:
 
 @cache
 def ros1_typestore() -> Typestore:
-    """Return the types for ROS 1's serialisation: those of Noetic, plus those that Noetic lacks."""
+    """Return the types used for ROS 1 serialisation: those of Noetic, plus those that Noetic lacks."""
     store = get_typestore(Stores.ROS1_NOETIC)
     jazzy = get_typestore(Stores.ROS2_JAZZY).fielddefs
     missing = {name: jazzy[name] for name in jazzy.keys() - store.fielddefs.keys()}
@@ -140,7 +140,7 @@ def without_placeholder(parts: Any) -> Any:
 
 
 def resolve(name: object) -> tuple[str, Ros | None]:
-    """Return a type's name in ROS 2's spelling, and the ROS generation that spells it as passed, or None if both do.
+    """Return a type's ROS 2 name, and the ROS generation that spells it as passed, or None if both do.
 
     Both generations write "sensor_msgs/LaserScan", only ROS 2 "sensor_msgs/msg/LaserScan". Raises ValueError for an
     invalid name.
@@ -155,12 +155,12 @@ def resolve(name: object) -> tuple[str, Ros | None]:
 
 
 def spelled(name: str, ros: Ros) -> str:
-    """Return a type's full name as a generation of ROS spells it."""
+    """Return a type's full name in the spelling of a ROS generation."""
     return name if ros == 2 else name.replace("/msg/", "/", 1)
 
 
 def message_text(name: str, ros: Ros) -> str:
-    """Return a type's definition with all types that it contains, as rosbags and `rosmsg show` write it."""
+    """Return a type's definition, including all nested types, in the format of rosbags and `rosmsg show`."""
     return (typestore() if ros == 2 else ros1_typestore()).generate_msgdef(name, ros_version=ros)[0]
 
 
@@ -181,7 +181,7 @@ def _folded(field: str) -> str:
 
 
 def kind_of(description: Any) -> Kind:
-    """Return a field's kind from rosbags' description: (node type, argument)."""
+    """Return a field's kind from its rosbags description: (node type, argument)."""
     node, argument = int(description[0]), description[1]
     if node == 1:  # a primitive
         return Kind(argument[0], None, argument[1])
@@ -192,7 +192,7 @@ def kind_of(description: Any) -> Kind:
 
 
 def is_unicode(text: str) -> bool:
-    """Return whether text is valid Unicode: clients may send half a surrogate pair in JSON or CBOR."""
+    """Return whether text is valid Unicode: a client may send an unpaired surrogate in JSON or CBOR."""
     return not any("\ud800" <= character <= "\udfff" for character in text)
 
 

@@ -1,8 +1,8 @@
-"""ROS messages without ROS: message objects, and their conversion to and from JSON, CBOR and ROS's serialisations.
+"""ROS messages without ROS: message objects, and their conversion to and from JSON, CBOR and ROS serialisations.
 
-A message is an object of `typestore().types["std_msgs/msg/String"]`. `to_plain(message, ros=1)` returns {"data":
-"hello"} for orjson or cbor2; `from_plain("std_msgs/msg/String", plain)` checks such a dict, fills in defaults and
-returns the message.
+A message is an instance of, say, `typestore().types["std_msgs/msg/String"]`. `to_plain(message, ros=1)` returns
+{"data": "hello"} for orjson or cbor2; `from_plain("std_msgs/msg/String", plain)` checks such a dict, fills in defaults
+and returns the message.
 """
 
 from uwsim.channels.message_in import from_plain, typed_array

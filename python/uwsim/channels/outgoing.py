@@ -1,4 +1,4 @@
-"""Outgoing messages, from the simulator's thread to a network: bounded queues, and the thread that writes."""
+"""Outgoing messages, from the simulator's thread to a network: bounded queues and the writer thread."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Job = Callable[[], bool]
 
 
 def queue_of(type_name: str) -> int:
-    """Return the number of messages of a type that may wait to be written; smaller for large messages."""
+    """Return the maximum number of queued messages of a type; smaller for large messages."""
     return LARGE_QUEUE if type_name in NEWEST_ONLY else QUEUE
 
 
 class Line(Generic[T]):
-    """One topic's queue. length: the number of items that may wait.
+    """One topic's queue. length: the maximum number of queued items.
 
     written: the number of messages written. drops: counts the messages that were dropped for newer ones or not
     accepted; by default, a new count.
@@ -95,7 +95,7 @@ class Outgoing:
         self._turns.put(line, job)
 
     def close(self) -> None:
-        """Stop after the message that is being written."""
+        """Stop once the current message has been written."""
         self._is_closed = True
         self._turns.wake()
         self._thread.join(CLOSE_S)

@@ -14,7 +14,7 @@ Request = dict[str, Any]
 
 
 def parameter_services() -> list[Service]:
-    """Return the parameter services. Each response has success, message and the requested values."""
+    """Return the parameter services. Each response contains success, message and the requested values."""
     return [
         Service(
             "simulation/list_parameters", "uwsim_msgs/srv/ListParameters", _list,

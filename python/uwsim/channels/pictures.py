@@ -21,7 +21,7 @@ WIDTHS = (16, 4096)
 
 @dataclass(frozen=True)
 class Stream:
-    """Settings of a camera's stream; see the service camera/NAME/set_stream. width: 0 for the original size.
+    """Settings of a camera stream; see the service camera/NAME/set_stream. width: 0 for the original size.
 
     Raises ValueError.
     """
@@ -42,13 +42,13 @@ class Stream:
                 raise ValueError(f"{name} = {getattr(self, name)}: {rule}")
 
     def is_due(self, slot: int) -> bool:
-        """Return whether a picture is sent in the period of 1 / RATE_HZ with this index."""
+        """Return whether a picture is sent in the period with this index; periods are 1 / RATE_HZ long."""
         share = self.rate_hz / RATE_HZ
         return self.enabled and int(slot * share + 1e-6) != int((slot - 1) * share + 1e-6)
 
 
 class Picture(NamedTuple):
-    """A frame, its JPEG, and the stream's settings at the time."""
+    """A frame, its JPEG, and the stream settings at that time."""
 
     frame: Frame
     jpeg: bytes
@@ -89,23 +89,23 @@ class Pictures:
 
     @property
     def streams(self) -> dict[str, Stream]:
-        """The settings of streams that have been changed, by camera."""
+        """The stream settings that have been changed, by camera."""
         return dict(self._streams)
 
     def stream(self, name: str) -> Stream:
-        """Return a camera's settings."""
+        """Return a camera's stream settings."""
         return self._streams.get(name, Stream())
 
     def set_stream(self, name: str, stream: Stream) -> None:
-        """Change a camera's settings; they apply from the next picture on."""
+        """Change a camera's stream settings, starting with the next picture."""
         self._streams[name] = stream
 
     def forget(self) -> None:
-        """Start over: the next reading takes a first picture of each camera."""
+        """Start over: the next reading takes a first picture with each camera."""
         self._jobs = {}
 
     def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
-        """Return the picture of the last period, or None if none was due."""
+        """Return the picture from the last period, or None if none was due."""
 
         def begin(stream: Stream) -> Callable[[], Picture]:
             capture = camera.later()
@@ -139,12 +139,12 @@ class Pictures:
         return ready[0].picture.result() if ready else None
 
     def submit(self, function: Callable[[], T]) -> Future[T]:
-        """Queue another rendering task on the pictures' thread."""
+        """Queue another rendering task on the picture thread."""
         return self._worker.submit(function)
 
 
 def _is_read(job: _Job, slot: int, waits: bool) -> bool:
-    """Return whether readings in this period get the picture: usually those in the first later period with any."""
+    """Return whether readings in this period get the picture; usually those in the next period with any do."""
     if waits and job.is_first and job.slot == slot:
         return True
     if job.read_in is None and job.slot < slot and (waits or job.picture.done()):
@@ -157,7 +157,7 @@ def _jpeg(frame: Frame, stream: Stream) -> bytes:
 
 
 def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
-    """Return a picture (height, width, 3) as JPEG, with the stream's width and quality."""
+    """Encode a picture (height, width, 3) as JPEG with the stream's width and quality."""
     from PIL import Image
 
     picture = Image.fromarray(rgb)

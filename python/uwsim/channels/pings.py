@@ -1,4 +1,4 @@
-"""The latest ping of a vehicle. As with a real head, the sound's travel time limits the ping rate."""
+"""The latest ping of a vehicle. As with a real sonar, the travel time of sound limits the ping rate."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SLOT_S = 0.02
 
 @dataclass(frozen=True, eq=False)
 class TakenPing:
-    """A ping, and the poses at its time: odom_from_body, odom_from_sonar (4, 4)."""
+    """A ping, and the poses when it was taken: odom_from_body, odom_from_sonar (4, 4)."""
 
     ping: _core.Ping
     odom_from_body: NDArray[np.float64]
@@ -28,7 +28,7 @@ class TakenPing:
 class Pings:
     """The pings of a vehicle's multibeam, interval_s apart: a multiple of SLOT_S, at least the travel time of sound.
 
-    All readers at one time get the same ping; without readers, none is computed. model: the sonar's model at the latest
+    All readers at one time get the same ping; without readers, none is computed. model: the sonar model at the latest
     ping.
     """
 
@@ -48,7 +48,7 @@ class Pings:
         return 1.0 / self.interval_s
 
     def newest(self, sim: Simulator) -> TakenPing:
-        """Return the latest ping; ping now if a new interval has begun since then, or simulated time went back."""
+        """Return the latest ping; first take a new one if a new interval has begun or simulated time has gone back."""
         now_ns, last = sim.time_ns, self._newest
         if last is None or now_ns < last.ping.time_ns or self._interval(now_ns) != self._interval(last.ping.time_ns):
             vehicle = self.source.of(sim)
@@ -62,7 +62,7 @@ class Pings:
         return last
 
     def forget(self) -> None:
-        """Ping again at the next reading, so that later readings do not depend on earlier ones."""
+        """Take a new ping at the next reading, so that later readings do not depend on earlier ones."""
         self._newest = None
 
     def _interval(self, time_ns: int) -> int:

@@ -16,7 +16,7 @@ NONE = "none"
 
 
 def plain_link_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channel, or an empty list if the scenario has a link, which provides a channel itself."""
+    """Return the channel in a list, which is empty if the scenario has a link, as the link has its own channel."""
     if sim.link is not None:
         return []
 

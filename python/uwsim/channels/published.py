@@ -1,6 +1,6 @@
-"""The protocol of the paper's simulator: its topics and strings, in the form that its nodes expect.
+"""The protocol of the paper's simulator: topics and strings in the format that its nodes expect.
 
-Numbers in strings have C#'s format: up to seven significant digits, each number followed by the letter a.
+Numbers in strings are formatted as in C#, with up to seven significant digits, and each is followed by the letter a.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def join(values: Iterable[float]) -> str:
 
 
 def state_text(sim: Simulator, source: Source) -> str:
-    """Return the text of `stateData`: the panel's nine values; an infinite distance is "Infinity".
+    """Return the text of `stateData`: the nine values on the panel; an infinite distance is "Infinity".
 
     The mission time counts whole seconds from the start of the scene, as in the published simulator; the battery's
     charge is the vehicle's own, which falls from the release on.
@@ -161,7 +161,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
 
 
 def station_picture(pictures: Pictures, sim: Simulator, frame_prefix: str = "") -> list[Channel]:
-    """Return the published picture's channel: the camera over the station's deck if there is one, else the first."""
+    """Return the channel of the published picture, from the camera over the station's deck if any, else the first."""
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
@@ -211,13 +211,13 @@ def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: 
 
 
 def let_go(live: LiveSimulator, steering: Steering) -> None:
-    """Set efforts to zero if they came from the keyboard, which has disconnected."""
+    """Set efforts to zero if they came from the keyboard; called when it has disconnected."""
     if steering.by_keys:
         steering.give(live, "set_effort")
 
 
 def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:
-    """Return each function's command, or "" if the vehicle lacks the part for it and thus ignores the key."""
+    """Return each function's command, or "" if the vehicle lacks the required part and so ignores the key."""
     vehicle = source.of(live.simulator)
 
     def lamp(name: str, on: bool) -> tuple[str, dict[str, Any]]:

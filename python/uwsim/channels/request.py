@@ -1,4 +1,4 @@
-"""Service requests: validated fields, and responses that report success or the reason for a failure."""
+"""Service requests: field validation, and responses that report success or the reason for a failure."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def answered(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveS
 
 
 def field(request: Request, name: str, kind: type, default: Any) -> Any:
-    """Validate a field of a request, and return it. Raises ValueError."""
+    """Validate and return a field of a request. Raises ValueError."""
     value = request.get(name, default)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)

@@ -1,4 +1,4 @@
-"""The multibeam's channels, and messages that depend on a single ping."""
+"""The multibeam's channels, and messages built from a single ping."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FLOAT32 = 7  # PointField.FLOAT32
 
 
 class Head(Protocol):
-    """The multibeam's properties that a scan needs: its model and the time between pings."""
+    """The properties of a multibeam that a scan needs: its model and the time between pings."""
 
     @property
     def model(self) -> _core.MultibeamModel:
@@ -64,7 +64,7 @@ class PingTopic:
 
 
 def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
-    """Convert a ping to a LaserScan; ranges beyond the model's limit are infinite, as in the published decoder."""
+    """Convert a ping to a LaserScan; ranges beyond the limit of the model are infinite, as in the published decoder."""
     ranges = np.where(taken.ping.ranges_m > head.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
     return ranging.to_laser_scan(ranges, head.model, 1e-9 * taken.ping.time_ns, ping_interval_s=head.interval_s)
 
@@ -75,7 +75,7 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
 
 
 def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]:
-    """Cache the last result of `make`, since several sinks read the same ping."""
+    """Cache the latest result of `make`, since several sinks read the same ping."""
     last: tuple[TakenPing, Any] | None = None
 
     def made(taken: TakenPing) -> Any:
@@ -121,7 +121,7 @@ def _depths(head: Head, taken: TakenPing, frame_id: str) -> Any:
 
 
 def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str) -> Any:
-    """Build a PointCloud2 from float32 columns: xyz (n, 3), others (n,)."""
+    """Build a PointCloud2 from float32 columns: xyz is (n, 3), the others are (n,)."""
     names = ["x", "y", "z", *(name for name in columns if name != "xyz")]
     data = np.column_stack(list(columns.values())).astype("<f4")
     fields = [

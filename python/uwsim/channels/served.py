@@ -25,9 +25,9 @@ def served_table(
     tf: Tf = "truth",
     frame_prefix: str = "",
 ) -> Table:
-    """Return a table plus the pace; /clock is included for any wire, since clients use simulated time.
+    """Return the table, plus /diagnostics; /clock is included for any wire, since clients use simulated time.
 
-    wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping the pace is
+    wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping pace is
     more important. Steps that a client requests while paused do wait. Raises ValueError.
     """
 

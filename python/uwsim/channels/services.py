@@ -62,7 +62,7 @@ def vehicle_services(
 
 
 def stream_service(topic: str, key: str, pictures: Pictures) -> Service:
-    """Return the service that sets how a camera's or imaging sonar's pictures are sent."""
+    """Return the service that configures the picture stream of a camera or imaging sonar."""
     return Service(
         f"{topic}/set_stream", "uwsim_msgs/srv/SetStream", answered(_set_stream(key, pictures)),
         f"set enabled, rate_hz (at most {RATE_HZ:g}), width [pixels, 0: its own] and JPEG quality; "
@@ -114,7 +114,7 @@ def _save_map(maps: Mapping[str, PingMap], vehicle: str) -> Callable[[LiveSimula
 
 
 def _checked_path(name: str) -> Path:
-    """Return the path of a .bt file in the working folder or an existing subfolder. Raises ValueError."""
+    """Return the path to a .bt file in the working folder or an existing subfolder. Raises ValueError."""
     folder = Path.cwd().resolve()
     path = (folder / name).resolve() if "\0" not in name else folder  # symbolic links are followed before the check
     hidden = any(part.startswith(".") for part in path.parts[len(folder.parts) :])

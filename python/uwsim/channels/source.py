@@ -1,4 +1,4 @@
-"""A vehicle as the source of channels: names of topics and frames, and the origin of its odometry."""
+"""A vehicle as a source of channels: the names of its topics and frames, and the origin of its odometry."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Source:
         return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
     def command_timeout_s(self, sim: Simulator) -> float:
-        """Return the time after which commands of a silent publisher end; 0: never."""
+        """Return the time after which a silent publisher's commands end; 0: never."""
         entries = sim.parameters.scenario.vehicles
         return next(entry.command_timeout_s for entry in entries if entry.name == self.name)
 
@@ -61,7 +61,7 @@ class Source:
 
     @property
     def scan_mount_m(self) -> tuple[float, float, float]:
-        """The position of the sonar's head on the body."""
+        """The position of the sonar head on the body."""
         mount = self.entry.model.sonar
         assert mount is not None
         return mount.position_m

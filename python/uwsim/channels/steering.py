@@ -24,7 +24,7 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Steering:
-    """Steers a vehicle by the last effort, wrench or thruster command, or holds a velocity until the next command.
+    """Applies the last effort, wrench or thruster command to a vehicle, or holds a velocity until the next command.
 
     Commands do not wait for the step at which they take effect; failures are logged. by_keys: whether the current
     efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent.
@@ -40,7 +40,7 @@ class Steering:
         self.watch = Watchdog(source.command_timeout_s)
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Issue a command that does not steer. It is lost silently while a fault has cut the vehicle's link."""
+        """Issue a command that does not steer. The command is silently lost if a fault has cut the vehicle's link."""
         return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
 
     def _is_cut_off(self, live: LiveSimulator) -> bool:
@@ -52,7 +52,7 @@ class Steering:
         return future
 
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Issue a steering command, and stop holding a velocity. Raises ValueError while all stop is set."""
+        """Issue a steering command and end any velocity hold. Raises ValueError while all stop is set."""
         if self._is_cut_off(live):
             return nothing_done()
         if live.simulator.link is None and _moves(arguments):  # over a link, the state aboard is unknown here
@@ -91,7 +91,7 @@ class Steering:
         return live.simulator.vehicles[self._source.name].gate
 
     def _end_if_stopped(self, gate: CommandGate) -> None:
-        """Stop holding a velocity if all stop was set after the hold began, even if it has been released again."""
+        """End the velocity hold if all stop has been set since the hold began, even if it has been released again."""
         if self._loop is not None and gate.stops != self._stops:
             self._loop.cancel()
             self._loop = None
@@ -114,14 +114,14 @@ def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
 
 
 def nothing_done() -> Future[Any]:
-    """Return the future for a lost command: it is done, although the sender does not know that the command was lost."""
+    """Return the future of a lost command: already done, as the sender does not know that the command was lost."""
     future: Future[Any] = Future()
     future.set_result(None)
     return future
 
 
 def log_error(future: Future[Any]) -> None:
-    """Log the error of a command whose result is not awaited."""
+    """Log the error, if any, of a command whose result is not awaited."""
     error = None if future.cancelled() else future.exception()
     if error is not None:
         logger.error("a command failed: %s", error)

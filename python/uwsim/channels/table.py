@@ -1,4 +1,4 @@
-"""The table: every channel and service of a simulator. Adding a family of channels takes one line here."""
+"""Table of every channel and service of a simulator. Adding a family of channels takes one line here."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "pub
 
 
 class Table:
-    """The channels and services of one simulator, which share its latest pings, pictures and maps.
+    """The channels and services of one simulator. They share its latest pings, pictures and maps.
 
-    Created once by the server, recorder or replay, and passed to everything that needs a part of it. wire: "published"
-    selects the topics of the paper's simulator, "standard" ROS's usual ones. origin: the world's origin in the odom
+    Created once by the server, recorder or replay, and passed to everything that needs part of it. wire: "published"
+    selects the topics of the paper's simulator, "standard" the usual ROS topics. origin: the world's origin in the odom
     frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. tf: the
     motion on /tf and /odom, see `frames.Tf`; the truth is on /ground_truth/odom in any case. frame_prefix: prefix of
     all frames except world, such as "auv/".
@@ -91,7 +91,7 @@ class Table:
 
     @property
     def has_map(self) -> bool:
-        """Whether any map has been begun."""
+        """Whether any map has been started."""
         return any(ping_map.is_begun for ping_map in self.maps.values())
 
     def _published(self, sim: Simulator) -> list[Channel]:
@@ -103,7 +103,7 @@ class Table:
         return found
 
     def _standard(self, sim: Simulator) -> list[Channel]:
-        """Return ROS's usual topics."""
+        """Return the usual ROS topics."""
         found = frames.common_channels(self.sources, self.tf, self.frame_prefix)
         found += station_cameras(sim, self.pictures, self.frame_prefix)
         for source in self.sources:
@@ -132,7 +132,7 @@ class Table:
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels; those that cross the link are silent while the vehicle is cut off."""
+    """Return a vehicle's channels such that those that cross the link are silent while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
         return lambda sim: None if is_cut_off(sim, source.name) else read(sim)

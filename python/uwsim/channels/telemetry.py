@@ -1,4 +1,4 @@
-"""/telemetry: all values of a vehicle's panel in one message, for operators."""
+"""/telemetry: all values on a vehicle's panel in one message, for operators."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class Watchdog:
         _stop(live, channel)
 
     def forget(self) -> None:
-        """Note that a command from elsewhere has replaced the channels' commands."""
+        """Note that a command from elsewhere has replaced those from the channels."""
         with self._lock:
             self._since_ns = {}
 
