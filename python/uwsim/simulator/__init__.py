@@ -1,4 +1,4 @@
-"""The simulator: its steps, vehicles, parameters, failures and docking."""
+"""The simulator: steps, vehicles, parameters, failures and docking."""
 
 from typing import TYPE_CHECKING, Any
 

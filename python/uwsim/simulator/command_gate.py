@@ -12,11 +12,11 @@ from uwsim.simulator.docking import DockedWarning
 
 
 class FailsafeWarning(UserWarning):
-    """A vehicle was commanded while its failsafe steers it, so the command has no effect."""
+    """Issued when a vehicle is commanded while its failsafe is steering: the command has no effect."""
 
 
 class AllStopWarning(UserWarning):
-    """A vehicle was commanded while all stop is set, so the command has no effect."""
+    """Issued when a vehicle is commanded while all stop is set: the command has no effect."""
 
 
 class FailsafeLike(Protocol):
@@ -42,7 +42,7 @@ class FailsafeLike(Protocol):
         """Register a command."""
 
     def insist(self) -> None:
-        """Set the failsafe's last efforts again."""
+        """Reapply the failsafe's last efforts."""
 
     def override(self) -> None:
         """Return control of the vehicle."""
@@ -53,7 +53,7 @@ class CommandGate:
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
     move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; programs that command
-    repeatedly stop when this changes. changed: called when all stop is set or released.
+    periodically stop when this changes. changed: called when all stop is set or released.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
@@ -77,7 +77,7 @@ class CommandGate:
             self.changed(self.all_stopped)
 
     def restore(self, *, all_stopped: bool) -> None:
-        """Continue with or without all stop, and issue each warning again when due."""
+        """Restore the all-stop state, and let each warning be issued once more."""
         self.all_stopped = all_stopped
         self._warned.clear()
         if all_stopped:
@@ -96,7 +96,7 @@ class CommandGate:
             self.failsafe.heard()
 
     def yields(self, *, moves: bool) -> None:
-        """Undo the command just issued if all stop is set or the failsafe is steering.
+        """Override the command just issued if all stop is set or the failsafe is steering.
 
         moves: whether any commanded value is nonzero.
         """
@@ -117,7 +117,7 @@ class CommandGate:
                 )
 
     def warn_of_dock(self) -> None:
-        """Warn, once, that the vehicle is commanded while docked."""
+        """Warn, once, that the vehicle is being commanded while docked."""
         if self._warns_first(DockedWarning):
             warnings.warn(
                 f"vehicle '{self._vehicle}' is docked: its commands have no effect before release(), undock() or "
@@ -127,13 +127,13 @@ class CommandGate:
             )
 
     def _warns_first(self, kind: type[Warning]) -> bool:
-        """Return whether this is the first warning of its kind since a restore or a change of the all-stop state."""
+        """Return whether this is the first warning of its kind since the last restore or all-stop change."""
         is_first = kind not in self._warned
         self._warned.add(kind)
         return is_first
 
     def override(self) -> None:
-        """Take control back from the failsafe. Raises ValueError if there is none."""
+        """Take back control from the failsafe. Raises ValueError if there is none."""
         if self.failsafe is None:
             raise ValueError(f"vehicle '{self._vehicle}': override_failsafe: it has no failsafe")
         self.failsafe.override()

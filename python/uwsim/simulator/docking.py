@@ -1,4 +1,4 @@
-"""The station's dock: where it holds a vehicle, where a vehicle leaves it, and the conditions for entering it."""
+"""The station's dock: its docked pose, its exit pose, and the conditions for docking and undocking."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ CLEARANCE_M = 0.1
 
 
 class DockedWarning(UserWarning):
-    """A docked vehicle received a command, which has no effect because its thrusters are off."""
+    """Issued when a docked vehicle is commanded: the command has no effect because the thrusters are off."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dock:
     """The dock of a simulator's station.
 
-    position_world_m (3,): origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. The vehicle's
-    heading at both is yaw_rad. hull_radii_m: radius of each vehicle's hull about its origin.
+    position_world_m (3,): origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. yaw_rad: the
+    vehicle's heading at both. hull_radii_m: hull radius of each vehicle about its origin.
     """
 
     simulation: _core.Simulation
@@ -39,11 +39,11 @@ class Dock:
 
     @property
     def orientation_xyzw(self) -> Vector:
-        """Return the orientation of a vehicle in the dock and at its exit, (4,)."""
+        """Return the orientation (4,) of a vehicle in the dock and at the exit."""
         return about_z(self.yaw_rad)
 
     def require_exit(self, vehicle: int) -> None:
-        """Raise ValueError unless the exit is clear of obstacles and other vehicles for this vehicle's hull."""
+        """Raise ValueError unless the exit has room for the vehicle's hull, clear of obstacles and other vehicles."""
         needed_m = self.hull_radii_m[vehicle] + CLEARANCE_M
         free_m = float(self.scene.distance_m(self.exit_world_m[None])[0])
         if free_m < needed_m:

@@ -1,4 +1,4 @@
-"""Network: the messages that station and vehicles exchange over a simulator's link."""
+"""Network: the messages exchanged by station and vehicles over a simulator's link."""
 
 from __future__ import annotations
 
@@ -86,11 +86,11 @@ class Network:
         replaces: bool = False,
         repeats: int = 0,
     ) -> bool:
-        """Put a message into the sender's queue; return False if the queue is full.
+        """Queue a message at the sender; return False if the queue is full.
 
         priority: 0 is sent first. lifetime_s: a message that is still queued after this time is dropped. replaces:
         whether it replaces an older message on its topic whose transmission has not begun. repeats: number of
-        additional copies, in case some are lost; only the first copy to arrive counts. Raises ValueError for an invalid
+        additional copies, in case some are lost; only the first to arrive counts. Raises ValueError for an invalid
         argument.
         """
         if not isinstance(payload, bytes) or len(payload) > PAYLOAD_BYTES_MAX:
@@ -112,9 +112,9 @@ class Network:
         return bool(taken)
 
     def received(self, at: str, after_s: float = 0.0) -> list[Delivery]:
-        """Return messages that arrived at a node after a time, oldest first.
+        """Return the messages that arrived at a node after a given time, oldest first.
 
-        Only the newest 512 of all nodes are kept.
+        Only the latest 512 messages across all nodes are kept.
         """
         topics = self._core.link_topics()
         found = self._core.link_deliveries(self._node(at), max(round(1e9 * after_s), 0))
@@ -127,7 +127,7 @@ class Network:
         ]  # fmt: skip
 
     def counts(self) -> list[Counts]:
-        """Return the counts of all messages so far, by topic and sender."""
+        """Return message counts so far, by topic and sender."""
         found = []
         for index, topic in enumerate(self._core.link_topics()):
             for node, name in enumerate(self.nodes):
@@ -143,11 +143,11 @@ class Network:
         return found
 
     def quality(self, sender: str, at: str) -> _core.LinkQuality:
-        """Return the last measured quality of a link: delay, SNR, closing speed, packets sent and lost."""
+        """Return the quality of a link as last measured: delay, SNR, closing speed, packets sent and lost."""
         return self._core.link_quality(self._node(sender), self._node(at))
 
     def reception(self, sender: str, receiver: str) -> _core.Reception:
-        """Return the predicted reception of a packet sent now."""
+        """Predict the reception of a packet sent now."""
         return self._core.link_reception(self._node(sender), self._node(receiver))
 
     def waiting(self, node: str) -> tuple[int, int]:
@@ -156,7 +156,7 @@ class Network:
         return messages, size
 
     def silence_s(self, at: str, sender: str = STATION) -> float:
-        """Return the time since a node last received a whole packet from another, or since the start."""
+        """Return the time since a node last received an intact packet from a sender, or since the start."""
         heard_ns = self.quality(sender, at).heard_ns
         return 1e-9 * max(self._core.time_ns - heard_ns, 0)
 
@@ -170,12 +170,12 @@ class Network:
 
     @property
     def sending_s(self) -> float:
-        """Total time so far during which a node was transmitting."""
+        """The total time so far during which some node was transmitting."""
         return self._core.link_sending_s()
 
     @property
     def next_arrival_ns(self) -> int:
-        """The earliest simulated time at which a message may arrive, as currently known."""
+        """The earliest simulated time at which, as far as is known, a message may arrive."""
         return self._core.link_next_arrival_ns()
 
     def _node(self, name: str) -> int:

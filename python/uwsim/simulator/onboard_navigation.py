@@ -1,4 +1,4 @@
-"""Navigation on board a simulated vehicle: a Navigator that starts when its estimate is first read."""
+"""Onboard navigation of a simulated vehicle: a Navigator that starts when its estimate is first read."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOVES = ("place", "dock", "undock")
 def new_navigator(
     vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
 ) -> Navigator:
-    """Return a started Navigator for a vehicle in this water."""
+    """Create and start a Navigator for a vehicle in this water."""
     from uwsim.navigation.estimation import Navigator  # imported here: scipy is slow to import
 
     return Navigator(
@@ -39,7 +39,7 @@ def new_navigator(
 class OnboardNavigation:
     """One vehicle's Navigator, kept up to date as the simulator runs, and restarted when the vehicle is moved.
 
-    make(start): creates the Navigator. start(): returns the current position and velocity with their accuracy.
+    make(start): creates the Navigator. start(): returns the current position and velocity and their accuracy.
     """
 
     def __init__(
@@ -78,17 +78,17 @@ class OnboardNavigation:
         return self._navigator is not None
 
     def take_in(self) -> None:
-        """Process the sensors' new samples if navigation has begun."""
+        """Process new sensor samples if navigation has begun."""
         if self._navigator is not None:
             self._navigator.update()
 
     def observe(self) -> None:
-        """Process the sensors' new samples, so that few of them are stored."""
+        """Process new sensor samples, so that they do not accumulate."""
         self.take_in()
         self.due_tick = self._tick() + self._every_ticks
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Restart at the new position if the command moved this vehicle."""
+        """Restart from the new position if the command moved this vehicle."""
         if name in MOVES and arguments["vehicle"] == self._vehicle:
             self.restart()
 
@@ -127,7 +127,7 @@ def _checked(text: str) -> str:
 
 
 class Estimates:
-    """The estimates of all vehicles whose navigation has begun, by vehicle, as a part of a saved state."""
+    """Part of a saved state: the estimates of all vehicles whose navigation has begun, by vehicle."""
 
     STATE: ClassVar[Any] = dict[str, Annotated[str, AfterValidator(_checked)]]
 

@@ -51,9 +51,9 @@ class Simulator(Sealed):
     by default one per core. Results do not depend on it. Raises ScenarioError (a ValueError) that names file, line,
     key, value and rule.
 
-    Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample. Calls
-    from several threads run one at a time; the others wait. cameras: the station's cameras, by name. events: the
-    faults, alarms and failsafe reactions so far. world: the world as built; read-only.
+    Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
+    Concurrent calls from several threads are serialised. cameras: the station's cameras, by name. events: the faults,
+    alarms and failsafe reactions so far. world: the world as built; read-only.
     """
 
     threads: int
@@ -167,7 +167,7 @@ class Simulator(Sealed):
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario, without later changes through `parameters`; after `reset(seed)`, with that seed."""
+        """The scenario, without changes made through `parameters`; after `reset(seed)`, with that seed."""
         return self._scenario
 
     @property
@@ -177,7 +177,7 @@ class Simulator(Sealed):
 
     @property
     def world(self) -> _core.FixedWorld:
-        """Terrain, obstacles and water in their current state; read-only."""
+        """The current terrain, obstacles and water; read-only."""
         return self._fixed_world
 
     @property
@@ -192,29 +192,29 @@ class Simulator(Sealed):
 
     @property
     def optics(self) -> Optics:
-        """The optical properties used by cameras: the scenario's, or as last set."""
+        """The optical properties used by cameras: those of the scenario, or as last set."""
         return self.parameters.scenario.optics
 
     def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
-        """Change optical properties from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
+        """Change optical properties, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
         self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
 
     @property
     def strengths_db(self) -> Named[float]:
-        """Backscatter strength of each surface's material for imaging sonars, keyed by the names in label_names."""
+        """The backscatter strength of each surface for imaging sonars, keyed by the names in label_names."""
         surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
         strengths = {name: surface.strength_db for name, surface in surfaces}
         return Named(strengths, "strengths_db", "the sonar model's strengths_db")
 
     @property
     def label_names(self) -> list[str]:
-        """The name of each label that pings and rays return: first World.label_names, then the vehicles'."""
+        """The names of the labels that pings and rays return: World.label_names, followed by those of the vehicles."""
         return label_names(self.scenario)
 
     def around(self, vehicle: str | None = None) -> Surroundings:
-        """Return a sonar's current surroundings: the world and all vehicles except the one that carries the sonar.
+        """Return the current surroundings of a sonar: the world and all vehicles except the sonar's carrier.
 
-        For imaging sonars and depth maps from arbitrary poses. `scene` contains only the world, without vehicles.
+        Used for imaging sonars and depth maps from arbitrary poses. `scene` contains only the world, without vehicles.
         Raises ValueError for an unknown vehicle.
         """
         names = list(self.vehicles)
@@ -240,7 +240,7 @@ class Simulator(Sealed):
 
     @property
     def version(self) -> int:
-        """A counter that changes whenever an observation may: with time, a vehicle's pose or a sonar's elevation."""
+        """A counter that changes whenever observations may change: with time, vehicle poses and sonar elevations."""
         return self._core.version
 
     @property
@@ -275,17 +275,17 @@ class Simulator(Sealed):
         self.step(round(steps))
 
     def wait(self, duration_s: float) -> None:
-        """Advance by a duration rounded to whole steps, at least one: the clock of missions. Raises ValueError."""
+        """Advance by a duration, rounded to whole steps, at least one: the mission clock. Raises ValueError."""
         steps = number(duration_s, "duration_s", "s") / self.step_s
         if not 0.0 <= steps < 2**53:
             raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
         self.step(max(1, round(steps)) if steps else 0)
 
     def reset(self, seed: int | None = None) -> None:
-        """Restart like a new Simulator of this scenario with a seed, by default the same seed.
+        """Restart as a new Simulator of this scenario would, with the same seed by default.
 
-        Vehicles, sensors and sonars remain the same objects; vehicles return to their starts, lamps and parameters to
-        the scenario's values. `version` keeps counting. Raises ValueError, changing nothing.
+        Vehicles, sensors and sonars remain the same objects; vehicles return to their starting poses, lamps and
+        parameters to their values in the scenario. `version` keeps counting. Raises ValueError, changing nothing.
         """
         scenario = self.scenario.with_changes(seed=seed)
         self._aboard.restart(scenario)
@@ -304,7 +304,7 @@ class Simulator(Sealed):
         self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
-        """Save everything that future results depend on, except scenario and seed.
+        """Save everything that future results depend on, except the scenario and the seed.
 
         This includes motion, commands, all stop, clocks, sensor states, lamps, camera pan and tilt, and changed
         parameters. A Simulator of the same scenario, seed and build that restores this state produces the same poses,
@@ -330,7 +330,7 @@ class Simulator(Sealed):
         return scenario_fingerprint(self.scenario), build_fingerprint()
 
     def _resume_vehicles(self) -> None:
-        """After a jump in time, end all sample streams, and derive from the actuators whether a vehicle is driven."""
+        """After a jump in time, end all sample streams and infer from the actuators which vehicles are driven."""
         for rov in self.vehicles.values():
             commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
             rov.gate.is_driven = any(commands)
@@ -338,7 +338,7 @@ class Simulator(Sealed):
                 sensor.end_streams()
 
     def _change(self, scenario: Scenario) -> None:
-        """Continue with this scenario, which differs only in parameters. Raises ValueError, changing nothing."""
+        """Switch to a scenario that differs only in parameters. Raises ValueError, changing nothing."""
         for rov in self.vehicles.values():
             rov.navigation.take_in()
         before = self.parameters.scenario
@@ -386,4 +386,4 @@ class Simulator(Sealed):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Do nothing: the world is freed with the object."""
+        """Do nothing: the world is freed along with the object."""

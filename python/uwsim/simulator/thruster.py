@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class Thruster:
     """A thruster's state: its command in [-1, 1], and its still-water thrust, which follows the command with a lag.
 
-    current_a: drawn from the battery; 0 if the battery is a mission time.
+    current_a: current drawn from the battery; 0 if the battery is modelled as a mission time.
     """
 
     command: float

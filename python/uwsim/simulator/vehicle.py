@@ -1,4 +1,4 @@
-"""A simulator's Vehicle: pose, velocity, telemetry and instruments; its commands are in vehicle_commands."""
+"""Vehicle: pose, velocity, telemetry and instruments of a simulated vehicle; vehicle_commands has its commands."""
 
 from __future__ import annotations
 
@@ -119,16 +119,16 @@ class Vehicle(CommandedVehicle):
 
     @property
     def sonar(self) -> Sonar:
-        """The first of the sonars. Raises ValueError if there is none."""
+        """The first sonar. Raises ValueError if there is none."""
         if self._sonar is None:
             raise ValueError(f"vehicle '{self.name}': carries no sonar")
         return self._sonar
 
     @property
     def authority(self) -> Vector:
-        """(6,) acceleration from rest at full effort on each axis alone, deep in still water [m/s2, rad/s2].
+        """The acceleration (6,) from rest at full effort on each axis alone, deep in still water [m/s2, rad/s2].
 
-        Computed from the smaller of the wrenches ahead and astern, and the full mass, including added mass.
+        Computed from the smaller of the ahead and astern wrenches, and the total mass, including added mass.
         """
         return authority(self._craft, self.full_wrench_body)
 
@@ -139,7 +139,7 @@ class Vehicle(CommandedVehicle):
 
     @property
     def effort(self) -> Vector:
-        """(6,) surge, sway, heave, roll, pitch and yaw as last set; zero after set_wrench or set_thrusters."""
+        """The last efforts set, (6,): surge, sway, heave, roll, pitch, yaw; zero after set_wrench or set_thrusters."""
         return read_only(self._simulation.effort(self._index))
 
     @property
@@ -182,7 +182,7 @@ class Vehicle(CommandedVehicle):
         return motion[2] if motion[0] == self._simulation.version else self._new_motion()[2]
 
     def _new_motion(self) -> tuple[int, Pose, Velocity]:
-        """Compute version, pose and velocity once per version, since missions read them several times per period."""
+        """Compute version, pose and velocity, and cache them, since missions read them several times per period."""
         position, orientation, world_from_body, linear, angular = self._simulation.motion(self._index)
         motion = self._simulation.version, Pose(position, orientation, world_from_body), Velocity(linear, angular)
         self.__dict__["_last_motion"] = motion  # faster than __setattr__, which checks names
@@ -190,17 +190,17 @@ class Vehicle(CommandedVehicle):
 
     @property
     def estimate(self) -> Navigator:
-        """The vehicle's motion by its own instruments: pose, velocity and covariance, from an error-state filter.
+        """Pose, velocity and covariance, estimated from the vehicle's own instruments by an error-state filter.
 
         The first access starts the filter from the pose and velocity at that time, assumed to be known to 0.1 m and
-        0.05 m/s; place, dock and undock restart it in the same way. The filter assumes the error parameters that the
-        sensors had when it started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
+        0.05 m/s; place, dock and undock restart it in the same way. The filter assumes the sensors' error parameters as
+        they were when it started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
         """
         return self._navigation.navigator
 
     @property
     def navigation(self) -> OnboardNavigation:
-        """The object that keeps `estimate` up to date, used by Simulator."""
+        """The object that keeps `estimate` up to date. Used by Simulator."""
         return self._navigation
 
     def _known_start(self) -> Start:
@@ -212,7 +212,7 @@ class Vehicle(CommandedVehicle):
 
     @property
     def collisions(self) -> int:
-        """Number of times that the vehicle has come into contact with an object."""
+        """The number of times that the vehicle has come into contact with an object."""
         return self._simulation.collisions(self._index)
 
     @property

@@ -1,4 +1,4 @@
-"""The commands of a simulated vehicle: their effects on the simulation, and their journal entries."""
+"""The commands of a simulated vehicle: their effects on the simulation and their journal entries."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class CommandedVehicle(Sealed, Placeable):
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
     ) -> None:
-        """Command the thrusters' force (3,) and torque (3,) about the origin, in still water and body axes.
+        """Command the total thruster force (3,) and torque (3,) about the origin, in body axes and for still water.
 
         Fins are not affected. A wrench beyond the thrusters' limits is scaled down, keeping its direction. Raises
         ValueError for wrong shapes and for values that are not finite.
@@ -95,7 +95,7 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
-        """Command thrusters in [-1, 1] by name; unnamed thrusters stop. Fins are not affected. Raises ValueError."""
+        """Command thrusters in [-1, 1] by name; those not named stop. Fins are not affected. Raises ValueError."""
         known = [name for name, _ in self._simulation.thruster_commands(self._index)]
         pairs = numbers_by_name(commands, "thrusters", known)
         self.gate.hears()
@@ -104,7 +104,7 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_thrusters", commands=dict(pairs))
 
     def set_fins(self, angles_rad: Mapping[str, float]) -> None:
-        """Command deflections by name, right-handed about each fin's span; unnamed fins return to 0.
+        """Command fin deflections by name, right-handed about each fin's span; fins not named return to 0.
 
         Thrusters are not affected. Raises ValueError.
         """
@@ -116,12 +116,12 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_fins", angles_rad=dict(pairs))
 
     def steer_silently(self, efforts: Sequence[float]) -> None:
-        """Set efforts, clipped to [-1, 1], without a journal entry: they follow from events already in the journal."""
+        """Set efforts, clipped to [-1, 1], without a journal entry: they follow from journalled events."""
         if not self.all_stopped:
             self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
 
     def override_failsafe(self) -> None:
-        """Take control back from the failsafe, which then ignores this cause. Raises ValueError without a failsafe."""
+        """Take back control from the failsafe, which then ignores this cause. Raises ValueError without a failsafe."""
         self.gate.override()
         self._note("override_failsafe")
 
@@ -138,7 +138,7 @@ class CommandedVehicle(Sealed, Placeable):
     def release(self) -> None:
         """Leave the station; the mission time starts.
 
-        Does nothing if the vehicle is already free. Raises ValueError if all stop prevents it.
+        Does nothing if the vehicle has already left. Raises ValueError if all stop prevents it.
         """
         if not self.released:
             self.gate.require_no_stop("release")
@@ -205,11 +205,11 @@ class CommandedVehicle(Sealed, Placeable):
             raise ValueError(f"vehicle '{self.name}': {error}") from None
 
     def _note(self, command: str, **arguments: Any) -> None:
-        """Report a command that has taken effect to the simulator's observers."""
+        """Notify the simulator's observers of a command that has taken effect."""
         if self._journal.observers:
             self._journal.note(command, vehicle=self.name, **arguments)
 
     def warn_if_docked(self) -> None:
-        """Warn, once, if the vehicle is commanded while docked. Called by Simulator.step."""
+        """Warn, once, if the vehicle is being commanded while docked. Called by Simulator.step."""
         if self.gate.is_driven and not self.released:
             self.gate.warn_of_dock()

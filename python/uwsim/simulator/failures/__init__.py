@@ -1,4 +1,4 @@
-"""Failures and reactions to them: faults that occur, alarms that a vehicle raises, its failsafe."""
+"""Failures and the reactions to them: faults, a vehicle's alarms and its failsafe."""
 
 from uwsim.simulator.failures.aboard import Aboard
 from uwsim.simulator.failures.events import Event, EventLog

@@ -23,7 +23,7 @@ FAILSAFE_OF = "failsafe of "
 
 
 class AboardState(State):
-    """The faults, each vehicle's failsafe under "failsafe of NAME", and the vehicles for which all stop is set."""
+    """A saved Aboard: faults, each vehicle's failsafe as "failsafe of NAME", and the vehicles with all stop set."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
@@ -32,7 +32,7 @@ class AboardState(State):
 
 
 class Aboard:
-    """A simulator's faults and its vehicles' failsafes and all-stop states, saved, restored and restarted together."""
+    """A simulator's faults, failsafes and all-stop states; they are saved, restored and restarted together."""
 
     STATE: ClassVar[Any] = AboardState
 
@@ -51,7 +51,7 @@ class Aboard:
         events: EventLog,
         agenda: Agenda,
     ) -> dict[str, Failsafe]:
-        """Give each vehicle the failsafe from the scenario or from its own file; return them by vehicle."""
+        """Give each vehicle the failsafe defined in the scenario or in its own file; return them by vehicle."""
         self._vehicles = vehicles
         for name, vehicle in vehicles.items():
             vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
@@ -71,7 +71,7 @@ class Aboard:
         return self._failsafes
 
     def restart(self, scenario: Scenario) -> None:
-        """Return to the start of a run of a scenario, which may have another seed."""
+        """Return to the start of a run of a scenario, possibly with a different seed."""
         self._faults.restart(scenario)
         for failsafe in self._failsafes.values():
             failsafe.restart()

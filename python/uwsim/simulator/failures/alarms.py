@@ -1,6 +1,6 @@
-"""A vehicle's alarms about itself, from what it can measure on board: battery, bilges, motors and sensor readings.
+"""The alarms that a vehicle raises from onboard measurements: battery, bilges, motors and sensor readings.
 
-They do not use the truth: a bias, which looks like any other reading, is not detected.
+Alarms do not use the truth, so a bias goes undetected: biased readings look like any others.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STUCK_LOOKS = 20  # consecutive checks with bit-identical values of a noisy sens
 
 
 class Watched(Protocol):
-    """The attributes of a vehicle that the alarms check."""
+    """The attributes of a vehicle that its alarms check."""
 
     @property
     def thrusters(self) -> Mapping[str, Any]:
@@ -41,12 +41,12 @@ class Watched(Protocol):
         """The battery's monitor."""
 
     def telemetry(self) -> Any:
-        """Read the vehicle's panel."""
+        """Return the values on the vehicle's panel."""
 
 
 @dataclass
 class Alarms:
-    """The alarms of one vehicle. lit: active alarms as text, with their causes. counts, last: state between checks."""
+    """The alarms of one vehicle. lit: active alarms, as text, and their causes. counts, last: state between checks."""
 
     model: VehicleModel
     figures: Failsafe
@@ -55,7 +55,7 @@ class Alarms:
     last: dict[str, list[float]] = field(default_factory=dict)
 
     def look(self, vehicle: Watched, water_kg: float) -> dict[str, Cause]:
-        """Check everything that is monitored; return the active alarms. water_kg: mass of water inside the hull."""
+        """Run all checks; return the active alarms. water_kg: mass of water inside the hull."""
         lit: dict[str, Cause] = {}
         if vehicle.telemetry().battery_percent < self.figures.battery_percent:
             lit["battery low"] = "battery"
@@ -71,7 +71,7 @@ class Alarms:
         return lit
 
     def _weak_thrusters(self, vehicle: Watched) -> list[str]:
-        """Compare each motor's thrust, derived from its revolutions, with the thrust expected from its command."""
+        """Compare each thruster's thrust, derived from its motor speed, with the thrust expected from its command."""
         weak = []
         voltage_v = vehicle.battery.voltage_v
         for name, state in vehicle.thrusters.items():
@@ -106,13 +106,13 @@ class Alarms:
         return failing
 
     def _counted(self, what: str, fails: bool) -> int:
-        """Return the number of consecutive checks at which something failed, including this one."""
+        """Return the number of consecutive checks that have failed, up to and including this one."""
         self.counts[what] = self.counts.get(what, 0) + 1 if fails else 0
         return self.counts[what]
 
 
 def _never_repeats(mount: SensorMount) -> bool:
-    """Return whether a sensor's noise makes successive samples differ: some channel has noise that is not rounded."""
+    """Return whether noise makes successive samples of a sensor differ: if any channel has noise and no rounding."""
     if mount.noise_std is not None:
         return mount.noise_std > 0
     errors = [mount.noise, *mount.channels.values()]

@@ -27,7 +27,7 @@ FASTEST_M_S = 5.0  # limit on a current's velocity components, as in scenarios
 
 
 def check(spec: FaultModel, vehicle: Vehicle, scenario: Scenario) -> None:
-    """Raise ValueError if a fault refers to parts that the vehicle does not have."""
+    """Raise ValueError if a fault refers to parts that the vehicle lacks."""
     if isinstance(spec, ThrusterFault):
         _check_thruster(spec, _model(scenario, vehicle.name), vehicle)
     if isinstance(spec, SensorFault):
@@ -97,7 +97,7 @@ def lay(spec: FaultModel, vehicle: str, water_kg: float, scenario: Scenario, ove
 
 
 def distort(spec: SensorFault, vehicle: Vehicle) -> None:
-    """Falsify a sensor's readings from now on."""
+    """Start falsifying a sensor's readings."""
     sensor = vehicle.sensors[spec.sensor]
     if spec.mode == "stuck":
         sensor.stick()
@@ -121,7 +121,7 @@ def _weaken_axis(vehicle: str, axis: int, share: float, model: VehicleModel, ove
 def _add_water(
     vehicle: str, water_kg: float, at_m: tuple[float, float, float], model: VehicleModel, over: dict[str, Any]
 ) -> None:
-    """Add water as ballast: weight and inertia without buoyancy, combined with other ballast at the common centre."""
+    """Add water as ballast (weight and inertia, no buoyancy), merged with other ballast at the common centre."""
     if water_kg <= 0.0:
         return
     mass, place = f"{vehicle}.ballast_kg", f"{vehicle}.ballast_position_m"

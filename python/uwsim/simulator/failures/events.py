@@ -1,4 +1,4 @@
-"""Spontaneous events in a run: faults, alarms, failsafe reactions."""
+"""Spontaneous events during a run: faults, alarms, failsafe reactions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failsafe: a vehicle's autonomous reaction to silence, or to an alarm about a failure on board."""
+"""Failsafe: a vehicle's autonomous reaction to silence or to an onboard alarm."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SILENCE = "silence"
 
 
 class BeginningState(State):
-    """Place and time at which a manoeuvre began; see uwsim.simulator.failures.manoeuvres."""
+    """The place and time at which a manoeuvre began; see uwsim.simulator.failures.manoeuvres."""
 
     x_m: FiniteFloat
     y_m: FiniteFloat
@@ -36,7 +36,7 @@ class BeginningState(State):
 
 
 class FailsafeState(State):
-    """A saved failsafe. pilot: memory of its Controller, if it is steering. lit, counts, last: state of its Alarms."""
+    """A saved failsafe. pilot: state of its Controller, if it is steering. lit, counts, last: state of its Alarms."""
 
     state: Literal["", "hold", "surface", "return", "go_on"]
     cause: Literal["", "silence", "battery", "leak", "thruster", "sensor"]
@@ -80,7 +80,7 @@ class Failsafe(Sealed):
     ) -> None:
         """home_m: the position to which it returns. water_kg: returns the mass of water inside the hull.
 
-        link_silence_s: returns the link's time of silence, if there is a link.
+        link_silence_s: returns how long the link has been silent, if there is a link.
         """
         self.figures = figures
         self.home_m = home_m
@@ -127,19 +127,19 @@ class Failsafe(Sealed):
     def has_control(self) -> bool:
         """Whether the failsafe is steering, so that commands have no effect.
 
-        Without a link, it is not in control during a silence, because any command ends the silence.
+        Without a link, the failsafe does not have control during a silence, because any command ends the silence.
         """
         is_ended_by_commands = self._cause == SILENCE and self._link_silence_s is None
         return self._state in ("hold", "surface", "return") and not is_ended_by_commands
 
     def heard(self) -> None:
-        """Register a command. It ends a silence; with a link, only if the command arrived over the link."""
+        """Register a command, which ends a silence; with a link, only a command that arrived over the link does."""
         tick = self._heard_tick = self._tick()
         if self._cause == SILENCE and not self._is_silent(tick):
             self._end()
 
     def insist(self) -> None:
-        """Set the last efforts again, since a command has just replaced them."""
+        """Reapply the last efforts, since a command has just replaced them."""
         self._steered.insist()
 
     def override(self) -> None:
@@ -219,7 +219,7 @@ class Failsafe(Sealed):
         return self.figures.silence_s is not None and self._silence_ticks(tick) >= self._ticks(self.figures.silence_s)
 
     def _silence_ticks(self, tick: int) -> int:
-        """Return the number of ticks since the last command; with a link, since the last packet over it."""
+        """Return the number of ticks since the last command or, with a link, since the last packet over the link."""
         if self._link_silence_s is None:
             return tick - self._heard_tick
         return min(round(self._link_silence_s() / self._step_s), tick - self._free_tick)
@@ -244,7 +244,7 @@ class Failsafe(Sealed):
                 self._begin(tick, then, cause, what=name)
 
     def _outranks(self, then: str) -> bool:
-        """Return whether a reaction has precedence over the current one."""
+        """Return whether a reaction takes precedence over the current one."""
         order = ("go_on", "hold", "return", "surface")
         return order.index(then) > order.index(self._state) or (self._cause == SILENCE and then != "go_on")
 

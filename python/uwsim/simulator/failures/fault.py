@@ -1,4 +1,4 @@
-"""A single fault: its kind, when it begins and ends, and its saved state."""
+"""A single fault: its kind, start and end, and saved state."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class FaultState(State):
 
 @dataclass
 class Fault:
-    """A fault and its current state. count: how many times it has begun. water_kg: mass of water it has let in."""
+    """A fault and its current state. count: how many times it has begun. water_kg: mass of water that it has let in."""
 
     name: str
     spec: FaultModel

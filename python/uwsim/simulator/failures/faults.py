@@ -1,7 +1,7 @@
 """Faults: failures that begin on schedule, at random or on request, and end after their duration.
 
-A fault acts through existing simulator parameters, such as a thruster's health or the ballast, on top of the scenario's
-values and the user's (`effects`); a sensor's readings are falsified where they are read (`distortion`).
+A fault acts through existing simulator parameters, such as a thruster's health or the ballast, overriding the values
+from the scenario and the user (`effects`); sensor readings are falsified where they are read (`distortion`).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ FILL_S = 1.0  # interval at which the water from a leak is updated
 
 
 class DistortionState(State):
-    """A sensor's distortion; see uwsim.instruments.distortion."""
+    """The distortion of a sensor; see uwsim.instruments.distortion."""
 
     stuck: dict[str, list[float]] | None
     bias: FiniteFloat
@@ -44,7 +44,7 @@ class DistortionState(State):
 
 
 class FaultsState(State):
-    """The saved faults by name, and the distorted sensors by "vehicle/sensor"."""
+    """Saved faults, by name, and distorted sensors, by "vehicle/sensor"."""
 
     faults: dict[str, FaultState]
     sensors: dict[str, DistortionState]
@@ -72,7 +72,7 @@ class Faults(Sealed):
     ) -> None:
         """apply: applies `overlay` to the running simulation. network: the link's network, if there is a link.
 
-        has_channels: whether commands may arrive over channels; without a network, a link fault cuts these off.
+        has_channels: whether commands may arrive over channels, which a link fault cuts off if there is no network.
         """
         self._vehicles = vehicles
         self._events = events
@@ -86,7 +86,7 @@ class Faults(Sealed):
         self.restart(scenario)
 
     def restart(self, scenario: Scenario) -> None:
-        """Return to the start of a run of a scenario, which may have another seed."""
+        """Return to the start of a run of a scenario, possibly with a different seed."""
         self._scenario = scenario
         self._faults = {}
         found = Collected()
@@ -105,7 +105,7 @@ class Faults(Sealed):
         self._attend()
 
     def _attend(self) -> None:
-        """Register with the agenda only while there are faults, begun or not, so that other runs step faster."""
+        """Register with the agenda only while there are active or pending faults, so that other runs step faster."""
         self._agenda.remove(self)
         if self._faults:
             self._agenda.add(self, Rank.FAULT, self.act)
@@ -119,7 +119,7 @@ class Faults(Sealed):
         return tuple(name for name, fault in self._faults.items() if fault.is_active)
 
     def water_kg(self, vehicle: str) -> float:
-        """Return the mass of water inside a vehicle at the last update [kg]."""
+        """Return the mass of water inside a vehicle [kg] as of the last update."""
         return sum(fault.water_kg for fault in self._faults.values() if fault.vehicle == vehicle)
 
     def link_is_down(self, vehicle: str) -> bool:
@@ -129,7 +129,7 @@ class Faults(Sealed):
     def inject(self, kind: str, *, name: str | None = None, **figures: Any) -> str:
         """Start a fault now; return its name. See docs/guides/faults.md for kinds and parameters.
 
-        Raises ValueError, changing nothing.
+        Raises ValueError and changes nothing if the fault is invalid.
         """
         step_s = self._scenario.step_s
         given = {"kind": kind, "name": name, **figures}
@@ -162,7 +162,7 @@ class Faults(Sealed):
         self._journal.note("end_fault", name=name)
 
     def overlay(self, scenario: Scenario) -> dict[str, Any]:
-        """Return the parameters that faults change from a scenario's values, by name."""
+        """Return, by name, the parameter values with which faults override those of a scenario."""
         found: dict[str, Any] = {}
         for fault in self._faults.values():
             if fault.is_active or fault.water_kg > 0:
@@ -194,7 +194,7 @@ class Faults(Sealed):
         self._apply()
 
     def save(self) -> dict[str, Any]:
-        """Return everything that future steps depend on, as JSON values."""
+        """Return, as JSON values, everything that future steps depend on."""
         stuck = {
             f"{vehicle.name}/{name}": asdict(sensor.distortion)
             for vehicle in self._vehicles.values()
@@ -243,7 +243,7 @@ class Faults(Sealed):
         return next(name for name in names if name not in self._faults)
 
     def _next_begin(self, fault: Fault, after_tick: int) -> int:
-        """Return the tick at which a fault next begins: once at at_s, or after random intervals (a Poisson process)."""
+        """Return the tick at which a fault next begins: once, at at_s, or at random intervals (a Poisson process)."""
         if fault.spec.at_s is not None:
             return round(fault.spec.at_s / self._scenario.step_s) if fault.count == 0 else NEVER
         assert fault.spec.rate_per_h is not None
@@ -251,7 +251,7 @@ class Faults(Sealed):
         return after_tick + self._ticks(interval_s)
 
     def _draw(self, fault: Fault) -> float:
-        """Return a random value in (0, 1) that depends only on seed, name and count (Philox 4 x 64, counter-based)."""
+        """Return a random value in (0, 1) that depends only on seed, name and count (counter-based Philox 4 x 64)."""
         stream = int.from_bytes(hashlib.blake2b(f"fault/{fault.name}".encode(), digest_size=8).digest(), "little")
         key = np.array([self._scenario.seed, stream], np.uint64)
         counter = np.array([fault.count, 0, 0, 0], np.uint64)
@@ -283,7 +283,7 @@ class Faults(Sealed):
             self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another fault may still be active
 
     def _fill(self, fault: Fault, tick: int) -> None:
-        """Update the mass of water that a leak has let in."""
+        """Update the mass of water let in by a leak."""
         if isinstance(fault.spec, LeakFault):
             came_kg = fault.spec.kg_per_s * (tick - fault.filled_tick) * self._scenario.step_s
             fault.water_kg = min(fault.water_kg + came_kg, fault.spec.kg_max or math.inf)

@@ -1,6 +1,6 @@
-"""The manoeuvres of a failsafe: hold, surface, return. Each is a function of the vehicle's pose when it began.
+"""Failsafe manoeuvres: hold, surface, return. Each is a function of the vehicle's pose at its start.
 
-They define the targets; the control loops of uwsim.navigation.control.Controller do the steering.
+They set targets; the control loops of uwsim.navigation.control.Controller do the steering.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SLOWING_M_S2 = 0.1  # deceleration at the end of an ascent; assumed to be within
 
 @dataclass(frozen=True)
 class Beginning:
-    """Place and time at which a manoeuvre began: x, y, z [m], yaw [rad], time [s]."""
+    """The pose and time at which a manoeuvre began: x, y, z [m], yaw [rad], time [s]."""
 
     x_m: float
     y_m: float
@@ -42,7 +42,7 @@ def surface(pilot: Controller, began: Beginning, figures: Failsafe, time_s: floa
 
 
 def ascent(height_m: float, rate_m_s: float, since_s: float) -> tuple[float, float]:
-    """Return the height gained in an ascent after since_s, and the rate then: constant first, decreasing at the end."""
+    """Return the height gained since_s into an ascent, and the rate then: constant, but decreasing at the end."""
     fastest_m_s = min(rate_m_s, math.sqrt(2.0 * SLOWING_M_S2 * height_m))
     if fastest_m_s <= 0.0:
         return 0.0, 0.0
@@ -62,7 +62,7 @@ def fly_back(
     home_m: tuple[float, float, float],
     above_bed_m: float,
 ) -> None:
-    """Climb or sink to the return depth, face home, fly there, and hold at home's depth.
+    """Ascend or descend to the return depth, turn towards home, fly there, and hold at the depth of home.
 
     above_bed_m: the vehicle's altimeter reading; inf without an altimeter or an echo.
     """

@@ -12,10 +12,10 @@ ZERO = (0.0,) * 6
 
 
 class Steered(Steerable):
-    """A vehicle steered by its own failsafe; unlike commands from outside, its efforts are not logged.
+    """A vehicle steered by its own failsafe; unlike external commands, its efforts are not logged.
 
-    pose, velocity: from the vehicle's own instruments (Vehicle.estimate) once its navigation has begun; the truth
-    before.
+    pose, velocity: estimated from the vehicle's own instruments (Vehicle.estimate) once its navigation has begun; until
+    then, the true values.
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -29,12 +29,12 @@ class Steered(Steerable):
 
     @property
     def pose(self) -> Any:
-        """The pose as the vehicle knows it."""
+        """The pose known to the vehicle."""
         return self._known.pose
 
     @property
     def velocity(self) -> Any:
-        """The velocity as the vehicle knows it."""
+        """The velocity known to the vehicle."""
         return self._known.velocity
 
     @property
@@ -43,10 +43,10 @@ class Steered(Steerable):
         return navigation.navigator if navigation.has_begun else self._vehicle
 
     def command(self, name: str, /, **efforts: float) -> None:
-        """Set efforts, clipped to [-1, 1]; the only command."""
+        """Set efforts, clipped to [-1, 1]; no other command is supported."""
         self.last = tuple(efforts.values())
         self.insist()
 
     def insist(self) -> None:
-        """Set the last efforts again."""
+        """Reapply the last efforts."""
         self._vehicle.steer_silently(self.last)

@@ -1,4 +1,4 @@
-"""Parameters that can be changed during a run, with the names and rules of the scenario."""
+"""Parameters that can be changed during a run; their names and rules are those of the scenario."""
 
 from uwsim.simulator.parameters.parameter import Parameter
 from uwsim.simulator.parameters.parameters import Parameters, UnknownParameterError

@@ -1,4 +1,4 @@
-"""Replaces values of a scenario, and validates the result as a whole."""
+"""Replacement of values in a scenario, with the result validated as a whole."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ UNSET = object()
 
 @dataclass
 class Edits:
-    """The replacements at and below a place."""
+    """The replacement values at and below a place."""
 
     value: Any = UNSET
     below: dict[str | int, Edits] = field(default_factory=dict)
@@ -37,7 +37,7 @@ class Edits:
 
 
 def edited(scenario: Scenario, changes: Mapping[Place, Any]) -> Scenario:
-    """Return a validated copy with these values. Raises ScenarioError, whose mistakes name the scenario's keys."""
+    """Return a validated copy with these values. Raises a ScenarioError that names the scenario's keys."""
     edits = Edits()
     for place, value in changes.items():
         edits.put(place, value)
@@ -82,7 +82,7 @@ class _Merge:
         return data
 
     def _base(self, model: Model, key: str) -> Any:
-        """Return the value that an edit below a field starts from."""
+        """Return the value to which an edit below a field is applied."""
         if isinstance(model, SensorMount) and key == "noise":
             return model.noise or Noise(std=model.noise_std or 0.0)
         if isinstance(model, SensorMount) and key not in SensorMount.model_fields:
@@ -92,7 +92,7 @@ class _Merge:
 
 
 def _displaced(model: Model, data: Mapping[str | int, Any], edits: Edits) -> tuple[str, ...]:
-    """Return the keys that the edits make obsolete, since a scenario may specify only one of two alternatives."""
+    """Return the keys that the edits displace, where a scenario may specify only one of two alternatives."""
     if isinstance(model, VehicleModel) and "mass_kg" in edits.below:
         return "density_kg_m3", "buoyancy"
     if isinstance(model, SensorMount) and "noise" in edits.below:

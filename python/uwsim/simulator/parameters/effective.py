@@ -1,4 +1,4 @@
-"""Effective values of fields that a scenario omits and that a model or a mesh provides."""
+"""Effective values of fields that a scenario omits because a model or a mesh provides them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NO_FORCES = (0.0,) * 6
 
 
 def effective(owner: Model, field: str, scenario: Scenario) -> Any:
-    """Return a field's effective value: its own, or the one that applies if it has none."""
+    """Return a field's effective value: the one set or, if it is omitted, the one that applies instead."""
     own = getattr(owner, field)
     if isinstance(owner, SonarSetup):
         return _of_sonar(owner, field, own)

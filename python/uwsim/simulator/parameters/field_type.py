@@ -13,7 +13,7 @@ Type = Literal["number", "whole number", "flag", "choice", "text", "list", "stru
 
 @dataclass(frozen=True)
 class FieldType:
-    """The type of a field whose value is a leaf; see Parameter for the meaning of its fields."""
+    """The type of a leaf field; see Parameter for the meaning of the attributes."""
 
     type: Type
     unit: str = ""
@@ -25,7 +25,7 @@ class FieldType:
 
 
 def stripped(annotation: Any, value: Any) -> tuple[Any, list[Any], bool]:
-    """Return the alternative of an annotation that fits a value, its metadata, and whether None is allowed."""
+    """Return the member of a union annotation that fits a value, its metadata, and whether None is allowed."""
     metadata: list[Any] = []
     optional = False
     while True:

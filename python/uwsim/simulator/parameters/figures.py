@@ -1,4 +1,4 @@
-"""Parameters specific to each kind of sensor and imaging sonar, whose tables are in the native core."""
+"""Parameters specific to a kind of sensor or imaging sonar; their tables are in the native core."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STRENGTHS_TYPE = FieldType("structure", meaning="Lambert's strength of single su
 
 
 def sensor_figures(mount: SensorMount) -> dict[str, tuple[FieldType, tuple[float, ...]]]:
-    """Return the parameters of a sensor's kind by name: type and values."""
+    """Return the type and values of each parameter specific to a sensor's kind, by name."""
     return {
         name: (_type(figure), tuple(mount.parameters.get(name) or (figure.by_default,) * figure.width))
         for name, figure in _core.sensor_kind(mount.kind).parameters.items()
@@ -25,7 +25,7 @@ def sensor_figures(mount: SensorMount) -> dict[str, tuple[FieldType, tuple[float
 
 
 def imaging_figures(mount: ImagingMount) -> dict[str, tuple[FieldType, Any]]:
-    """Return the parameters of an imaging sonar by YAML key, with angles in degrees: type and value."""
+    """Return the type and value of each imaging sonar parameter, by YAML key; angles are in degrees."""
     model = imaging.KINDS[mount.kind].model(**mount.figures)
     figures: dict[str, tuple[FieldType, Any]] = {}
     for name, figure in _core.imaging_kind(mount.kind).parameters.items():

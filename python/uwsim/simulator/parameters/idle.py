@@ -1,4 +1,4 @@
-"""Fields that have no effect in the current scenario: setting one raises an error that states why."""
+"""Fields that have no effect in the current scenario; setting one raises an error that states why."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OF_PHYSICS_MODE = ("bending", "rays_per_beam", "noise")
 
 
 def idle(model: Model, field: str) -> str:
-    """Return the reason why a field has no effect, or an empty string if it has an effect."""
+    """Return the reason why a field has no effect, or an empty string if it has one."""
     if isinstance(model, Water):
         return _of_water(model, field)
     if isinstance(model, Optics) and field == "jerlov" and model.coefficients is not None:

@@ -1,4 +1,4 @@
-"""Parameter: the name, value, type, unit, range and description of one of a scenario's parameters."""
+"""Parameter: the name, value, type, unit, range and description of a scenario parameter."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Parameter:
 
 
 def plain(value: Any) -> Any:
-    """Convert a value to JSON types: tuples to lists, models to dicts."""
+    """Convert a value to JSON types: tuples become lists, models dicts."""
     if hasattr(value, "model_dump"):
         return plain({key: getattr(value, key) for key in type(value).model_fields})
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Parameters, a mapping from names to a simulator's parameters."""
+"""Parameters: a mapping from names to the parameters of a simulator."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from uwsim.simulator.parameters.tree import Node, Place, find, nodes
 
 
 class UnknownParameterError(UnknownNameError):
-    """The name of a parameter is unknown. The message suggests the most similar name."""
+    """Raised for an unknown parameter name. The message suggests the most similar name."""
 
 
 class Switch(Protocol):
-    """A part that is either on or off, such as a lamp."""
+    """A part that can be switched on and off, such as a lamp."""
 
     @property
     def on(self) -> bool:
@@ -44,7 +44,7 @@ class Parameters(Mapping[str, Any]):
 
     The changed scenario is validated as a whole: an invalid change raises ValueError with parameter, value, unit and
     rule, and changes nothing. A change applies from the next step on, as if it were in the scenario; motion, commands
-    and samples in transit are kept. Reading is safe on any thread; change parameters only on the stepping thread.
+    and samples in transit are kept. Parameters may be read on any thread, but changed only on the stepping thread.
     """
 
     STATE: ClassVar[Any] = dict[str, Any]
@@ -57,11 +57,11 @@ class Parameters(Mapping[str, Any]):
         switches: Mapping[str, Switch],
         overlay: Callable[[Scenario], Mapping[str, Any]] = lambda scenario: {},
     ) -> None:
-        """Start with a scenario's own values.
+        """Start with the values of a scenario.
 
         apply: applies the changed scenario, or raises. note: called with each change, as a command. switches: the
         switches whose state is a parameter, by parameter name. overlay: returns the values, by name, with which faults
-        override a scenario's; they are not in `changes`.
+        override those of a scenario; they are not in `changes`.
         """
         self._apply = apply
         self._note = note
@@ -80,12 +80,12 @@ class Parameters(Mapping[str, Any]):
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario with all changes applied. A Simulator of that scenario behaves like this one."""
+        """The scenario with all changes applied. A Simulator created from it behaves like this one."""
         return self._running
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The values that have been set, by name, as plain types."""
+        """The values that have been set, by name, in plain types."""
         return dict(self._changes)
 
     def __getitem__(self, name: str) -> Any:
@@ -127,7 +127,7 @@ class Parameters(Mapping[str, Any]):
         return f"is empty: {owner or 'the scenario'} has none{driven}{did_you_mean(above.name, [*self])}"
 
     def describe(self, name: str) -> Parameter:
-        """Return the type, unit, range, description, value and default of one value. Raises UnknownParameterError."""
+        """Return the type, unit, range, description, value and default of a parameter. Raises UnknownParameterError."""
         node = self._node(name)
         kind = node.type
         if kind is None:
@@ -199,7 +199,7 @@ class Parameters(Mapping[str, Any]):
             self._switches[name].set_silently(on)
 
     def _with(self, changes: Mapping[str, Any]) -> Scenario:
-        """Return the scenario with these changes. Raises ScenarioError that uses the names of parameters."""
+        """Return the scenario with these changes. Raises a ScenarioError phrased in parameter names."""
         places = {name: self._place(name) for name in changes}
         base = self._original
         try:
@@ -225,7 +225,7 @@ class Parameters(Mapping[str, Any]):
         into[name] = [plain(value)] if is_one_of_a_list else plain(value)
 
     def places(self, names: Iterable[str]) -> Sequence[Place]:
-        """Return the places of names in the scenario, for use with `edited`."""
+        """Return the places of these names in the scenario, for use with `edited`."""
         return [self._place(name) for name in names]
 
     def _place(self, name: str) -> Place:
@@ -252,7 +252,7 @@ class Parameters(Mapping[str, Any]):
         return node
 
     def _renamed(self, text: str) -> str:
-        """Return a message about a scenario's key with the key replaced by the parameter's name."""
+        """Replace the scenario key in an error message with the parameter name."""
         found = [node for node in nodes(self._running).values() if node.place and _begins(text, node.key)]
         if not found:
             return text
@@ -261,7 +261,7 @@ class Parameters(Mapping[str, Any]):
 
 
 def _listed(tree: Mapping[str, Node]) -> Sequence[str]:
-    """Return the names of individual values that have an effect."""
+    """Return the names of individual values that currently have an effect."""
     return [name for name, node in tree.items() if node.type is not None and not node.idle]
 
 
@@ -270,6 +270,6 @@ def _begins(text: str, key: str) -> bool:
 
 
 def _displaces(name: str, old: str) -> bool:
-    """Return whether a change overrides an earlier one: of the same value, a part of it, or another kind's keys."""
+    """Return whether a change supersedes an earlier one: to the same value, part of it, or another kind's keys."""
     above = name.removesuffix("." + KIND)
     return old == name or old.startswith(name + ".") or (above != name and old.startswith(above + "."))

@@ -118,7 +118,7 @@ def why_fixed(name: str) -> str:
 
 
 def position_or_key(part: str) -> str | int:
-    """Return a part of a name as used in plain values: the index of an item, or a key."""
+    """Convert one part of a name to its form in plain values: an item index or a key."""
     for names in (COORDINATES, COLOURS):
         if part in names:
             return names.index(part)
@@ -126,7 +126,7 @@ def position_or_key(part: str) -> str | int:
 
 
 def is_absent(model: Model, field: str) -> bool:
-    """Return whether a field does not apply to a model because the model specifies the alternative."""
+    """Return whether a field does not apply to a model because the model specifies its alternative."""
     if field in ("max_force_n", "max_torque_nm", "battery") or field.endswith("_matrix"):
         return getattr(model, field) is None
     return getattr(model, field + "_matrix", None) is not None
@@ -137,7 +137,7 @@ LISTS = {("water", "current")}
 
 
 def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:
-    """Return the names of a tuple's items."""
+    """Return the names of the items of a tuple."""
     if (owner, field) in ITEM_NAMES:
         return ITEM_NAMES[owner, field]
     if field == "limits":

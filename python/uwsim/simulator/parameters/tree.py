@@ -1,4 +1,4 @@
-"""The tree of a scenario's parameters: their names, their places in its models, and their values."""
+"""The tree of a scenario's parameters: their names, places in the scenario's models, and values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Place = tuple[str | int, ...]
 
 
 def joined(above: str, name: str) -> str:
-    """Join the names of a parent and its part with a dot; either may be empty."""
+    """Join the names of a parent and a child with a dot; either may be empty."""
     return f"{above}.{name}" if above and name else above or name
 
 
@@ -46,12 +46,12 @@ class Node:
         return text.removeprefix(".")
 
     def below(self, name: str, part: str | int, value: Any) -> Node:
-        """Return the node for a part of this one. name: "" if the part's own parts directly follow this node's name."""
+        """Return the node for a child. name: "" if the names of its own children directly follow this node's name."""
         return Node(joined(self.name, name), (*self.place, part), value, None, self.description, self.idle)
 
 
 def nodes(scenario: Scenario, towards: str = "") -> dict[str, Node]:
-    """Return all leaves and groups by name. towards: only those above, at and below this name."""
+    """Return all leaves and groups by name. towards: if not empty, only those above, at and below this name."""
     found: dict[str, Node] = {}
     for node in _Walk(scenario, towards).model(Node("", (), scenario)):
         if node.name:
@@ -76,7 +76,7 @@ def find(scenario: Scenario, name: object) -> Node | None:
 
 @cache
 def _fields(owner: type[Model]) -> list[tuple[str, str, Any, list[Any], str]]:
-    """Return the fields of a model that are parameters: field, name, annotation, rules, description."""
+    """Return field, name, annotation, rules and description of each model field that is a parameter."""
     words = descriptions(owner) | {"kind": "another kind needs its own keys, given together: set all of it at once"}
     return [
         (field, table.NAMES.get((owner, field), field), info.annotation, info.metadata, words.get(field, ""))
@@ -91,7 +91,7 @@ class _Walk:
     towards: str
 
     def leads_on(self, name: str) -> bool:
-        """Return whether a name is above, at or below the sought name."""
+        """Return whether a name is above, at or below the name being sought."""
         sought = self.towards
         return (
             not sought or not name or name == sought or sought.startswith(name + ".") or name.startswith(sought + ".")
@@ -165,7 +165,7 @@ class _Walk:
 
 
 def _matrix(at: Node) -> Iterator[Node]:
-    """Yield the diagonal elements, named by their axis, and the others, named by both axes: "surge" and "surge_yaw"."""
+    """Yield the diagonal elements, named after their axis ("surge"), and the others, named after both ("surge_yaw")."""
     for i, row in enumerate(at.value):
         for j, value in enumerate(row):
             name = AXES[i] if i == j else f"{AXES[i]}_{AXES[j]}"
