@@ -1,1 +1,1 @@
-"""Flies any mission in a simulator: log, samples, map, score, report, autosave. Start reading at fly.py."""
+"""Flies any mission in a simulator, with log, samples, map, score, report and autosave. Start reading at fly.py."""

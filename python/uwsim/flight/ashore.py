@@ -1,4 +1,4 @@
-"""The station's end of a mapping flight over a link: collects the pings that arrive and builds a map from them."""
+"""The station's end of a mapping flight over a link: collects arriving pings and builds a map from them."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from uwsim.simulator.simulator import Simulator
 
 
 class Ashore:
-    """Collects the pings of a vehicle as they arrive: an Observer of the simulator's journal.
+    """Collects a vehicle's pings as they arrive: an Observer of the simulator's journal.
 
     table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
     selects what its link carries; if None, all channels that the link can carry. steps: simulator steps between
-    collections. saved: the result of `save`, to continue from. The link does not affect anything on board.
+    collections. saved: a result of `save` to continue from. Nothing on board depends on the link.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Ashore:
         self._carrier.start(saved["carrier"] if saved else None)
 
     def observe(self) -> None:
-        """Collect the pings that have arrived since the last call, because the link does not keep them."""
+        """Collect the pings that have arrived since the last call, since the link does not keep them."""
         self.due_tick = self._sim.tick + self._steps
         for channel in self._seen:
             channel.read(self._sim)  # over a cable, a channel is sent only if something reads it
@@ -69,11 +69,11 @@ class Ashore:
         return len(self._pings)
 
     def table(self) -> list[LinkRow]:
-        """Return, by topic, how many messages were sent, delivered, lost and late."""
+        """Return the numbers of messages sent, delivered, lost and late, by topic."""
         return link_rows(self._sim)
 
     def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:
-        """Return the map of the pings that have arrived."""
+        """Return a map built from the pings that have arrived."""
         made = OccupancyMap(resolution_m=resolution_m, engine=engine)
         for payload in self._pings:
             assert self._ping is not None

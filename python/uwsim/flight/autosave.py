@@ -1,4 +1,4 @@
-"""Decides when a flight is saved, and whether a signal has requested it to stop."""
+"""Decides when a flight is saved, and whether a signal has asked it to stop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_SHARE_OF_TIME = 0.5  # largest share of wall time spent on saving, if a save
 
 
 class FlightAutosave(Stoppable):
-    """Saves a flight every interval_s seconds of wall time; 0 disables saving.
+    """Schedules a save every interval_s seconds of wall time; 0 disables saving.
 
     The first save is at the start, so that there is always a map. The first failed save is reported through `report`,
     and so is the next successful one; the flight continues in between. hears_signals: whether Ctrl-C and SIGTERM end
@@ -43,7 +43,7 @@ class FlightAutosave(Stoppable):
         return stop_on_signals(self) if self._hears_signals else nullcontext()
 
     def due(self) -> bool:
-        """Return whether a save is due; after returning True, return False until that save is done."""
+        """Return whether a save is due; once this has returned True, it returns False until that save is done."""
         is_due = self.is_on and time.monotonic() >= self._next_s
         if is_due:
             self._started_s, self._next_s = time.monotonic(), math.inf

@@ -1,4 +1,4 @@
-"""A flight saved in its output folder, from which it is resumed.
+"""A flight saved in its output folder, ready to be resumed.
 
     OUT/map.bt                     the map, readable at any time
     OUT/checkpoint/flight.json     the request, the progress, and which files belong to it; replaced last, atomically
@@ -8,7 +8,7 @@
 A mission with `save` and `restore` continues from its saved state. Any other mission is a running Python function,
 which cannot be saved: on resuming, it is flown again from its start, without mapping, up to the saved tick. At that
 tick, the simulator's state must equal the saved one to the last bit, unless another build saved it. From then on, pings
-are added to the saved map. The repetition costs only the time of the physics. Both ways give the same map.
+are added to the saved map. The repetition takes only as long as the physics. Both methods give the same map.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class FlightCheckpoint:
         self._remove_other_files(files)
 
     def read(self, memory_limit_mb: float | None = None) -> SavedFlight:
-        """Return the saved flight. memory_limit_mb: memory limit of its map.
+        """Return the saved flight. memory_limit_mb: memory limit for its map.
 
         Raises ValueError if there is no saved flight or it is damaged, OSError if it cannot be read.
         """
@@ -110,16 +110,16 @@ class FlightCheckpoint:
             raise ValueError(f"--resume: no unfinished flight is saved in '{self.out}': {why}")
 
     def remove_leftovers(self) -> None:
-        """Remove the temporary files of a flight that was killed while writing."""
+        """Remove temporary files left by a flight that was killed while writing."""
         for folder in (self.out, self.folder):
             _remove_leftovers(folder)
 
     def remove(self) -> None:
-        """Remove the saved flight, because it has ended."""
+        """Remove the saved flight; called when it has ended."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def set_aside(self) -> Path | None:
-        """Rename the saved flight's folder to make room for another; return its new path, or None if there was none.
+        """Rename a saved flight's folder to make room for another; return the new path, or None if no flight was saved.
 
         Raises OSError.
         """
@@ -130,7 +130,7 @@ class FlightCheckpoint:
         return self.folder.rename(aside)
 
     def _files_of_state(self) -> Collection[str]:
-        """Return the names of the files that belong to the saved state; empty if the state cannot be read."""
+        """Return the names of the files that belong to the saved state, or none if the state cannot be read."""
         try:
             return read_state((self.folder / STATE).read_bytes()).files
         except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Clock of a mission in flight: steps the simulator, ends the flight at its time limit, calls back after waits."""
+"""The clock of a mission in flight: steps the simulator, enforces the time limit, and calls back after waits."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class FlightOverError(Exception):
 class FlightClock:
     """A Clock that steps a simulator.
 
-    Waits are rounded to whole steps, at least one; the rounding does not accumulate. end_tick: the tick at which the
+    Waits are rounded to whole steps, at least one; rounding errors do not accumulate. end_tick: the tick at which the
     flight ends; end_because: the reason to report. on_pause: called after each wait, before the mission continues; may
-    raise FlightOverError. physics: times the steps. phase: the phase of a saved clock, to continue from.
+    raise FlightOverError. physics: times the steps. phase: the phase of a saved clock to continue from.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class FlightClock:
 
     @property
     def phase(self) -> tuple[int, float]:
-        """The tick at which the clock started, and the sum of the waits requested since then in seconds."""
+        """The tick at which the clock started, and the sum of the waits requested since then [s]."""
         return self._start_tick, self._waited_s
 
     def wait(self, duration_s: float) -> None:

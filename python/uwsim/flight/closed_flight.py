@@ -1,4 +1,4 @@
-"""Corrects a flight's tracks by loop closure after the flight, and rebuilds the map from them."""
+"""Corrects tracks by loop closure after a flight, and rebuilds the map from them."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 
 
 class PingKeeper:
-    """Stores a vehicle's pings with the estimated poses used for mapping; usable as a TakePing.
+    """Stores a vehicle's pings with the estimated poses used for mapping; can be used as a TakePing.
 
-    track: the stored pings. true_path_m: the vehicle's true position at each ping. vehicle: by default the simulator's
-    first.
+    track: the stored pings. true_path_m: the vehicle's true position at each ping. vehicle: by default, the first in
+    the simulator.
     """
 
     def __init__(self, sim: Simulator, vehicle: Vehicle | None = None) -> None:
@@ -39,7 +39,7 @@ class PingKeeper:
         self.true_path_m: list[Array] = []
 
     def __call__(self, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Array) -> None:
-        """Store a ping that was taken at the current tick."""
+        """Store a ping taken at the current tick."""
         true_body = self._vehicle.pose.world_from_body
         body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
         std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
@@ -53,9 +53,8 @@ class PingKeeper:
 class ClosedPath:
     """A vehicle's track after loop closure.
 
-    times_s: (n,), ping times. path_world_m: (n, 3), positions at those times. errors_m: (n,), distances of the
-    positions from the truth. submaps: number of submaps. tried, matched: number of overlaps between submaps for which
-    a match was attempted and found.
+    times_s: ping times (n,). path_world_m: positions (n, 3) at those times. errors_m: position errors (n,). submaps:
+    number of submaps. tried, matched: numbers of submap overlaps for which a match was attempted and found.
     """
 
     times_s: Array
@@ -72,9 +71,9 @@ class ClosedPath:
 def closed_flight(
     flown: FlightRecord, sim: Simulator, tracks: Mapping[str, PingTrack], true_paths_m: Mapping[str, Array]
 ) -> FlightRecord:
-    """Return the record with the loops of each vehicle's track closed, and the map rebuilt from the closed tracks.
+    """Return the record with each vehicle's track corrected by loop closure, and the map rebuilt from those tracks.
 
-    true_paths_m: (n, 3) true positions at the pings, by vehicle, for evaluating the tracks.
+    true_paths_m: true positions (n, 3) at the pings, by vehicle, used to evaluate the tracks.
     """
     assert flown.occupancy is not None
     occupancy = OccupancyMap(resolution_m=flown.occupancy.resolution_m, engine=flown.occupancy.engine)
@@ -91,7 +90,7 @@ def closed_flight(
 
 
 def _insert_closed(chain: PingToMap, track: PingTrack, closed: ClosedTrack) -> Array:
-    """Insert all pings at their corrected poses; return the sonar's positions (n, 3)."""
+    """Insert all pings at their corrected poses; return the sonar positions (n, 3)."""
     sonar_m = np.empty((len(track), 3))
     for k, body in enumerate(closed.world_from_body):
         sonar = body @ track.body_from_sonar[k]

@@ -1,4 +1,4 @@
-"""compare: flies several missions in the same scenario, each with several seeds, and compares the results."""
+"""compare: fly several missions in the same scenario, each with several seeds, and compare the results."""
 
 from __future__ import annotations
 
@@ -30,13 +30,14 @@ Curve = tuple[list[float], list[float]]
 
 @dataclass(frozen=True)
 class Row:
-    """Results of one flight.
+    """The results of one flight.
 
-    seen_m2: area of the 1 m x 1 m columns in which the sonar has received an echo. seen_share: seen_m2 as a share of
-    the area seen by all compared flights together. half_seen_s: time at which half of seen_m2 had been seen. effort_s:
-    mean absolute command, integrated over time, which gives seconds of full thrust. estimate_rms_m: RMS distance
-    between true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within scored_area_m.
-    map_error_m: mean distance of the map's occupied voxels from the true surface. Both are NaN without a scored map.
+    seen_m2: total area of the 1 m x 1 m columns in which the sonar has received an echo. seen_share: seen_m2 as a share
+    of the area seen by all compared flights together. half_seen_s: time at which half of seen_m2 had been seen.
+    effort_s: mean absolute command, integrated over time: equivalent seconds of full thrust. estimate_rms_m: RMS
+    distance between true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within
+    scored_area_m. map_error_m: mean distance of the map's occupied voxels from the true surface. Both are NaN without a
+    scored map.
     """
 
     mission: str
@@ -57,10 +58,10 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Results of all flights.
+    """The results of all flights.
 
-    rows: ordered by mission, then by seed. curves: for each mission, one curve per seed: times [s] and the area seen
-    until then [m2].
+    rows: ordered by mission, then by seed. curves: for each mission, one curve per seed: times [s] and the area seen by
+    then [m2].
     """
 
     rows: list[Row]

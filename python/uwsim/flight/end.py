@@ -1,4 +1,4 @@
-"""Runs a mission and determines how it ended: by itself, at its time limit, stopped, interrupted, or with an error."""
+"""Runs a mission and determines how it ended: on its own, at its time limit, stopped, interrupted, or with an error."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class End(NamedTuple):
 def run_to_end(run: Callable[[], Any], file: Path | None, *, foreign: tuple[type[Exception], ...] = ()) -> End:
     """Run a mission; return how it ended.
 
-    file: the mission's file, if any, so that errors can name the line. foreign: exception types that the mission does
-    not cause.
+    file: the mission's file, if any, so that errors can name the line. foreign: exception types not caused by the
+    mission.
     """
     try:
         return End(DONE, run())

@@ -54,7 +54,7 @@ class Flight:
 
     @property
     def progress(self) -> float | None:
-        """The share of the mission that has been flown, 0..1; None if unknown."""
+        """The fraction of the mission flown so far, 0..1; None if unknown."""
         return None if self._begun is None else self._begun.progress
 
     @property
@@ -62,7 +62,7 @@ class Flight:
         return None if self._saved is None else self._saved.mission
 
     def run(self) -> FlightRecord:
-        """Fly and write the results; if the mission failed, raise its error after that."""
+        """Fly and write the results; then, if the mission failed, raise its error."""
         setup = self._setup
         self._remove_stale_results()
         self._log = MissionLog(setup.out, self._restored.events if self._restored else ())
@@ -92,7 +92,7 @@ class Flight:
                 (out / stale).unlink(missing_ok=True)
 
     def _closed(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record with the loops of its tracks closed, if requested."""
+        """Return the record, with its tracks corrected by loop closure if requested."""
         if not self._setup.close_loops or self._maker is None or self._autosave.in_haste:
             return flown
         from uwsim.flight.closed_flight import closed_flight  # here, since scipy is slow to import
@@ -101,7 +101,7 @@ class Flight:
             return closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_bodies_m)
 
     def _verified(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record with the result of comparing its map with stock OctoMap's, if requested."""
+        """Return the record, with the result of comparing its map with stock OctoMap's if requested."""
         reference = None if self._setup.mapping is None else self._setup.mapping.reference
         if reference is None or flown.occupancy is None or self._autosave.in_haste:
             return flown
@@ -109,7 +109,7 @@ class Flight:
         return replace(flown, verified=same)
 
     def _written(self, flown: FlightRecord, out: Path) -> FlightRecord:
-        """Write the results; remove the saved flight last, so that --resume can repeat a failed report."""
+        """Write the results, then remove the saved flight, so that --resume can repeat a failed report."""
         setup, checkpoint = self._setup, FlightCheckpoint(out)
         is_saved = checkpoint.exists and self._autosave.failure is None
         ahead = None if setup.mapping is None else setup.mapping.ahead
@@ -151,7 +151,7 @@ class Flight:
             return self._begun.run()
 
     def _record(self, end: End) -> FlightRecord:
-        """Return the record of the flight, without the data on its map."""
+        """Return the record of the flight, without its map data."""
         setup, sim = self._setup, self._sim
         is_limited = setup.time_limit_s is not None and end.because == self._clock.end_because
         return FlightRecord(
@@ -177,7 +177,7 @@ class Flight:
         )
 
     def _new_clock(self, show: Show | None) -> FlightClock:
-        """Return the mission's clock, which ends the flight at its time limit."""
+        """Return a clock for the mission that ends the flight at its time limit."""
         sim, limit_s = self._sim, self._setup.time_limit_s
         limit_is_battery = limit_s is None and any(entry.battery is None for entry in sim.scenario.vehicles)
         if limit_s is None:
@@ -194,7 +194,7 @@ class Flight:
         return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
     def _mission_with(self, own: Mapping[str, OwnVehicle]) -> Begun:
-        """Return the mission with its vehicles, in its saved state if there is one."""
+        """Return the mission bound to its vehicles, in its saved state if there is one."""
         begun = self._setup.mission.begun(own, self._clock, self._setup.plan)
         if self._restored:
             if begun.resumable is None:
@@ -235,7 +235,7 @@ class Flight:
             maker.when_mapped(write)
 
     def _now(self, request: FlightRequest, begun: Begun) -> SavedFlight:
-        """Return the data that a resumed flight needs, except for the map's growth."""
+        """Return the data needed to resume the flight, except the map growth."""
         state, maker, mapping = self._sim.save_state(), self._maker, self._setup.mapping
         saved = SavedFlight(
             request,
@@ -261,9 +261,9 @@ class Flight:
 
 
 def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
-    """Return whether a repeated flight has reached its saved tick.
+    """Return whether a flight being repeated has reached its saved tick.
 
-    Raises MissionError if its state differs from the saved one.
+    Raises MissionError if the state at that tick differs from the saved one.
     """
     assert saved is not None
     if sim.tick < saved.tick:

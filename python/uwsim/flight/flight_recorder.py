@@ -32,7 +32,7 @@ class FlightRecorder:
         self.recorder.start()
 
     def note(self, flown: FlightRecord) -> None:
-        """Append the values that cannot be derived from the pings to the recording."""
+        """Append to the recording those values that cannot be derived from the pings."""
         if self.take_ping is not None:
             note_record(self.recorder, flown)
 
@@ -44,9 +44,9 @@ class FlightRecorder:
 def flight_recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, survey: FlightRequest | None
 ) -> FlightRecorder:
-    """Return a flight's recorder, which by default records all channels except pictures and maps.
+    """Return a recorder for a flight; by default, it records all channels except pictures and maps.
 
-    survey: the request of a planned flight, whose map and report can be rebuilt from its recording.
+    survey: the request for a planned flight; its map and report can be rebuilt from the recording.
     """
     if survey is not None:
         recorder = survey_recorder(sim, path, survey, topics)

@@ -73,7 +73,7 @@ def fly(
 
     mission: see found_mission; if None, the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator,
     which continues from its current state. out: folder for log.jsonl, track-VEHICLE.csv and map.bt. report: "full" also
-    writes summary.json and report.html, "json" only summary.json, "none" neither. function: name of the mission's
+    writes summary.json and report.html, "json" only summary.json, "none" neither. function: name of the mission
     function, if the mission is a file. arguments: values for the mission's other parameters. vehicles: names; by
     default all if the mission takes `vehicles`, else the first. estimate: source of the poses that the mission and the
     map use: "truth", or "filter" (Vehicle.estimate). mission_time_s: battery life. time_limit_s: limit in simulated
@@ -85,9 +85,9 @@ def fly(
     Ctrl-C ends the flight and keeps its results.
 
     Map options: engine is "bricks" by default. verify_map also inserts every scan into a stock OctoMap and compares the
-    two maps' bytes. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map as it
-    grows. outlier_filter overrides the scenario's setting. close_loops corrects the filter's track after the flight, so
-    that areas seen twice match, and rebuilds the map; such a flight is not saved while it flies.
+    two maps byte for byte. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map
+    as it grows. outlier_filter overrides the scenario's setting. close_loops corrects the filter's track after the
+    flight, so that areas seen twice match, and rebuilds the map; autosave is off for such a flight.
 
     Raises ScenarioError or ValueError for invalid arguments, before anything is written; OSError if results cannot be
     written; and the mission's own errors, as MissionError if the mission is a file, after the results so far have been
@@ -226,7 +226,7 @@ def _map_setup(
 def _recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
 ) -> FlightRecorder:
-    """Return a recorder that has not written anything yet. Raises ValueError if its arguments are invalid."""
+    """Return a recorder, which has written nothing yet. Raises ValueError if its arguments are invalid."""
     from uwsim.flight.flight_recorder import flight_recorder  # imported here, since recording formats take long
 
     return flight_recorder(sim, path, topics, request if mission.make is not None else None)
@@ -276,9 +276,9 @@ def _require_able(
 
 
 def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:
-    """Return the edge length of the map's voxels.
+    """Return the map's voxel size.
 
-    Raises ScenarioError for a value that a survey in a scenario would refuse.
+    Raises ScenarioError for a value that would be invalid in a scenario's survey.
     """
     if voxel_m is None:
         return default_voxel_m(sim)

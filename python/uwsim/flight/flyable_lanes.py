@@ -1,6 +1,6 @@
-"""The plan of a scenario's survey, reduced to the parts of its lanes that can be flown in the true world.
+"""The survey plan of a scenario, restricted to those parts of its lanes that can be flown in the true world.
 
-The mission itself does not see the world: it receives the remaining lanes.
+The mission itself does not see the world; it only receives the remaining lanes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Points = NDArray[np.float64]
 
 
 class SurveyAreaWarning(UserWarning):
-    """Warns that parts of the survey's lanes cannot be flown and are left out."""
+    """Issued when parts of the survey's lanes cannot be flown and are left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +65,9 @@ def survey_plan(survey: Survey) -> LawnMowerPlan:
 def flyable_plan(
     sim: Simulator, plan: LawnMowerPlan, least_share: float = LEAST_SHARE
 ) -> tuple[LawnMowerPlan, str | None]:
-    """Return the plan, restricted to the lanes that can be flown, and a sentence about those left out, if any.
+    """Return the plan, restricted to flyable lanes, and a sentence about those left out, if any.
 
-    Raises ScenarioError if less than least_share of the lanes can be flown.
+    Raises ScenarioError if less than least_share of the total lane length can be flown.
     """
     start_m, _ = start_pose(
         sim.scenario, sim.scenario.vehicles[0]
@@ -78,9 +78,9 @@ def flyable_plan(
 
 
 def flyable_lanes(sim: Simulator, lanes: list[Lane], least_share: float = LEAST_SHARE) -> FlyableLanes:
-    """Return the parts of lanes that can be flown.
+    """Return the flyable parts of lanes.
 
-    Raises ScenarioError if they are less than least_share of the total.
+    Raises ScenarioError if they amount to less than least_share of the total length.
     """
     flyable, left_m, reasons_m = [], 0.0, dict.fromkeys(REASONS, 0.0)
     for lane in lanes:
@@ -115,7 +115,7 @@ REASONS = (
 
 
 def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
-    """Return, for each point (n, 2), the 1-based index into REASONS of why it cannot be flown over; 0 if it can."""
+    """Return, for each point (n, 2), 0 if it can be flown over, else a 1-based index into REASONS."""
     ring = np.radians(np.arange(0.0, 360.0, 45.0))
     around = MARGIN_M * np.stack([np.cos(ring), np.sin(ring)], axis=1)
     places = np.concatenate([points_m[:, None], points_m[:, None] + around], axis=1).reshape(-1, 2)
@@ -135,11 +135,11 @@ def _tops_m(sim: Simulator, places_m: Points) -> Points:
 
 
 def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Return the first and last value of `along` in each run of free samples."""
+    """Return the first and last values of `along` in each run of free samples."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], free, [False]]).astype(int)))
     return [(float(along[a]), float(along[b - 1])) for a, b in edges.reshape(-1, 2)]
 
 
 def _percent(share: float) -> str:
-    """Return a share in per cent; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
+    """Format a share in per cent; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
     return f"{100.0 * share:.0f} %" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.2g} %"

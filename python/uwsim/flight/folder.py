@@ -1,4 +1,4 @@
-"""Creates the folder for results before a flight, which may be long, begins."""
+"""Creates the results folder before a flight begins, since the flight may be long."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def made_folder(out: Path) -> Path:
 
 
 def results_folder(out: Path) -> Path:
-    """Create the folder for a flight's results and return it. Raises OSError if they could not be written there."""
+    """Create a flight's results folder and return it. Raises OSError if results could not be written there."""
     made_folder(out)
     for name in (MAP, REPORT, TRACK, SUMMARY):
         if (out / name).exists() and not (out / name).is_file():

@@ -40,7 +40,7 @@ RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
 
 
 def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: tuple[str, ...] | None) -> Recorder:
-    """Return the recorder of a survey's pings and of `topics`, by default all channels that cannot be derived.
+    """Return a recorder for a survey's pings and for `topics`, by default all channels that cannot be derived.
 
     Pictures can be derived from the other channels; scans, clouds and the map from the pings. Raises ValueError if the
     file is not a .mcap or the survey does not use true poses.
@@ -55,12 +55,12 @@ def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: 
 
 
 def record_ping(recorder: Recorder, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Any) -> None:
-    """Record a ping of the survey."""
+    """Record a survey ping."""
     recorder.write(PINGS, ping_message(ping, panel, "world", world_from_body, ping.world_from_sonar))
 
 
 def note_record(recorder: Recorder, record: FlightRecord) -> None:
-    """Append the values of a survey's record that cannot be derived from the pings to its recording."""
+    """Append to a survey's recording those values of its record that cannot be derived from the pings."""
     recorder.note(record={name: getattr(record, name) for name in NOTED})
 
 
@@ -87,13 +87,13 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
 
 
 def _record_of(values: dict[str, Any]) -> FlightRecord:
-    """Return the flight record in a recording's notes, without its pings."""
+    """Return the flight record from a recording's notes, without its pings."""
     named = {RENAMED.get(name, name): value for name, value in values.items()}
     return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
 
 
 def _request_of(recording: Recording) -> FlightRequest:
-    """Return the request of a recorded survey; the keys of the first version are a subset of today's."""
+    """Return the request for a recorded survey; the keys of the first version are a subset of the current ones."""
     try:
         return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
     except ValidationError as error:
@@ -101,7 +101,7 @@ def _request_of(recording: Recording) -> FlightRequest:
 
 
 def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> tuple[OccupancyMap, PingLog]:
-    """Return the map and the log that result from passing the recorded pings through the survey's processing chain."""
+    """Pass the recorded pings through the survey's processing chain; return the resulting map and log."""
     occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
     log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
     with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:

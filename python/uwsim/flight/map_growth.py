@@ -1,4 +1,4 @@
-"""Measures how a flight's map grows: its size and its distance from the true surface, at increasing intervals."""
+"""Measures a flight's map as it grows: its size and its distance from the true surface, at increasing intervals."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ MOST_VOXELS = 20_000  # most voxels whose distance is measured; of more, every n
 
 
 class GrowthRow(NamedTuple):
-    """Measurements of the map at one time of the flight.
+    """Measurements of the map at one time during the flight.
 
     area_m2: total area of the columns that contain an occupied voxel. distance_mean_m, distance_p95_m: mean and 95th
-    percentile of the occupied voxels' distances from the true surface.
+    percentile of the distances of occupied voxels from the true surface.
     """
 
     time_s: float
@@ -66,7 +66,7 @@ class GrowthWatch:
             self._go_on()
 
     def observe(self) -> None:
-        """Schedule a measurement for when the map contains all pings so far."""
+        """Schedule a measurement to run once the map contains all pings so far."""
         time_s = (self._sim.tick - self._begun_tick) * self._sim.step_s
         self._go_on()
         self._when_mapped(lambda: self._measure(time_s))

@@ -1,4 +1,4 @@
-"""Missions in Python files: imports them, and reports their errors by file and line."""
+"""Imports missions from Python files, and reports their errors by file and line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class MissionError(ValueError):
 
 
 def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
-    """Return a file's mission, which is its function of this name.
+    """Import a file and return its mission: the function of this name.
 
     Raises MissionError if the file has no usable mission, OSError if it cannot be read.
     """
@@ -45,7 +45,7 @@ def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
 
 
 def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> MissionFunction:
-    """Return the mission with values bound to its other parameters. Raises MissionError for an unknown parameter."""
+    """Bind values to the mission's other parameters. Raises MissionError for an unknown parameter."""
     if not arguments:
         return mission
     known = [p.name for p in list(signature(mission).parameters.values())[1:]]
@@ -57,7 +57,7 @@ def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> Mi
 
 
 def mission_name(mission: MissionFunction, file: Path | None) -> str:
-    """Return the name of a mission in reports: that of its file or, without one, of its function."""
+    """Return the name of a mission for reports: that of its file or, without one, its function."""
     if file is not None:
         return file.name
     function = mission.func if isinstance(mission, partial) else mission
@@ -88,7 +88,7 @@ def _module(file: Path) -> Any:
 
 
 def mission_error(error: BaseException, file: Path) -> MissionError:
-    """Return a one-line error that names the line of the mission's file where it occurred."""
+    """Return a one-line error that names the line of the mission file where the original error occurred."""
     folder = str(file.resolve().parent)
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if frame.filename == str(file.resolve())]
@@ -104,7 +104,7 @@ def _named(error: BaseException) -> str:
 
 
 def parsed_arguments(texts: list[str], parse: Callable[[str], Any]) -> dict[str, Any]:
-    """Return the values of NAME=VALUE texts by name; a value that `parse` refuses stays text.
+    """Return the values of NAME=VALUE texts by name; a value that `parse` rejects is kept as text.
 
     Raises MissionError if a text is not of this form.
     """

@@ -15,7 +15,7 @@ LOG = "log.jsonl"
 
 
 class MissionLog:
-    """The events of a flight, in order; also written to a new file as they occur, if there is an output folder.
+    """The events of a flight, in order; if there is an output folder, also written to a new file as they occur.
 
     events: earlier events of a flight that is being resumed. If the disk is full, the flight continues with the events
     in memory.
@@ -47,7 +47,7 @@ class MissionLog:
 
 
 def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:
-    """Write the events again if their file is missing, because the folder was deleted meanwhile or the disk was full.
+    """Rewrite the events if their file is missing because its folder was deleted or the disk was full.
 
     Raises OSError.
     """

@@ -1,4 +1,4 @@
-"""Finds the mission to fly, by value or by name: a stepped mission, or a planned one such as a lawn-mower survey."""
+"""Finds the mission to fly, by value or name: a stepped mission, or a planned one such as a lawn-mower survey."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class Begun:
 
     @property
     def progress(self) -> float | None:
-        """The share flown, 0..1; None if unknown."""
+        """The fraction flown so far, 0..1; None if unknown."""
         return getattr(self.parts[0], "progress", None)
 
     @property
     def resumable(self) -> ResumableMission | None:
         """The mission, if it can be saved and restored, else None.
 
-        Several parts cannot be saved, since some would still be waiting when another is saved.
+        A mission with several parts cannot be saved, since some would still be waiting when another is saved.
         """
         only = self.parts[0] if len(self.parts) == 1 else None
         return only if isinstance(only, ResumableMission) else None
@@ -58,7 +58,7 @@ class FlownMission:
     """A mission to fly.
 
     title: its name in reports. steps: its function or class; None for a planned mission. make: creates a planned
-    mission. file: the file that contains it, if any. name: the name from which a resumed flight imports a mission that
+    mission. file: the file that contains it, if any. name: the name under which a resumed flight imports a mission that
     is not in a file.
     """
 
@@ -74,7 +74,7 @@ class FlownMission:
         return self.steps is not None and first_parameter(self.steps) == "vehicles"
 
     def planned(self, sim: Simulator, least_share: float = LEAST_SHARE) -> tuple[LawnMowerPlan | None, str | None]:
-        """Return the plan that a planned mission needs, and a sentence about lanes left out; both may be None.
+        """Return the plan for a planned mission, and a sentence about lanes left out; both may be None.
 
         Raises ScenarioError if the scenario has no survey or too little of it can be flown.
         """
@@ -93,7 +93,7 @@ class FlownMission:
 
 
 def _completed(mission: Mission) -> str:
-    """Run a planned mission; return why it ended. Raises StoppedError with that reason if not all lanes were flown."""
+    """Run a planned mission; return the reason it ended. Raises StoppedError with it if lanes remain unflown."""
     ended = mission.run()
     if ended != COVERED:
         raise StoppedError(ended)
@@ -130,7 +130,7 @@ def found_mission(
 
 
 def warn_of_left_out(sentence: str | None) -> None:
-    """Warn that lanes are left out, if there is a sentence about them."""
+    """Warn about the lanes left out, if there is a sentence about them."""
     if sentence is not None:
         warnings.warn(sentence, SurveyAreaWarning, stacklevel=3)
 
@@ -144,7 +144,7 @@ def _title(found: Callable[..., Any]) -> str:
 
 
 def _name_of(found: Callable[..., Any]) -> str | None:
-    """Return the `module:name` from which a mission can be imported again; None if it has no such name."""
+    """Return the `module:name` under which a mission can be imported again; None if it has no such name."""
     module, name = getattr(found, "__module__", None), getattr(found, "__qualname__", None)
     return f"{module}:{name}" if module not in (None, "__main__") and name and "<" not in name else None
 

@@ -1,4 +1,4 @@
-"""A log of a vehicle's pings: positions, echoes, the panel's warnings, and one sample ping for the report."""
+"""A log of a vehicle's pings: positions, echoes, panel warnings, and a sample ping for the report."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PingSample:
-    """A ping stored for the report's picture of the sonar's fan.
+    """A ping stored for the report's picture of the sonar fan.
 
-    ranges_m: (beams,), inf for no echo. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
+    ranges_m: (beams,), inf if there is no echo. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
     world_from_sonar: (4, 4). points_world_m: (echoes, 3).
     """
 
@@ -39,9 +39,9 @@ class PingSample:
 class PingLog:
     """The position at each ping, the number of echoes, and a sample: the ping with the most distinct labels.
 
-    area_world_m: polygon in which the sample must have been taken; None allows any place. positions_m: the sonar's true
-    positions. mapped_m: the sonar's positions as used for the map. pings_with_warning: the number of pings during which
-    each of PANEL_WARNINGS was on.
+    area_world_m: polygon in which the sample must have been taken; None: anywhere. positions_m: true sonar positions.
+    mapped_m: sonar positions used for the map. pings_with_warning: the number of pings during which each of
+    PANEL_WARNINGS was on.
     """
 
     area_world_m: Array | None = None
@@ -60,9 +60,9 @@ class PingLog:
         world_from_sonar: Array,
         mapped_from_m: Array | None = None,
     ) -> None:
-        """Log a ping's position, echoes and warnings; one ping in PINGS_PER_CANDIDATE may replace the sample.
+        """Log the position, echoes and warnings of a ping; one ping in PINGS_PER_CANDIDATE may replace the sample.
 
-        world_from_sonar: the ping's pose. mapped_from_m: (3,), the sonar's position used for the map, if it differs
+        world_from_sonar: the pose of the sonar. mapped_from_m: the sonar position (3,) used for the map, if it differs
         from the true one.
         """
         if True in (are_lit := lit(panel)):
@@ -90,12 +90,12 @@ class PingLog:
 
     @property
     def path_world_m(self) -> Array:
-        """The sonar's true position at each ping, (n, 3)."""
+        """The true sonar position at each ping, (n, 3)."""
         return np.array(self.positions_m, np.float64).reshape(-1, 3)
 
     @property
     def mapped_path_m(self) -> Array:
-        """The sonar's position at each ping as used for the map, (n, 3)."""
+        """The sonar position used for the map at each ping, (n, 3)."""
         return np.array(self.mapped_m, np.float64).reshape(-1, 3)
 
     def save(self) -> dict[str, NDArray[Any]]:

@@ -1,4 +1,4 @@
-"""Builds a map in flight: each mapping vehicle pings at a fixed rate, and its chain inserts every ping."""
+"""Builds a map in flight: each mapping vehicle pings at a fixed rate, and its processing chain inserts every ping."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class MapSetup:
     """How the map of a flight is built.
 
     occupancy: the map to fill. reference: a second map for comparison, into which every scan is inserted individually.
-    outlier_filter: overrides the scenario's setting. transmit: see depth_string. growth: whether the map is measured as
+    outlier_filter: overrides the scenario's setting. transmit: see depth_string. growth: whether to measure the map as
     it grows. keep: whether to store all pings, so that the map can be rebuilt. ahead: examines the true surface while
-    the map's thread is idle, so that scoring takes less time. on_ping: called for each ping.
+    the map thread is idle, so that scoring takes less time. on_ping: called for each ping.
     """
 
     occupancy: OccupancyMap
@@ -67,8 +67,8 @@ class MapSetup:
 class SavedPinging:
     """The pings of a saved flight up to `tick`.
 
-    logs: by vehicle, see PingLog.save. due: by vehicle, the tick of the next ping and the steps from there to the
-    following ping; None in flights saved by an earlier version. growth: measurements of the map so far.
+    logs: by vehicle, see PingLog.save. due: by vehicle, the tick of the next ping and the number of steps from it to
+    the following ping; None in flights saved by an earlier version. growth: measurements of the map so far.
     """
 
     tick: int
@@ -80,7 +80,7 @@ class SavedPinging:
 class Pinger:
     """Takes one vehicle's pings: an Observer of the simulator's journal.
 
-    vehicle: as the mission sees it; the map is built with its estimated poses.
+    vehicle: as seen by the mission; the map is built from its estimated poses.
     """
 
     def __init__(
@@ -115,9 +115,9 @@ class Pinger:
 
 
 class MapMaker:
-    """Builds the map of a flight, from one vehicle or from several together. A context manager.
+    """Context manager that builds the map of a flight from the pings of one or several vehicles.
 
-    saved: pings of the flight being resumed, which are already in the map. With one vehicle the map is filled on a
+    saved: pings of the flight being resumed; they are already in the map. With one vehicle the map is filled on a
     separate thread; several vehicles fill it in turn on the flying thread, so that the map's bytes do not depend on
     scheduling.
     """
@@ -180,17 +180,17 @@ class MapMaker:
 
     @property
     def true_bodies_m(self) -> dict[str, Array]:
-        """Each vehicle's true positions at the stored pings, (n, 3)."""
+        """Each vehicle's true positions (n, 3) at the stored pings."""
         return {name: np.array(keeper.true_path_m).reshape(-1, 3) for name, keeper in self._keepers.items()}
 
     def when_mapped(self, job: Callable[[], None]) -> None:
-        """Run a job as soon as the map contains exactly the pings so far."""
+        """Run a job as soon as the map contains exactly the pings taken so far."""
         for filler in self._fillers[:-1]:
             filler.finish()
         self._fillers[-1].when_mapped(job)
 
     def recorded(self, record: FlightRecord) -> FlightRecord:
-        """Return the flight's record with the data on its map filled in."""
+        """Return the flight's record with its map data filled in."""
         sim, (first, *_) = self._sim, self.pingers
         logs, occupancy = {name: pinger.log for name, pinger in self.pingers.items()}, self.setup.occupancy
         true_m = {name: log.path_world_m for name, log in logs.items()}
@@ -217,7 +217,7 @@ class MapMaker:
         )
 
     def save(self) -> SavedPinging:
-        """Return the data on the pings so far that a resumed flight needs, except growth, which is measured later."""
+        """Return the ping data needed to resume the flight, except growth, which is measured later."""
         logs = {name: pinger.log.save() for name, pinger in self.pingers.items()}
         due = {name: (pinger.due_tick, pinger.steps) for name, pinger in self.pingers.items()}
         return SavedPinging(self._sim.tick, logs, due)

@@ -34,13 +34,13 @@ class FlightRecord:
 
     scenario, seed, step_s: as in the simulator; for remote vehicles, scenario is the URL and the others are None.
     estimate: source of the poses used. result: the mission's return value; None if the mission did not end by itself.
-    ended_because: the reason, as a clause. ended_early: whether anything but the mission itself or --time-limit ended
-    the flight. error: the exception that the mission raised, if any. samples: by vehicle. stage_wall_s: wall time of
-    each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a link.
+    ended_because: the reason, as a clause. ended_early: whether the flight was ended by anything but the mission itself
+    or --time-limit. error: the exception that the mission raised, if any. samples: by vehicle. stage_wall_s: wall time
+    of each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a link.
 
-    If a map was built: occupancy: the map. pings_world_m: by vehicle, the sonar's position at each ping as used for the
-    map; true_pings_world_m: its true positions. area_world_m: (k, 2), the polygon in which the map is scored. score:
-    None before scoring. verified: whether the map equals stock OctoMap's byte for byte; None if not compared.
+    If a map was built: occupancy: the map. pings_world_m: by vehicle, the sonar position used for the map at each ping;
+    true_pings_world_m: the true positions. area_world_m: (k, 2), the polygon in which the map is scored. score: None
+    before scoring. verified: whether the map equals stock OctoMap's byte for byte; None if not compared.
     ping_interval_s: longer than requested if sound takes longer to the maximum range and back. pings_with_warning:
     number of pings during which each of the panel's warnings was on; warning_limits_m: the distances at which they come
     on. sample_ping: one ping, for the report. closed: by vehicle, the track after loop closure, from which the map was
@@ -89,7 +89,7 @@ class FlightRecord:
     planned: bool = False
 
     def __repr__(self) -> str:
-        """Return the mission, the scenario, the duration and why the flight ended."""
+        """Return the mission, the scenario, the duration and the reason the flight ended."""
         pings = f", {self.ping_count} pings" if self.ping_count else ""
         coverage = "" if self.coverage is None else f", coverage {100 * self.coverage:.1f} %"
         return (
@@ -114,26 +114,26 @@ class FlightRecord:
 
     @property
     def rest_wall_s(self) -> float:
-        """Wall time of the flying thread outside all stages.
+        """Wall time that the flying thread spent outside all stages.
 
-        With several threads, the map's stages run on another thread.
+        With several threads, the map stages run on another thread.
         """
         flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD_STAGES or self.threads == 1]
         return max(self.wall_s - sum(flying), 0.0)
 
     @property
     def all_pings_world_m(self) -> Array:
-        """The sonar positions (n, 3) used for the map, of all vehicles, vehicle after vehicle."""
+        """The sonar positions (n, 3) used for the map, vehicle by vehicle."""
         return np.concatenate([*self.pings_world_m.values(), np.empty((0, 3))])
 
     @property
     def path_world_m(self) -> Array:
-        """The sonars' true positions (n, 3) at each ping, vehicle after vehicle; estimated if they are unknown."""
+        """The true sonar positions (n, 3) at the pings, vehicle by vehicle; the estimated ones if these are unknown."""
         return np.concatenate([*(self.true_pings_world_m or self.pings_world_m).values(), np.empty((0, 3))])
 
     @property
     def position_error_m(self) -> Array:
-        """Distance (n,) between the sonar's true position at each ping and the one used for the map."""
+        """Distance (n,) between the true sonar position and the one used for the map, at each ping."""
         return np.asarray(np.linalg.norm(self.all_pings_world_m - self.path_world_m, axis=1), np.float64)
 
     @property
@@ -143,7 +143,7 @@ class FlightRecord:
 
     @property
     def path_length_m(self) -> float:
-        """Total length of the lines through the pings' true positions, over all vehicles."""
+        """Total length of the polylines through the true ping positions of all vehicles."""
         paths = (self.true_pings_world_m or self.pings_world_m).values()
         return sum(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in paths)
 

@@ -1,4 +1,4 @@
-"""fly_remote: flies a mission with vehicles at a rosbridge server, either `uwsim serve` or any other."""
+"""fly_remote: fly a mission with vehicles at a rosbridge server, either `uwsim serve` or any other."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def fly_remote(
     report: str = "full",
     screen: Silent | None = None,
 ) -> FlightRecord:
-    """Fly a mission with vehicles at a rosbridge server; return its record. Results are as with `fly`.
+    """Fly a mission with vehicles at a rosbridge server; return its record. The results are those of `fly`.
 
     url: such as "ws://127.0.0.1:9090". vehicles: by default all if the mission takes `vehicles`, else the first.
     odometry: topic of the poses used for map and samples, since the true poses are unknown here. truth: the server's
@@ -117,7 +117,7 @@ def fly_remote(
 
 
 class _RemoteFlight:
-    """A flight over rosbridge; also its mission's Clock, which takes samples and pings between waits."""
+    """A flight over rosbridge. Also the mission's Clock: it takes samples and pings between waits."""
 
     def __init__(
         self,
@@ -143,7 +143,7 @@ class _RemoteFlight:
         return self._inner.time_s
 
     def wait(self, duration_s: float) -> None:
-        """Let time pass, in short intervals so that no ping is missed.
+        """Let time pass, in intervals short enough that no ping is missed.
 
         Raises FlightOverError at the end, OSError if the connection is lost.
         """
@@ -191,7 +191,7 @@ class _RemoteFlight:
         )
 
     def _look(self) -> None:
-        """Take samples if they are due, and insert new pings."""
+        """Take samples if due, and insert new pings."""
         now_s = self.time_s
         if now_s >= self._sampled_s + PERIOD_S - 1e-6:
             self._sampled_s = now_s

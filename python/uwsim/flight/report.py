@@ -1,4 +1,4 @@
-"""Writes the report of a flight: one self-contained HTML file, with figures embedded and also saved next to it."""
+"""Writes a flight report: a self-contained HTML file, with figures both embedded and saved next to it."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def write_page(path: Path, flown: FlightRecord, figures: Sequence[ReportFigure])
 
 
 def _judged_cells(score: MapScore) -> str:
-    """Return a sentence about how many seabed cells were evaluated, and how many were not."""
+    """Return a sentence that states how many seabed cells were evaluated and how many were not."""
     if score.seabed is None:
         return "The map is empty."
     judged, obstructed = int(score.seabed.judged.sum()), int(score.seabed.obstructed.sum())
@@ -105,7 +105,7 @@ def _setup(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def _stages(flown: FlightRecord) -> list[tuple[str, str, float]]:
-    """Return rows of (stage, wall time, percentage of the flight's wall time)."""
+    """Return rows of (stage, wall time, percentage of the flight's total wall time)."""
     if not flown.stage_wall_s:
         return []
     stages = {**flown.stage_wall_s, "the rest": flown.rest_wall_s}

@@ -1,4 +1,4 @@
-"""Draws the figures of a flight's report, with titles and captions."""
+"""Draws the figures of a flight report, with titles and captions."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ MOVED_M = 1e-6  # an estimate with a smaller error counts as the truth
 
 
 class ReportFigure(NamedTuple):
-    """A PNG on disk, with its title and caption in the report.
+    """A PNG on disk, with the title and caption used in the report.
 
-    wide: whether it is too wide for a phone, which then scrolls.
+    wide: whether it is too wide for a phone screen and must scroll.
     """
 
     path: Path
@@ -42,7 +42,7 @@ def map_figures(
     rays: _core.RayScene,
     rendered: Future[TruthAndMap] | None = None,
 ) -> list[ReportFigure]:
-    """Draw the figures of the map into an existing folder; none if the map was not scored. Raises OSError.
+    """Draw the map figures into an existing folder; none if the map was not scored. Raises OSError.
 
     rays: the ray scene of the same world. rendered: the 3D pictures, if they are already being rendered; otherwise they
     are rendered while the other figures are drawn.
@@ -103,7 +103,7 @@ def _ping_figures(
 
 
 def flight_figures(folder: Path, flown: FlightRecord, world: _core.World | None) -> list[ReportFigure]:
-    """Draw the figures of the samples into an existing folder. Raises OSError."""
+    """Draw the figures based on samples into an existing folder. Raises OSError."""
     if not flown.samples:
         return []
     errors = {name: _errors_m(samples) for name, samples in flown.samples.items()}

@@ -1,4 +1,4 @@
-"""The request for a flight, with every default resolved: sufficient to rebuild its simulator and its maps."""
+"""The request for a flight, with every default resolved: enough to rebuild its simulator and maps."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ PATHS = ("mission", "scenario", "sonar_model", "link")
 class FlightRequest:
     """The arguments that determine a flight.
 
-    mission: the path of its file, or `module:name`; if None, the scenario's survey. mission_digest: digest of the
-    file's content. vehicles: by default the scenario's first, or all if the mission takes `vehicles`. link: a modem
-    that replaces the scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s:
-    limit in simulated time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth:
-    options of the map, if one is built.
+    mission: the path of its file, or `module:name`; if None, the scenario's survey. mission_digest: digest of the file.
+    vehicles: by default the scenario's first, or all if the mission takes `vehicles`. link: a modem that replaces the
+    scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated
+    time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if
+    one is built.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -78,7 +78,7 @@ class FlightRequest:
             raise ValueError(f"--resume: '{path}' is missing or has changed since: the flight cannot be repeated")
 
     def require_same(self, arguments: dict[str, Any]) -> None:
-        """Raise ValueError if an argument that is not None differs from this request."""
+        """Raise ValueError if any argument other than None differs from this request."""
         for name, value in arguments.items():
             requested = resolved_path(value) if name in PATHS else value
             begun_with = getattr(self, name)

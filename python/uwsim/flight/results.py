@@ -1,4 +1,4 @@
-"""Scores the map of a flight, prints the summary, and writes the results to the output folder."""
+"""Scores a flight's map, prints the summary, and writes the results to the output folder."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def write_results(
 
     sim: the flight's simulator, or another of the same world; None if the world is unknown. report: "full", "json" (no
     report.html) or "none" (no summary either). ahead: the part of the true surface examined so far. is_saved: whether
-    --resume can repeat a failed report. The map is written while it is being scored, and the key values are printed
-    before the other files are written, which may fail on a full disk.
+    --resume can repeat a failed report. The map is written while it is being scored. The key values are printed before
+    the other files are written, in case writing fails on a full disk.
     """
     with suppress(OSError):
         out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
@@ -87,7 +87,7 @@ def write_results(
 def scored(
     flown: FlightRecord, sim: Simulator, ahead: SurfaceAhead | None = None, ashore: OccupancyMap | None = None
 ) -> FlightRecord:
-    """Return the record with the scores of its map, and of the station's, against the simulator's world."""
+    """Score the record's map and the station's map against the simulator's world; return the completed record."""
     if flown.occupancy is None or flown.area_world_m is None:
         return flown
     survey = sim.scenario.survey
@@ -115,7 +115,7 @@ def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
 
 
 def _map_ashore(ashore: Ashore, aboard: OccupancyMap) -> OccupancyMap:
-    """Return the station's map, with the voxel size of the onboard map."""
+    """Return the station's map at the voxel size of the onboard map."""
     return ashore.made_map(aboard.resolution_m, aboard.engine)
 
 
@@ -155,7 +155,7 @@ def _write_map(occupancy: OccupancyMap, path: Path, is_saved: bool) -> None:
 
 
 def _print(flown: FlightRecord, screen: Silent, report: str, out: Path) -> None:
-    """Print the key values and why the flight ended."""
+    """Print the key values and the reason the flight ended."""
     if report != "none":
         screen.result(summary_table(flown))
     if flown.ashore is not None and flown.ashore_score is not None:

@@ -62,7 +62,7 @@ class Samples:
         return f"<Samples: {len(self)} of {', '.join(self.names[:4])} ... {len(self.names)} columns>"
 
     def plot(self) -> Figure:
-        """Return a figure of the true path from above, coloured by height."""
+        """Return a figure of the true path seen from above, coloured by height."""
         from uwsim.scoring.track_plot import plot  # imported here, since matplotlib takes a second
 
         return plot(self.path_world_m, title=repr(self))
@@ -93,7 +93,7 @@ class Samples:
         return tuple(name.partition(" ")[2] for name in self.names[len(COLUMNS) :])
 
     def lit_s(self, warning: str) -> float:
-        """Return for how many seconds a warning on the panel was on, to the resolution of the samples."""
+        """Return the time for which a panel warning was on [s], to the resolution of the samples."""
         return float(self[f"{warning}_warning"].sum()) * PERIOD_S
 
     def write(self, path: Path) -> None:
@@ -108,8 +108,8 @@ class Samples:
 class Sampler:
     """Samples a simulator's vehicles and reports changes on their panels as events: an Observer of its journal.
 
-    vehicles: by name, as the mission sees them. hear: receives the events. timer: times the sampling. saved: by
-    vehicle, the rows (n, columns) of the flight being resumed, which began at begun_tick.
+    vehicles: by name, as seen by the mission. hear: receives the events. timer: times the sampling. saved: by vehicle,
+    the rows (n, columns) of the flight being resumed; that flight began at begun_tick.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class Sampler:
                 rows.append(row)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Report a command as an event, unless it is too frequent."""
+        """Report a command as an event, unless such commands are too frequent."""
         if name not in TOO_MANY:
             values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
             self._hear(str(arguments.get("vehicle") or ""), name, values)

@@ -1,4 +1,4 @@
-"""A saved flight as data: its JSON, its arrays, and checks on a flight that continues it."""
+"""A saved flight as data: its JSON, its arrays, and the checks on a flight that continues it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Tick = Annotated[int, Field(ge=0)]
 
 
 class SavedMission(BaseModel):
-    """The state from which a mission with `save` continues, besides the simulator's state and the samples.
+    """The state from which a mission with `save` continues, apart from the simulator's state and the samples.
 
     state: the mission's own state. clock: see FlightClock.phase. begun_tick: tick at which the flight began. events:
     the log so far. ashore: see Ashore.save.
@@ -64,7 +64,7 @@ class StateFile(BaseModel):
     mission: SavedMission | None = None
 
     def sealed(self) -> bytes:
-        """Return the bytes of the file, including a checksum of the other fields."""
+        """Return the file's bytes, including a checksum of the other fields."""
         return json.dumps({**self.model_dump(mode="json"), "checksum": self._checksum()}).encode()
 
     def require_whole(self) -> None:
@@ -78,7 +78,7 @@ class StateFile(BaseModel):
 
 
 def read_state(data: bytes) -> StateFile:
-    """Return the content of a state file. Raises ValueError if it is damaged or of another version."""
+    """Parse a state file. Raises ValueError if it is damaged or of another version."""
     try:
         state = StateFile.model_validate(json.loads(data))
     except ValidationError as error:
@@ -116,7 +116,7 @@ class SavedFlight:
     samples: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def state_file(self, files: dict[str, str]) -> StateFile:
-        """Return the content of flight.json. files: checksums of the other files by name."""
+        """Return the content of flight.json. files: checksums of the other files, by name."""
         pinging = self.pinging
         return StateFile(
             build=build_fingerprint(), request=self.request, tick=self.tick, state_digest=self.state_digest,
@@ -138,7 +138,7 @@ class SavedFlight:
         cls, state: StateFile, arrays: Mapping[str, NDArray[Any]], occupancy: OccupancyMap | None,
         reference: OccupancyMap | None,
     ) -> SavedFlight:  # fmt: skip
-        """Return the saved flight, from its state file, arrays and maps. Raises KeyError if an array is missing."""
+        """Build a saved flight from its state file, arrays and maps. Raises KeyError if an array is missing."""
         if state.version == 1:
             arrays = _arrays_of_version_1(arrays, state.echo_count)
         logs: dict[str, dict[str, NDArray[Any]]] = {}
@@ -156,13 +156,13 @@ class SavedFlight:
         )  # fmt: skip
 
     def with_growth(self, growth: tuple[GrowthRow, ...]) -> SavedFlight:
-        """Return a copy with these measurements of the map's growth."""
+        """Return a copy with these map-growth measurements."""
         return self if self.pinging is None else replace(self, pinging=replace(self.pinging, growth=growth))
 
     def is_state(self, state: bytes) -> bool:
-        """Return whether it was saved in this state of the simulator; True if another build saved it.
+        """Return whether the flight was saved in this simulator state; True if another build saved it.
 
-        States of different builds cannot be compared.
+        States saved by different builds cannot be compared.
         """
         return self.build != build_fingerprint() or state_digest(state) == self.state_digest
 
@@ -183,7 +183,7 @@ def state_digest(state: bytes) -> str:
 
 
 def _arrays_of_version_1(paths: Mapping[str, NDArray[Any]], echo_count: int) -> dict[str, NDArray[Any]]:
-    """Convert version 1's paths, by vehicle, to arrays of this version; all echoes go to the first vehicle."""
+    """Convert the paths of version 1, by vehicle, to arrays of this version; all echoes go to the first vehicle."""
     found: dict[str, NDArray[Any]] = {}
     for vehicle, path in paths.items():
         log = {"path": path, "mapped": path, "counts": np.array([echo_count, 0, 0, 0]), "score": np.array([-1.0])}

@@ -1,4 +1,4 @@
-"""The area in which a flight's map is scored: a single rule, so that a flight's map always gets the same score."""
+"""The area in which a flight's map is scored: a single rule, so that the same map always gets the same score."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Array = NDArray[np.float64]
 def scored_area_m(survey_area_m: Array | None, path_world_m: Array) -> Array | None:
     """Return the polygon (k, 2) in which the map of a flight is scored; None if there is none.
 
-    path_world_m: (n, 3), the positions at which its pings were taken.
+    path_world_m: the positions (n, 3) at which its pings were taken.
 
-    This is the area of the scenario's survey. If there is no survey, or no ping was taken over its area, it is the area
-    around the sonar's positions, see flown_area_m.
+    It is the scenario's survey area or, if there is no survey or no ping was taken over its area, the area around the
+    sonar positions; see flown_area_m.
     """
     if survey_area_m is not None:
         is_over = not len(path_world_m) or inside_polygon(path_world_m[:, :2], survey_area_m).any()

@@ -1,4 +1,4 @@
-"""Measures how much of the bed and its objects a flight has seen over time: 1 m x 1 m columns with an echo."""
+"""Measures how much of the bed and its objects a flight sees over time, by counting 1 m x 1 m columns with an echo."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class SeenBed:
         self.areas_m2: list[float] = []
 
     def observe(self) -> None:
-        """Take a ping with each vehicle and add the columns that it sees."""
+        """Take a ping with each vehicle and add the columns seen."""
         self.due_tick = self._sim.tick + self._steps
         for vehicle in self._vehicles:
             if vehicle.released:

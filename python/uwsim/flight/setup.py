@@ -1,4 +1,4 @@
-"""The checked setup of a flight, ready for the engine."""
+"""The validated setup of a flight, ready for the engine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Setup:
-    """The parts of a flight, already checked; see fly() for their meaning.
+    """The parts of a flight, already validated; see fly() for their meaning.
 
     request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
     FlownMission.planned. saved: the flight to resume.

@@ -1,4 +1,4 @@
-"""Names of the stages into which a flight's wall time is divided: physics, rays, codec, conversion and so on."""
+"""Names of the stages into which a flight's wall time is broken down: physics, rays, codec, conversion and so on."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def _error_rows(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def warning_rows(flown: FlightRecord) -> list[tuple[str, str]]:
-    """Return a row for each warning on the panels: its condition, and the share of the pings during which it was on."""
+    """Return a row for each panel warning: its condition, and the share of pings during which it was on."""
     limits_m = flown.warning_limits_m
     meanings = {
         "range": f"pings over {limits_m.get('range', 0.0):g} m from the station",
@@ -75,7 +75,7 @@ def warning_rows(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def _share_text(share: float) -> str:
-    """Return a share as `63 %`; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
+    """Format a share as `63 %`; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
     percent = f"{100.0 * share:.0f}" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.3g}"
     return f"{percent} %"
 
@@ -125,7 +125,7 @@ def vehicle_values(samples: Samples) -> dict[str, Any]:
 def flight_values(flown: FlightRecord) -> dict[str, Any]:
     """Return the flight's key values by name, in SI units, for JSON.
 
-    The map's score is in `map`; for one version its values are also at the top level, as in earlier surveys.
+    The map's score is under `map`; for one version, its values are also at the top level, as in earlier surveys.
     """
     errors_m, made = flown.position_error_m, flown.occupancy is not None
     values = {
@@ -211,7 +211,7 @@ def warnings(flown: FlightRecord) -> list[str]:
 
 
 def coverage_shortfall(flown: FlightRecord, min_coverage_percent: float | None = None) -> str | None:
-    """Return a sentence if the coverage of the map is below the minimum, else None.
+    """Return a sentence about the shortfall if map coverage is below the minimum, else None.
 
     min_coverage_percent: by default ENOUGH_PERCENT for a flight that ended early, for example because its battery was
     empty, and no minimum for a flight that completed its mission.
@@ -230,7 +230,7 @@ def coverage_shortfall(flown: FlightRecord, min_coverage_percent: float | None =
 
 
 def ashore_text(flown: FlightRecord, score: MapScore) -> str:
-    """Return a summary of the map that the station has built."""
+    """Return a summary of the map built by the station."""
     count = 0 if flown.ashore is None else flown.ashore.ping_count
     share = coverage_text(score) if score.visible_truth_voxels else "-"
     distance = f", mean distance to the truth {distance_text(score.distance_mean_m)}" if score.occupied_voxels else ""
@@ -261,7 +261,7 @@ def summary_table(flown: FlightRecord) -> Table:
 
 
 def duration_text(seconds: float) -> str:
-    """Return seconds as `21 min 52 s`, or `4.2 s` under a minute."""
+    """Format a duration as `21 min 52 s`, or as `4.2 s` if it is under a minute."""
     if seconds < 60.0:
         return f"{seconds:.1f} s"
     whole = round(seconds)

@@ -1,4 +1,4 @@
-"""run_survey and resume_survey: fly a survey, which maps the scenario's survey area, by default in parallel lanes."""
+"""run_survey and resume_survey: map a scenario's survey area, by default by flying parallel lanes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def run_survey(
         print(record.coverage, record.simulated_s)
 
     Like `fly`, but builds a map and prints progress; on Ctrl-C it stops and keeps the map built so far. mission: by
-    default the adaptive lawn-mower over the survey's area. options: the other arguments of `fly`. Raises ScenarioError
+    default, the adaptive lawn-mower over the survey area. options: the other arguments of `fly`. Raises ScenarioError
     or ValueError for an error in the scenario or the arguments, OSError if `out` cannot be written. The map is written
     even if the mission fails.
     """
@@ -48,7 +48,7 @@ def run_survey(
 
 
 def resume_survey(out: str | Path, *, screen: Silent | None = None, **options: Any) -> FlightRecord:
-    """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
+    """Continue the survey last saved by `run_survey` in `out`; the map is the same as without the interruption.
 
     options: see uwsim.flight.fly.resume. Raises ValueError if there is nothing to resume or an argument differs, and
     the errors of run_survey.

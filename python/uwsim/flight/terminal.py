@@ -20,7 +20,7 @@ REDRAW_S = 0.1  # wall time between updates of the progress bar
 
 
 class Silent:
-    """Shows nothing; the base class of all displays of a flight."""
+    """Shows nothing; the base class of all flight displays."""
 
     hears_signals = False
     """Whether Ctrl-C and SIGTERM end the displayed flight and keep its results so far."""
@@ -93,7 +93,7 @@ class Terminal(Silent):
 def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
     """Yield a function that calls `draw` at most once per period of wall time.
 
-    At the end, `draw` is called with the last arguments if they have not been drawn.
+    On exit, `draw` is called with the last arguments if they have not been drawn yet.
     """
     drawn_s = -math.inf
     last: tuple[float | None, float] | None = None
@@ -111,7 +111,7 @@ def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
 
 
 def _notebook_bar(activity: str) -> Show:
-    """Return a function that shows a progress bar in a notebook, where rich's would need ipywidgets."""
+    """Return a function that shows a progress bar in a notebook; the one from rich would need ipywidgets."""
     from IPython.display import DisplayHandle
 
     bar: Any = DisplayHandle()  # type: ignore[no-untyped-call]
@@ -131,9 +131,9 @@ def _notebook_bar(activity: str) -> Show:
 
 
 class _ResultConsole(Console):
-    """Prints to stdout, or nowhere once its reader has exited: `uwsim survey | head` must still write the report."""
+    """Prints to stdout until its reader exits: `uwsim survey | head` must still write the report."""
 
     def on_broken_pipe(self) -> None:
-        """Redirect stdout to /dev/null, instead of ending the program as rich does."""
+        """Redirect stdout to /dev/null instead of exiting, as rich does."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())

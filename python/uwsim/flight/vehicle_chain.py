@@ -1,4 +1,4 @@
-"""How a scenario's vehicle builds a map: the chain from pings to the map, the ping rate, and what the vehicle needs."""
+"""How a vehicle builds a map: the processing chain from pings to map, the ping rate, and the requirements."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def chain_of(
     timer: WallTimer | None = None,
     transmit: Callable[[str], str] | None = None,
 ) -> PingToMap:
-    """Return the chain from a vehicle's pings to a map. filters: whether outliers are discarded."""
+    """Return the processing chain from a vehicle's pings to a map. filters: whether to discard outliers."""
     (entry,) = (entry for entry in sim.scenario.vehicles if entry.name == vehicle)
     sonar, survey = sim.vehicles[vehicle].sonar, sim.scenario.survey
     wire, limit_m = depth_string(sonar.model, transmit), None
@@ -47,7 +47,7 @@ def chain_of(
 
 
 def filters_outliers(sim: Simulator, vehicle: str, asked: bool | None) -> bool:
-    """Return whether outliers are filtered: as requested, else as in the scenario, else only in physics mode.
+    """Return whether to filter outliers: as requested, else as the scenario specifies, else only in physics mode.
 
     Raises ScenarioError if the scenario limits uncertainties that the sonar does not provide.
     """
@@ -63,7 +63,7 @@ def filters_outliers(sim: Simulator, vehicle: str, asked: bool | None) -> bool:
 
 
 def requested_interval_s(sim: Simulator) -> float:
-    """Return the time between pings that the scenario requests."""
+    """Return the time between pings requested by the scenario."""
     return 1.0 / (PING_RATE_HZ if sim.scenario.survey is None else sim.scenario.survey.ping_rate_hz)
 
 

@@ -1,4 +1,4 @@
-"""Attaches a flight's observers: samples, the map, and the station's end of the link."""
+"""Attaches the observers of a flight: sampling, mapping, and the station's end of the link."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Watched:
-    """A flight that is about to begin or continue. own: its vehicles, as the mission sees them."""
+    """A flight that is about to begin or continue. own: its vehicles, as seen by the mission."""
 
     setup: Setup
     own: Mapping[str, OwnVehicle]
@@ -45,7 +45,7 @@ def sampling(flight: Watched, hear: Hear) -> Iterator[Sampler]:
 
 @contextmanager
 def linked(flight: Watched) -> Iterator[Ashore | None]:
-    """Carry the vehicles' messages to the station while the block runs, if the scenario has a link."""
+    """Carry vehicle messages to the station while the block runs, if the scenario has a link."""
     setup, sim = flight.setup, flight.setup.sim
     if sim.link is None:
         yield None
