@@ -1,4 +1,4 @@
-"""Occupancy maps, bit for bit the same as OctoMap's: its octree, its probabilities and its files.
+"""Occupancy maps that match OctoMap's bit for bit: octree, probabilities and files.
 
 world = OccupancyMap(resolution_m=0.2)
 world.insert_scan(points_world_m, origin_world_m, max_range_m=55.0)

@@ -1,4 +1,4 @@
-"""Changes between two visits: groups of voxels that appeared or vanished from one map to the next."""
+"""Changes between two visits: groups of voxels that have appeared or vanished between two maps."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ TOGETHER = 2.5  # in voxels: largest distance between neighbours in a group
 
 @dataclass(frozen=True, eq=False)
 class MapChange:
-    """A group of voxels that appeared or vanished. voxels_m: (n, 3), the voxels' centres."""
+    """A group of voxels that appeared or vanished. voxels_m: voxel centres (n, 3)."""
 
     kind: Literal["appeared", "vanished"]
     voxels_m: NDArray[np.float64]
 
     @property
     def middle_world_m(self) -> NDArray[np.float64]:
-        """The centre of the voxels' bounding box, (3,)."""
+        """The centre (3,) of the bounding box of the voxels."""
         return np.asarray(0.5 * (self.voxels_m.min(axis=0) + self.voxels_m.max(axis=0)))
 
     @property
     def size_m(self) -> NDArray[np.float64]:
-        """The extent of the voxels' centres along each axis, (3,)."""
+        """The extent (3,) of the voxel centres along each axis."""
         return np.asarray(np.ptp(self.voxels_m, axis=0))
 
 
@@ -40,8 +40,8 @@ def map_changes(before: OccupancyMap, after: OccupancyMap, smallest: int = 12) -
     """Return the groups of voxels that appeared or vanished between two maps of the same area, largest first.
 
     A voxel has appeared if it is occupied in `after`, and in `before` was known to be free and had no occupied
-    neighbour; vanished is the reverse. Voxels observed on only one visit do not count as changes. smallest: number of
-    voxels below which a group counts as noise. Raises ValueError unless both maps have the same grid.
+    neighbour; vanished is the reverse. Voxels observed on only one visit do not count as changes. smallest: the number
+    of voxels below which a group is considered noise. Raises ValueError unless both maps have the same grid.
     """
     differing = map_difference(before, after)
     changes = [
@@ -54,7 +54,7 @@ def map_changes(before: OccupancyMap, after: OccupancyMap, smallest: int = 12) -
 def _groups(
     kind: Literal["appeared", "vanished"], voxels_m: NDArray[np.float64], other: OccupancyMap, smallest: int
 ) -> list[MapChange]:
-    """Return the groups of those voxels that are free in the other map and not near its occupied voxels."""
+    """Return groups of the voxels that are free in the other map and not adjacent to any voxel occupied there."""
     edge_m = other.resolution_m
     free = voxels_m[other.state_at(voxels_m) == 0] if len(voxels_m) else voxels_m
     occupied = other.occupied_voxels()

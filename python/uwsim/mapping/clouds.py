@@ -1,4 +1,4 @@
-"""Processes point clouds with PCL: downsamples, removes outliers, finds the ground plane, registers to a map.
+"""Point-cloud processing with PCL: downsampling, outlier removal, ground-plane detection, registration to a map.
 
     points_m = voxel_grid(points_m, 0.1)
     points_m = remove_outliers(points_m, neighbours=16, deviations=2.0)
@@ -6,7 +6,7 @@
     found = register_to_map(points_m, occupancy_map)        the cloud's pose in the map
 
 Points are (n, 3) float32. C-ordered float32 arrays are not copied, float64 arrays and sequences are converted, and
-other dtypes are refused. The same points in the same order give the same bytes. All errors are ValueError. Calls
+other dtypes are rejected. The same points in the same order give the same bytes. All errors are ValueError. Calls
 release the GIL.
 """
 
@@ -26,7 +26,7 @@ REACH_VOXELS = 5.0
 
 
 class RegistrationTarget(Protocol):
-    """A map for register_to_map, such as uwsim.mapping.OccupancyMap."""
+    """A map that register_to_map accepts, such as uwsim.mapping.OccupancyMap."""
 
     @property
     def resolution_m(self) -> float:
@@ -55,7 +55,7 @@ class Registration:
 
     target_from_source: (4, 4), rigid. rms_m: root mean square distance between the cloud's points, in this pose, and
     their nearest target points, over the points that have a target point within max_distance_m; nan if there are none.
-    overlap: the share of such points. converged: whether the steps became negligible before the iterations ran out.
+    overlap: the share of such points. converged: whether the steps became negligible within the allowed iterations.
     """
 
     target_from_source: NDArray[np.float64]
@@ -68,7 +68,7 @@ class Registration:
 def voxel_grid(points_m: ArrayLike, voxel_m: float) -> NDArray[np.float32]:
     """Return the centroid of the points in each non-empty cube of edge voxel_m: (k, 3) float32.
 
-    The cubes' corners are at multiples of voxel_m, as in OctoMap. Non-finite points are discarded. Raises ValueError
+    Cube corners are at multiples of voxel_m, as in OctoMap. Non-finite points are discarded. Raises ValueError
     if the cloud's bounding box contains 2**31 cubes or more.
     """
     return _core.voxel_grid(points_m, voxel_m)
@@ -84,7 +84,7 @@ def pass_through(
 
 
 def remove_outliers(points_m: ArrayLike, neighbours: int = 16, deviations: float = 2.0) -> NDArray[np.float32]:
-    """Return the points except outliers (Rusu et al. 2008, "Towards 3D point cloud based object maps").
+    """Return the points without outliers (Rusu et al. 2008, "Towards 3D point cloud based object maps").
 
     A point is an outlier if the mean distance to its nearest `neighbours` points exceeds the mean of that distance over
     the cloud by more than `deviations` standard deviations. Non-finite points are discarded. There must be more points
@@ -130,8 +130,8 @@ def register_to_map(
 ) -> Registration:
     """Register a cloud (n, 3) to the centres of a map's occupied voxels. max_distance_m: REACH_VOXELS by default.
 
-    Accuracy: the centres lie up to half a voxel's diagonal from the mapped surface, so the result is accurate to a
-    fraction of a voxel; along a featureless plane the cloud may slide.
+    Accuracy: the centres lie up to half a voxel diagonal from the mapped surface, so the result is accurate to a
+    fraction of a voxel; along a featureless plane, the cloud may slide.
     """
     reach_m = REACH_VOXELS * occupancy_map.resolution_m if max_distance_m is None else max_distance_m
     centres = occupancy_map.occupied_voxels()

@@ -1,4 +1,4 @@
-"""A bathymetric grid, from a map's occupied voxels or a cloud's points."""
+"""A bathymetric grid, computed from the occupied voxels of a map or from a point cloud."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class DepthGrid:
 
     depth_m: (rows, columns), median depth of the points in a cell, nan in empty cells. count: (rows, columns) int64,
     number of points in the cell. Rows run from south to north, columns from west to east. The cells are cell_m wide,
-    with corners at multiples of cell_m. west_m, south_m: the grid's south-western corner in the world.
+    with corners at multiples of cell_m. west_m, south_m: the south-west corner of the grid in the world.
     """
 
     depth_m: NDArray[np.float64]
@@ -27,7 +27,7 @@ class DepthGrid:
 
     @property
     def extent_m(self) -> tuple[float, float, float, float]:
-        """West, east, south and north borders in the world."""
+        """The west, east, south and north bounds in the world."""
         rows, columns = self.depth_m.shape
         return (
             self.west_m,

@@ -19,9 +19,9 @@ POINTS_PER_QUERY = 1 << 22
 class MapDifference:
     """A voxel-by-voxel comparison of two maps.
 
-    counts: (3, 3) int64, number of voxels by their state in the first map (row) and in the second (column), in the
-    order of STATES; voxels that are unknown in both are not counted. only_first_m, only_second_m, both_m: (n, 3),
-    world, centres of the voxels that are occupied only in the first map, only in the second, and in both.
+    counts: (3, 3) int64, number of voxels by state in the first map (row) and in the second (column), in the order of
+    STATES; voxels that are unknown in both are not counted. only_first_m, only_second_m, both_m: (n, 3), world, centres
+    of the voxels that are occupied only in the first map, only in the second, and in both.
     """
 
     counts: NDArray[np.int64]
@@ -55,7 +55,7 @@ def map_difference(first: OccupancyMap, second: OccupancyMap) -> MapDifference:
 
 
 def _states(occupancy: OccupancyMap, centres_m: NDArray[np.float64]) -> NDArray[np.int8]:
-    """Return the states at the centres, queried in parts to limit memory."""
+    """Return the states at the centres, queried in chunks to limit memory use."""
     starts = range(0, len(centres_m), POINTS_PER_QUERY)
     parts = [occupancy.state_at(centres_m[start : start + POINTS_PER_QUERY]) for start in starts]
     return np.concatenate([np.empty(0, np.int8), *parts])

@@ -28,11 +28,11 @@ Scan = tuple[NDArray[np.float32], NDArray[np.float64]]
 
 
 class MapFiller:
-    """Inserts scans into a map. A context manager: leaving it waits until the map is filled.
+    """Inserts scans into a map. A context manager; on exit, it waits until the map is filled.
 
     Scans are inserted in order, so the map's bytes do not depend on the number of threads. reference: a second map for
-    comparison, into which every scan is inserted individually. on_mapped: called on the map's thread with the points
-    (n, 3) last inserted, if no other scans are waiting; never called with one thread.
+    comparison, into which every scan is inserted individually. on_mapped: called on the map thread with the points (n,
+    3) last inserted, if no other scans are waiting; never called with a single thread.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class MapFiller:
                 self._in_flight.popleft().result()
 
     def when_mapped(self, job: Callable[[], None]) -> None:
-        """Run a job when the map contains exactly the scans inserted so far: now, or later on the map's thread."""
+        """Run a job when the map contains exactly the scans passed so far: now, or later on the map thread."""
         self._send_batch()
         self._run_in_order(job)
 
@@ -81,12 +81,12 @@ class MapFiller:
                 self._in_flight.popleft().result()
 
     def _queue_limit(self) -> float:
-        """Return the number of batches that the map inserts in BACKLOG_S at its average rate so far."""
+        """Return the number of batches inserted in BACKLOG_S at the average rate so far."""
         batch_s = self._timer.wall_s[MAPPING] / max(1, self._batches_sent - len(self._in_flight))
         return min(max(BACKLOG_S / max(batch_s, 1e-9), BATCHES_MIN), BATCHES_MAX)
 
     def _run_in_order(self, job: Callable[[], None]) -> None:
-        """Run a job after all earlier jobs: now, or later on the map's thread."""
+        """Run a job after all earlier jobs: now, or later on the map thread."""
         if self._thread is None:
             job()
         else:

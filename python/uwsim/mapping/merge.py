@@ -1,4 +1,4 @@
-"""Merges map files of the same area or of parts of it; the result's bytes do not depend on the order of the files."""
+"""Merges map files of the same area or parts of it; the resulting bytes do not depend on the order of the files."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ OCCUPIED_WINS = (0.4999999, 1.0 - 1e-12)
 
 
 def merge_files(sources: Sequence[Path], target: Path) -> int:
-    """Merge maps into `target`, .bt or .ot, which is written atomically; return its number of occupied voxels.
+    """Merge maps into `target` (.bt or .ot), written atomically; return the number of occupied voxels.
 
     If all files are .ot, the log-odds of each voxel are added, and the sum is clamped as it is for scans: as if one map
-    had received all scans, apart from clamping in between. A .bt contains only states. So if any file is a .bt, a voxel
-    is occupied if it is occupied in any map, else free if it is free in any. Voxels that are unknown in all maps stay
-    unknown.
+    had received all scans, apart from clamping in between. A .bt contains only states. If any file is a .bt, a voxel is
+    therefore occupied if it is occupied in any map, else free if it is free in any. Voxels that are unknown in all maps
+    stay unknown.
 
-    The files are merged in the order of their contents' digests, since floating-point sums depend on the order; so the
-    result depends only on the files. The files contain no origin: all must have been written with the same origin. At
-    most two maps are in memory at a time. Raises ValueError, which names the file, or OSError, in both cases before
+    Floating-point sums depend on the order of the terms, so the files are merged in the order of their digests, and the
+    result depends only on their contents. The files contain no origin: all must have been written with the same origin.
+    At most two maps are in memory at a time. Raises ValueError, which names the file, or OSError, in both cases before
     anything is written.
     """
     if len(sources) < 2:
@@ -66,7 +66,7 @@ def _any_occupied(sources: Sequence[Path]) -> OccupancyMap:
 
 
 def _states(source: Path, scratch: Path) -> OccupancyMap:
-    """Return a file's map without probabilities: an .ot is converted to a .bt first."""
+    """Read a map without probabilities: an .ot is first converted to a .bt."""
     if map_format(source) == "ot":
         open_map(source).write(scratch)
         source = scratch

@@ -45,19 +45,18 @@ class OccupancyMap(Sealed):
     is written by an octomap::OcTree or, with a memory_limit_mb or from 30 million nodes on, by uwsim's writer with the
     same bytes, since OctoMap's tree would take gigabytes. hit: probability that a voxel with a point in it is occupied,
     in [0.5, 1). miss: the same for a voxel that a ray passes through, in (0, 0.5]. clamping: the limits of the
-    probability that scans can give a voxel. The defaults are OctoMap's. instruction_set: used by the bricks' kernels,
+    probability that scans can give a voxel. The defaults are OctoMap's. instruction_set: used by the bricks kernels,
     for tests and benchmarks; the bytes do not depend on it. on_outside: with "raise", a scan with points outside the
     cube raises ValueError, and nothing is inserted; with "count", such points (all points, if the scan's origin is
-    outside) are discarded, and counted in statistics(). memory_limit_mb: approximate limit of the bricks' memory, not
-    including one batch of scans and the states kept for changed_voxels. The least recently used parts of the map are
-    moved to an unnamed file in spill_dir (by default the system's folder for temporary files; it must not be on a
-    memory file system) and loaded again when needed. The file disappears when the process ends, for whatever reason.
-    The bytes of the map do not depend on the limit. If that file cannot be written, inserting raises OSError with
-    nothing inserted, and the map stays intact. Up to 64 MB of voxels from deleted maps, and the tables of rays, are
-    kept for new maps.
+    outside) are discarded, and counted in statistics(). memory_limit_mb: approximate limit on the memory used by
+    bricks, not including one batch of scans and the states kept for changed_voxels. The least recently used parts of
+    the map are moved to an unnamed file in spill_dir (by default the system's folder for temporary files; it must not
+    be on a memory file system) and loaded again when needed. The file disappears when the process ends, for whatever
+    reason. The bytes of the map do not depend on the limit. If that file cannot be written, inserting raises OSError
+    with nothing inserted, and the map stays intact. Up to 64 MB of voxel storage from deleted maps, and the ray tables,
+    are kept for new maps.
 
-    The bytes of a map depend only on the scans and their order. Calls release the GIL; concurrent calls run one at a
-    time.
+    The bytes of a map depend only on the scans and their order. Calls release the GIL; concurrent calls are serialised.
     """
 
     _fixed_when = "the map is made or read"
@@ -118,7 +117,7 @@ class OccupancyMap(Sealed):
 
     @property
     def engine(self) -> MapEngine:
-        """The map's engine: "bricks" or "octomap"."""
+        """The engine: "bricks" or "octomap"."""
         return "octomap" if self._map.engine == _core.MapEngine.OCTOMAP else "bricks"
 
     def insert_scan(self, points_world_m: ArrayLike, origin_world_m: ArrayLike, max_range_m: float = math.inf) -> None:
@@ -163,7 +162,7 @@ class OccupancyMap(Sealed):
         return self._map.free_voxels()
 
     def statistics(self) -> MapStatistics:
-        """Return the numbers of voxels and nodes, and the memory used. Visits the whole map."""
+        """Return the numbers of voxels and nodes, and the memory used. Traverses the whole map."""
         return MapStatistics(*self._map.statistics())
 
     def count(self) -> VoxelCounts:
@@ -183,7 +182,7 @@ class OccupancyMap(Sealed):
         return probability(self.log_odds_at(points_world_m))
 
     def leaves(self) -> Cubes:
-        """Return the leaves of OctoMap's pruned tree: cubes of equal voxels, as large as possible."""
+        """Return the leaves of OctoMap's pruned tree: maximal cubes of equal voxels."""
         return Cubes(*self._map.leaves())
 
     def cells(self, depth: int) -> Cubes:
@@ -195,7 +194,7 @@ class OccupancyMap(Sealed):
         return Cubes(*self._map.cells(depth))
 
     def voxels_in(self, low_world_m: ArrayLike, high_world_m: ArrayLike) -> Cubes:
-        """Return the known voxels of the finest level with centres in a box with these corners (3,), faces included.
+        """Return the known voxels of the finest level whose centres are in the closed box with these corners (3,).
 
         Raises ValueError if there are more than 100 million.
         """
@@ -217,7 +216,7 @@ class OccupancyMap(Sealed):
         return RayCasts(*self._map.cast_rays(origins_world_m, directions_world, ignore_unknown, max_range_m))
 
     def changed_voxels(self) -> MapChanges:
-        """Return the voxels whose state (unknown, free, occupied) has changed since the last call: for a live view.
+        """Return the voxels whose state (unknown, free, occupied) has changed since the last call. For live views.
 
         The first call returns all known voxels. Voxels that changed back, or of which only the probability changed, are
         not returned. From the first call on, the map keeps a copy of the states, two bits per voxel in mixed areas.
@@ -226,7 +225,7 @@ class OccupancyMap(Sealed):
         return MapChanges(*self._map.changed_voxels())
 
     def changed_occupancy(self) -> OccupancyChanges:
-        """Return the voxels that became occupied, or are no longer occupied, since the last call: for a live view.
+        """Return the voxels that have become occupied, or ceased to be, since the last call. For live views.
 
         The first call returns all occupied voxels. It is much faster than `changed_voxels` and independent of it: each
         reports the changes since its own last call. Raises ValueError if there are more than 100 million; the next call
@@ -238,9 +237,9 @@ class OccupancyMap(Sealed):
     def merge(self, other: OccupancyMap) -> None:
         """Add another map's log-odds, voxel by voxel; the sum is clamped to this map's limits.
 
-        A voxel that is unknown in one map takes the other's value. The other map must have the same resolution, and an
-        origin that is a whole number of voxels away. Raises ValueError, and changes nothing, if this is not so, or if
-        `other` is this map itself or extends beyond this map's cube; OSError if voxels cannot be moved to disk;
+        A voxel that is unknown in one map takes its value from the other. The other map must have the same resolution,
+        and an origin that is a whole number of voxels away. Raises ValueError, and changes nothing, if this is not so,
+        or if `other` is this map itself or extends beyond this map's cube; OSError if voxels cannot be moved to disk;
         TypeError if `other` is not an OccupancyMap.
         """
         if not isinstance(other, OccupancyMap):
@@ -258,7 +257,7 @@ class OccupancyMap(Sealed):
         self._map.set_model(model.hit, model.miss, *model.clamping)
 
     def to_bytes(self, map_format: MapFormat) -> bytes:
-        """Return the bytes that `write` puts into a file of that suffix."""
+        """Return the bytes that `write` would write to a file with that suffix."""
         return self._map.to_bytes(map_format)
 
     def write(self, path: str | os.PathLike[str]) -> None:

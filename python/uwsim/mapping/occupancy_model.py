@@ -1,4 +1,4 @@
-"""OctoMap's sensor model: how much an observation changes a voxel's log-odds, and within which limits."""
+"""OctoMap's sensor model: how much an observation changes the log-odds of a voxel, and their limits."""
 
 from __future__ import annotations
 

@@ -19,11 +19,11 @@ Wire = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
 
 class PingToMap(Sealed):
-    """Passes pings through the chain into a map.
+    """Processes pings and inserts them into a map.
 
-    hull: a box around the vehicle's hull, body frame; echoes from inside it are discarded. wire: carries the ranges
-    from the sonar to the map; by default a depth string. outlier_filter: whether ranging.reject_outliers is part of the
-    chain. max_uncertainty_m: the limit for ranging.reject_uncertain; None leaves that step out.
+    hull: a box around the vehicle's hull, body frame; echoes from inside it are discarded. wire: transmits the ranges
+    from the sonar to the map; by default, as a depth string. outlier_filter: whether ranging.reject_outliers is part of
+    the chain. max_uncertainty_m: the limit for ranging.reject_uncertain; None omits that step.
     """
 
     model: _core.MultibeamModel
@@ -99,7 +99,7 @@ def placed_echoes(
     world_from_body: NDArray[np.float64],
     world_from_sonar: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Return a sonar's echoes (n, 3) in the world, without echoes from the vehicle's own hull."""
+    """Transform sonar echoes (n, 3) to the world and return them, without those from the vehicle's own hull."""
     body_from_sonar = ranging.relative_transform(world_from_body, world_from_sonar)
     echoes_body_m = ranging.transform_points(cloud_sonar_m, body_from_sonar)
     others_body_m = ranging.remove_box(echoes_body_m, *hull)

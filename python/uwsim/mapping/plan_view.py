@@ -49,7 +49,7 @@ def highest(
 
 
 def png(world: OccupancyMap) -> bytes:
-    """Return the figure of `plan_view` as a PNG file."""
+    """Return the figure from `plan_view` as a PNG file."""
     file = io.BytesIO()
     plan_view(world).savefig(file, format="png", dpi=100)
     return file.getvalue()

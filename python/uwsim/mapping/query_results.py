@@ -1,4 +1,4 @@
-"""Results of queries on a map: statistics, cubes, changes and ray casts."""
+"""Results of map queries: statistics, cubes, changes and ray casts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class VoxelCounts(NamedTuple):
 
 @dataclass(frozen=True)
 class MapStatistics:
-    """A map's size. Voxels are counted at the finest level; a pruned leaf counts as all the voxels that it covers.
+    """The size of a map. Voxels are counted at the finest level; a pruned leaf counts as all the voxels that it covers.
 
     nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory of the map; for "octomap", OctoMap's
     estimate, which omits the allocator's overhead. outside_points: with on_outside="count", the number of points
@@ -61,7 +61,7 @@ class Cubes:
         return probability(self.log_odds)
 
     def only(self, which: NDArray[np.bool_]) -> Cubes:
-        """Return the cubes for which `which`, (n,), is true, as in `cubes.only(cubes.states == 1)`."""
+        """Return the cubes selected by a mask (n,), as in `cubes.only(cubes.states == 1)`."""
         return Cubes(self.centres_m[which], self.edges_m[which], self.log_odds[which])
 
 
@@ -81,7 +81,7 @@ class MapChanges:
 
 @dataclass(frozen=True, eq=False)
 class OccupancyChanges:
-    """Voxels of the finest level that became occupied, or are no longer occupied, in Morton order.
+    """Voxels of the finest level that have become occupied or ceased to be, in Morton order.
 
     cells: (n, 3) int16, voxel indices from the map's origin; a voxel's centre is at (cell + 0.5) * resolution from it.
     occupied: (n,) bool, whether the voxel is occupied now.
@@ -96,7 +96,7 @@ class OccupancyChanges:
 
 @dataclass(frozen=True, eq=False)
 class RayCasts:
-    """Where rays in a map ended.
+    """The end points of rays cast in a map.
 
     states: (n,) int8: 1 if the ray reached an occupied voxel, 0 if it reached its maximum range or the cube's edge, -1
     if it reached an unknown voxel. voxels_m: (n, 3) float64, world, the centre of each ray's last voxel.

@@ -10,7 +10,7 @@
     points_world_m = transform_points(points_m, world_from_body)
 
 Points are (n, 3) float32, processed by PCL. C-ordered float32 arrays are not copied, float64 arrays and sequences are
-converted, and other dtypes are refused. All errors are ValueError. model: the number of one of the four published
+converted, and other dtypes are rejected. All errors are ValueError. model: the number of one of the four published
 variants, or any sonar's model, such as rov.sonar.model.
 """
 
@@ -46,7 +46,7 @@ NO_INTENSITIES = np.empty(0, dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class LaserScan:
-    """A ping as a sensor_msgs/LaserScan, with that message's field names; angles in rad, times in s, ranges in m.
+    """A ping as a sensor_msgs/LaserScan, with the message's field names; angles in rad, times in s, ranges in m.
 
     Beam i points along angle_min + i * angle_increment in the x-y plane of frame_id, from +x towards +y. ranges:
     (beams,) float32, inf if there is no echo. intensities: (beams,) or empty.
@@ -105,7 +105,7 @@ def to_laser_scan(
 def scan_of_decoded(
     ranges_m: NDArray[np.float32], model: _core.MultibeamModel, stamp_s: float, ping_interval_s: float = 0.1
 ) -> LaserScan:
-    """Return the LaserScan of a ping, like `to_laser_scan`, for ranges in the form that decode_depth_string returns."""
+    """Return the LaserScan of a ping, like `to_laser_scan`, from ranges as returned by decode_depth_string."""
     first_rad = model.angle_min_rad
     return LaserScan(
         frame_id="base_scan",
@@ -141,7 +141,7 @@ def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float3
 
 
 def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
-    """Replace a range by inf if its echo's place is uncertain by more than max_uncertainty_m at 95 % confidence.
+    """Replace ranges by inf where the echo place is uncertain by more than max_uncertainty_m at 95 % confidence.
 
     ranges_m, deviation_m: (beams,), as in a ping in physics mode and as `place_deviation_m` returns; the uncertainty is
     CONFIDENCE standard deviations, as in IHO S-44. The sonar head applies this before it sends ranges, as real
@@ -156,12 +156,11 @@ def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertaint
 
 
 def reject_outliers(scan: LaserScan) -> LaserScan:
-    """Replace outliers along the swath, such as false detections, by inf: ranges with which too few neighbours agree.
+    """Replace outliers along the swath, such as false detections, by inf. An outlier agrees with too few neighbours.
 
     A neighbour k beams away agrees if the two ranges differ by at most NOISE_M plus the difference that a plane at
     STEEPEST_RAD causes: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range is kept if
-    AGREEING of its REACH neighbours on either side agree, which also keeps an object that at least AGREEING + 1 beams
-    hit.
+    AGREEING of its REACH neighbours on either side agree, so an object hit by at least AGREEING + 1 beams is also kept.
     """
     ranges = scan.ranges
     nearby = np.lib.stride_tricks.sliding_window_view(np.pad(ranges, REACH, constant_values=np.inf), 2 * REACH + 1)

@@ -1,4 +1,4 @@
-"""Slices through a map: the states of one horizontal or vertical layer of voxels."""
+"""Slices through a map: the states of a horizontal or vertical layer of voxels."""
 
 from __future__ import annotations
 

@@ -32,13 +32,13 @@ def sorted_unique(packed_keys: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def unpack_keys(packed_keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the keys (n, 3) that pack_keys packed into (n,)."""
+    """Return the keys (n, 3) that pack_keys has packed into (n,)."""
     shifts = np.array([2 * KEY_BITS, KEY_BITS, 0])
     return np.asarray(((packed_keys[:, None] >> shifts) & ((1 << KEY_BITS) - 1)) - KEY_OFFSET, np.int64)
 
 
 def are_in(keys: NDArray[np.int64], sorted_keys: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return whether each of the packed keys (n,) is among the sorted keys: (n,) bool."""
+    """Return a mask (n,) of the packed keys (n,) that are among the sorted keys."""
     if not len(sorted_keys):
         return np.zeros(len(keys), bool)
     at = np.minimum(np.searchsorted(sorted_keys, keys), len(sorted_keys) - 1)

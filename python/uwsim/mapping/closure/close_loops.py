@@ -45,7 +45,7 @@ def close_loops(track: PingTrack) -> ClosedTrack:
 
 
 def _candidates(maps: list[Submap], second: int) -> list[int]:
-    """Return the earlier submaps that overlap most with `second`, except its direct predecessor."""
+    """Return the earlier submaps that overlap most with `second`, excluding its immediate predecessor."""
     earlier = [i for i in range(second - 1) if maps[i].overlap(maps[second]) >= LEAST_COMMON]
     return sorted(earlier, key=lambda i: maps[i].overlap(maps[second]), reverse=True)[:CANDIDATES]
 

@@ -1,8 +1,8 @@
-"""Matches two submaps of the same ground, and derives the match's uncertainty from the shape of the ground.
+"""Matches two submaps of the same ground, and derives the uncertainty of the match from the shape of the ground.
 
 Point-to-plane registration (Chen and Medioni 1992, "Object modelling by registration of multiple range images") with
-rotation about the vertical only, since roll and pitch are known from gravity. Points may slide along a surface, as they
-must on a smooth bed.
+rotation about the vertical only, since roll and pitch are known from gravity. Points may slide along a surface, as is
+unavoidable on a smooth bed.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # smallest uncertainty of a match, assu
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """Submap `second` matched to submap `first`: point here_m (2,) in the first is point there_m (2,) in the second.
+    """A match of two submaps: point here_m (2,) in submap `first` is point there_m (2,) in submap `second`.
 
-    turn_rad: rotation that turns the second onto the first. covariance: (3, 3), of x, y [m] and rotation [rad].
+    turn_rad: rotation from the second onto the first. covariance: (3, 3), of x, y [m] and rotation [rad].
     """
 
     first: int
@@ -42,8 +42,8 @@ class Match:
 class _Fit:
     """The state of a registration.
 
-    moved_m: the source's points, as moved so far. turn_rad: total rotation. overlap: share of the points within reach
-    of the target. off_m: RMS distance from the planes. information: (4, 4), of x, y, rotation and z.
+    moved_m: the source points in their current position. turn_rad: total rotation. overlap: share of these points
+    within reach of the target. off_m: RMS distance from the planes. information: (4, 4), of x, y, rotation and z.
     """
 
     moved_m: Array
@@ -54,7 +54,7 @@ class _Fit:
 
 
 def match(maps: list[Submap], first: int, second: int) -> Match | None:
-    """Match two submaps from their estimated poses; return None if they do not match or the ground is featureless."""
+    """Match two submaps, starting from their estimated poses; return None if they do not match or lack features."""
     source = _common(maps[second], maps[first])
     if len(source) < POINTS // 10:
         return None

@@ -1,4 +1,4 @@
-"""The pose graph: estimates each submap's pose from its neighbours in time and from matches."""
+"""The pose graph: estimates submap poses from temporal neighbours and from matches."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def drift_std_m(maps: Sequence[Submap], first: int, second: int) -> float:
 
 
 def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
-    """Return the corrections (n, 3): x, y [m] and rotation about its anchor [rad] of each submap.
+    """Return the corrections (n, 3) of the submaps: x, y [m] and rotation about the anchor [rad].
 
-    A submap whose position is certain hardly moves. Robust least squares by SciPy, with Cauchy's loss.
+    A submap whose position is certain hardly moves. Uses SciPy's robust least squares with the Cauchy loss.
     """
     n = len(maps)
     anchors = np.array([submap.anchor_m for submap in maps])
@@ -61,6 +61,6 @@ def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
 
 
 def turned(vectors: Array, angle_rad: Array | float) -> Array:
-    """Return vectors (n, 2), rotated by one angle each, (n,), or all by the same."""
+    """Rotate vectors (n, 2), each by its own angle (n,) or all by the same."""
     cos, sin = np.cos(angle_rad), np.sin(angle_rad)
     return np.column_stack([cos * vectors[:, 0] - sin * vectors[:, 1], sin * vectors[:, 0] + cos * vectors[:, 1]])

@@ -1,4 +1,4 @@
-"""Submaps: parts of a flight so short that drift within them is negligible."""
+"""Submaps: segments of a flight short enough that drift within them is negligible."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ AROUND = 3  # pings before and after, whose median step is taken as the vehicle'
 class Submap:
     """The pings from `first` up to but excluding `end`, at their estimated poses.
 
-    time_s, anchor_m (2,), std_m: the vehicle's time, estimated position and its standard deviation at the middle ping.
-    jump_m: (2,), the estimate's jump at the start of the submap; mostly zero. cells: the cells of CELL_M that contain
+    time_s, anchor_m (2,), std_m: time, estimated vehicle position and its standard deviation at the middle ping.
+    jump_m: jump (2,) of the estimate at the start of the submap; usually zero. cells: the cells of CELL_M that contain
     points.
     """
 
@@ -42,7 +42,7 @@ class Submap:
 
     @cached_property
     def tree(self) -> cKDTree:
-        """A search tree of the points."""
+        """A search tree over the points."""
         return cKDTree(self.points_world_m)
 
     @cached_property
@@ -54,7 +54,7 @@ class Submap:
         return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))[1][:, :, 0])
 
     def overlap(self, other: Submap) -> float:
-        """Return the share of the smaller submap's area, seen from above, that both have in common."""
+        """Return the area, seen from above, that both submaps share, as a fraction of the smaller one's area."""
         return len(self.cells & other.cells) / max(min(len(self.cells), len(other.cells)), 1)
 
 
@@ -75,7 +75,7 @@ def submaps(track: PingTrack) -> list[Submap]:
 
 
 def _jumps_m(track: PingTrack) -> Array:
-    """Return the estimate's jump just before each ping, (n, 2); zero where there is none."""
+    """Return the jump (n, 2) of the estimate just before each ping; zero where there is none."""
     steps = np.diff(
         [pose[:2, 3] for pose in track.world_from_body], axis=0, prepend=track.world_from_body[0][None, :2, 3]
     )

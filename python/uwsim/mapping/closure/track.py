@@ -37,7 +37,7 @@ class PingTrack:
         std_m: float,
         deviation_m: NDArray[np.float32] | None = None,
     ) -> None:
-        """Add a ping. points_sonar_m: (beams, 3), not finite for beams without echo."""
+        """Add a ping. points_sonar_m: (beams, 3), not finite for beams without an echo."""
         self.times_s.append(time_s)
         self.world_from_body.append(np.array(world_from_body))
         self.body_from_sonar.append(np.array(body_from_sonar))
@@ -52,7 +52,7 @@ class PingTrack:
         return len(self.times_s)
 
     def points_world_m(self, ping: int) -> Array:
-        """Return a ping's echoes for matching, (n, 3), placed in the world by the estimated pose."""
+        """Return the echoes (n, 3) of a ping for matching, placed in the world by the estimated pose."""
         world_from_sonar = self.world_from_body[ping] @ self.body_from_sonar[ping]
         return np.asarray(self.points_sonar_m[ping] @ world_from_sonar[:3, :3].T + world_from_sonar[:3, 3])
 

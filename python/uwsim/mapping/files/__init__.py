@@ -1,4 +1,4 @@
-"""Files of maps (.bt, .ot), of point clouds (.pcd, .ply, .las, .xyz) and of depth grids (GeoTIFF)."""
+"""File formats for maps (.bt, .ot), point clouds (.pcd, .ply, .las, .xyz) and depth grids (GeoTIFF)."""
 
 from uwsim.mapping.files.cloud_files import CLOUD_FORMATS, read_cloud, write_cloud
 

@@ -1,9 +1,9 @@
-"""Point cloud files: PCD, PLY, LAS and plain XYZ text, selected by the path's suffix.
+"""Point cloud files: PCD, PLY, LAS and plain XYZ text, selected by file suffix.
 
 write_cloud("bed.ply", points_m)
 points_m = read_cloud("bed.ply")
 
-PCD, PLY and XYZ preserve float32 points bit for bit; XYZ preserves float64, too; LAS stores whole millimetres.
+PCD, PLY and XYZ preserve float32 points bit for bit; XYZ also preserves float64; LAS stores whole millimetres.
 """
 
 from __future__ import annotations
@@ -30,8 +30,7 @@ class _CloudFormat:
     """A file format.
 
     encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes. decode: the reverse; may raise any
-    exception. text_mark: the part of a header by which a file declares that its numbers are text; None if all files are
-    binary.
+    exception. text_mark: the part of a header that declares the numbers to be text; None if all files are binary.
     """
 
     name: str
@@ -49,7 +48,7 @@ CLOUD_FORMATS = {
 
 
 def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
-    """Write points (n, 3) atomically, in the format of the path's suffix: .pcd, .ply, .las or .xyz.
+    """Write points (n, 3) atomically, in the format given by the file suffix: .pcd, .ply, .las or .xyz.
 
     PCD and PLY hold float32, as PCL and most programs do. Raises ValueError, before writing anything, for another
     suffix or shape, or if there are no points or non-finite points; OSError if the file cannot be written.
@@ -60,10 +59,10 @@ def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
 
 
 def read_cloud(path: str | os.PathLike[str]) -> Points:
-    """Return a file's points, (n, 3) float64. Non-finite points, which PCL writes for missing echoes, are discarded.
+    """Return the points in a file, (n, 3) float64, except non-finite ones, which PCL writes for missing echoes.
 
     Warns if the last line of a text file has no line break. Raises OSError if the file cannot be read, ValueError if it
-    is not a valid file of its suffix's format.
+    is not valid in the format given by its suffix.
     """
     source = Path(path)
     cloud_format = _format_of(source)

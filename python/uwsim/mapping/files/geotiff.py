@@ -18,9 +18,9 @@ MIN_TILED_SIZE = 512
 
 @dataclass(frozen=True)
 class Georeference:
-    """The world's place on Earth: its origin in a coordinate system, and that system's units per simulated metre.
+    """The world's location on Earth: its origin in a coordinate system, and that system's units per simulated metre.
 
-    crs: None for a world without a place on Earth; files then use metres east and north of the world's origin.
+    crs: None for a world without a location on Earth; files then use metres east and north of the world's origin.
     """
 
     crs: CRS | None = None

@@ -1,4 +1,4 @@
-"""LAS files by laspy: version 1.2, point format 0, which every LAS reader supports."""
+"""LAS files, using laspy: version 1.2, point format 0, which every LAS reader supports."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def decode(data: bytes) -> NDArray[np.float64]:
 def _require_records(data: bytes) -> None:
     """Raise ValueError if the header lists more variable-length records than fit: laspy would try to read them all.
 
-    Byte offsets, as in laspy: 94 for the header's size and the start of the points, 100 for the number of records, 243
+    Byte offsets, as in laspy: 94 for the header size and the start of the points, 100 for the number of records, 243
     for the number of extended records.
     """
     if not data.startswith(b"LASF") or len(data) < 227:

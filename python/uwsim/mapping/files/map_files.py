@@ -1,4 +1,4 @@
-"""Opens map files, reads points from map or cloud files, and determines maps' grids and bounds."""
+"""Opens map files, reads points from map or cloud files, and determines map grids and bounds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ZERO: Origin = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """The bounding box of a map's known voxels: its low and high corners (3,) in the world."""
+    """The bounding box of the known voxels of a map: its low and high corners (3,) in the world."""
 
     low_m: NDArray[np.float64]
     high_m: NDArray[np.float64]
@@ -38,7 +38,7 @@ def map_format(path: Path) -> str:
 
 
 def open_points(path: Path, origin_world_m: Origin = ZERO) -> tuple[NDArray[np.float64], float | None]:
-    """Return a map file's occupied centres (n, 3) and resolution, or a cloud file's points and None."""
+    """Return the occupied voxel centres (n, 3) and resolution of a map file, or the points of a cloud file and None."""
     if path.suffix.lower() in CLOUD_FORMATS:
         return read_cloud(path), None
     occupancy = open_map(path, origin_world_m)
@@ -56,7 +56,7 @@ def require_same_grid(first: OccupancyMap, second: OccupancyMap) -> None:
 
 
 def known_bounds(occupancy: OccupancyMap) -> Bounds | None:
-    """Return the bounding box of a map's known voxels, occupied or free; None for an empty map."""
+    """Return the bounding box of the known (occupied or free) voxels of a map; None for an empty map."""
     known = [voxels for voxels in (occupancy.occupied_voxels(), occupancy.free_voxels()) if len(voxels)]
     if not known:
         return None

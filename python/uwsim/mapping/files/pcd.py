@@ -1,4 +1,4 @@
-"""PCD files, PCL's format, version 0.7: written as binary; read as text, binary or compressed binary.
+"""PCD files, in version 0.7 of PCL's format: written as binary; read as text, binary or compressed binary.
 
 PCL's reader is not used: it is in pcl_io, which loads 73 libraries and does not validate its input.
 """
@@ -32,12 +32,12 @@ MAX_HEADER = 65_536
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Return a binary PCD file of the points, float32 x, y, z."""
+    """Encode points as a binary PCD file with float32 x, y, z."""
     return HEADER.format(n=len(points_m)).encode("ascii") + to_float32(points_m).tobytes()
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
-    """Return the points of a PCD file: its fields x, y and z. Other fields are skipped."""
+    """Return the points in a PCD file, from its fields x, y and z; other fields are skipped."""
     header, body = _split_header(data)
     layout = _layout(header)
     count = _whole(header, "POINTS") if "POINTS" in header else _whole(header, "WIDTH") * _whole(header, "HEIGHT")
@@ -53,7 +53,7 @@ def decode(data: bytes) -> NDArray[np.float64]:
 
 
 def _split_header(data: bytes) -> tuple[dict[str, list[str]], bytes]:
-    """Return the header as a dict from each line's first word to its other words, and the bytes after the header."""
+    """Return the header, as a dict from the first word of each line to the other words, and the bytes after it."""
     end = re.search(rb"^DATA[^\n]*\n", data[:MAX_HEADER], flags=re.MULTILINE)
     if end is None:
         raise ValueError("no header that ends in a DATA line")
@@ -66,7 +66,7 @@ def _split_header(data: bytes) -> tuple[dict[str, list[str]], bytes]:
 
 
 def _layout(header: dict[str, list[str]]) -> np.dtype[np.void]:
-    """Return the layout of a point's fields in memory."""
+    """Return the memory layout of the fields of a point."""
     fields, sizes, kinds = header["FIELDS"], header["SIZE"], header["TYPE"]
     counts = header.get("COUNT", ["1"] * len(fields))
     if not len(fields) == len(sizes) == len(kinds) == len(counts):
@@ -99,7 +99,7 @@ def _exactly(body: bytes, size: int) -> bytes:
 
 
 def _from_text(body: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
-    """Return points from text, in which a field's first column is the sum of the counts of the fields before it."""
+    """Parse points from text; the first column of a field is the sum of the counts of the preceding fields."""
     names = layout.names or ()
     widths = [int(np.prod(layout[name].shape, dtype=int)) for name in names]
     first = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
@@ -113,7 +113,7 @@ def _from_text(body: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np
 
 
 def _from_columns(columns: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
-    """Return points from a compressed file's layout: all values of the first field, then all values of the next."""
+    """Parse points from the layout of compressed files: all values of the first field, then all of the next."""
     found, offset = {}, 0
     for name in layout.names or ():
         found[name] = columns[offset : offset + layout[name].itemsize * count]
@@ -122,7 +122,7 @@ def _from_columns(columns: bytes, layout: np.dtype[np.void], count: int) -> NDAr
 
 
 def _decompressed(body: bytes, size: int) -> bytes:
-    """Return bytes decompressed from LZF: compressed size, plain size, then runs of literals and back references."""
+    """Decompress LZF data: compressed size, plain size, then runs of literals and back references."""
     if len(body) < 8:
         raise ValueError("file ends before its compressed points")
     compressed_size, plain_size = struct.unpack_from("<II", body)

@@ -1,6 +1,6 @@
 """PLY files: x, y and z of the `vertex` element are read; other properties and elements are skipped.
 
-No library is used: plyfile's licence (GPL) would extend to all of uwsim, and trimesh, which reads our meshes, refuses
+No library is used: plyfile's licence (GPL) would extend to all of uwsim, and trimesh, which we use for meshes, rejects
 PCL's output.
 """
 
@@ -32,12 +32,12 @@ TYPES = {
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Return a PLY file of binary little-endian float32 x, y, z, which PCL, MeshLab and CloudCompare read."""
+    """Encode points as binary little-endian float32 x, y, z, as read by PCL, MeshLab and CloudCompare."""
     return HEADER.format(n=len(points_m)).encode() + to_float32(points_m).tobytes()
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
-    """Return the points of a PLY file, text or binary of either byte order."""
+    """Return the points in a PLY file, either text or binary in either byte order."""
     parts = re.split(rb"^end_header *\r?\n", data[:MAX_HEADER], maxsplit=1, flags=re.MULTILINE)
     if len(parts) != 2 or not data.startswith(b"ply"):
         raise ValueError("no header that ends in end_header")
@@ -62,7 +62,7 @@ def decode(data: bytes) -> NDArray[np.float64]:
 
 
 def _vertices(lines: list[list[str]], order: str) -> tuple[int, int, np.dtype[np.void]]:
-    """Return the size of the data before the vertices, in bytes or lines; the vertex count; and a vertex's layout."""
+    """Return the size of the data before the vertices, in bytes or lines; the vertex count; and the vertex layout."""
     before, at = 0, next((k for k, line in enumerate(lines) if line[:1] == ["element"]), len(lines))
     while at < len(lines):
         if len(lines[at]) != 3 or not lines[at][2].isdigit():

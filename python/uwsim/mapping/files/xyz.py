@@ -1,4 +1,4 @@
-"""XYZ files: plain text, one point per line as x y z, separated by spaces."""
+"""XYZ files: plain text with one point per line, as x y z separated by spaces."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Return an XYZ file of the points, with the shortest decimals that read back as the same numbers."""
+    """Encode points as an XYZ file, using the shortest decimals that read back as the same numbers."""
     texts = points_m.astype(str).tolist()
     return "".join(f"{x} {y} {z}\n" for x, y, z in texts).encode("ascii")
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
-    """Return the points in the first three columns, which spaces, tabs or commas separate; # begins a comment."""
+    """Return the points in the first three columns, separated by spaces, tabs or commas; # starts a comment."""
     text = io.StringIO(data.decode("ascii").replace(",", " "))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # numpy warns about an empty file
