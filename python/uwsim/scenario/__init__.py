@@ -1,4 +1,4 @@
-"""Scenarios: YAML files are read (`read`), validated (`spec`) and converted to core objects (`build`)."""
+"""Scenarios: reading YAML files (`read`), validating them (`spec`) and converting them to core objects (`build`)."""
 
 from uwsim.scenario.build.control import ControlSettings, control_settings
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull

@@ -1,4 +1,4 @@
-"""A scenario as plain values, or as a YAML file that reads back as an equal scenario.
+"""Writes a scenario as plain values, or as a YAML file that reads back as an equal scenario.
 
 Only values that were set explicitly are written, since setting a key may matter even to its default value: gains of an
 axis without actuators are rejected (`control.sway`), as is a density together with `water.profile`, and each value of
@@ -21,7 +21,7 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def plain(value: Any) -> Any:
-    """Convert a model or a part of one to dicts, lists, text, numbers, booleans, None and paths."""
+    """Convert a model, or part of one, to dicts, lists, text, numbers, booleans, None and paths."""
     if isinstance(value, Model):
         return plain(value.given())
     if isinstance(value, Mapping):
@@ -32,7 +32,7 @@ def plain(value: Any) -> Any:
 
 
 def write_scenario(path: Path, scenario: Scenario) -> None:
-    """Write a scenario as a single YAML file, complete except for meshes and rasters. Raises OSError."""
+    """Write a scenario as a single YAML file, self-contained except for meshes and rasters. Raises OSError."""
     text = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None  # lists of numbers on one line

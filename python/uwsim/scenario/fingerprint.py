@@ -1,4 +1,4 @@
-"""Fingerprints of a scenario, including all files that it names, and of this build; a saved state stores both."""
+"""Fingerprints of a scenario, including all files that it refers to, and of this build; saved states contain both."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ def scenario_fingerprint(scenario: Scenario) -> str:
 
 
 class BuildWarning(UserWarning):
-    """A file was written by another build, so results may differ in the last bits."""
+    """Issued when a file was written by another build, since results may differ in the last bits."""
 
 
 @functools.cache
 def build_fingerprint() -> str:
-    """Return a digest of the native module, which computes the steps: 16 hexadecimal digits."""
+    """Return a digest of the native module, which does the stepping: 16 hexadecimal digits."""
     return _digest(Path(_core.__file__).read_bytes())
 
 
@@ -82,7 +82,7 @@ def _plain(value: Any) -> Any:
 
 
 def _in_effect(model: BaseModel, name: str) -> Any:
-    """Return a field's value, or its current default if the value equals the first version's default."""
+    """Return the value of a field, or its current default if the value equals that of the first version."""
     value = getattr(model, name)
     if (type(model), name) not in ONCE_BY_DEFAULT or (isinstance(model, Water) and model.profile is not None):
         return value

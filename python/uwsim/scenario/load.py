@@ -15,8 +15,8 @@ from uwsim.scenario.spec.scenario import Scenario
 def load(source: str | Path | Scenario) -> Scenario:
     """Return a scenario from a packaged name ("lake"), the path of a YAML file, or a Scenario itself.
 
-    Files named in the YAML file are looked up relative to it, then among the packaged assets; the vehicles' files are
-    also read. Raises ScenarioError, one line with file, line, key, value, unit and rule for each mistake.
+    Files named in the YAML file are looked up relative to it, then among the packaged assets; vehicle files are also
+    read. Raises ScenarioError, with one line per mistake that states file, line, key, value, unit and rule.
     """
     if isinstance(source, Scenario):
         return source

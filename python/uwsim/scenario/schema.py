@@ -98,7 +98,7 @@ class _Draft7(GenerateJsonSchema):
         return made | {"items": places, "additionalItems": False}
 
     def dict_schema(self, schema: core_schema.DictSchema) -> JsonSchemaValue:
-        """Return mappings by name in which keys that are not valid names are rejected."""
+        """Return mappings by name that reject keys that are not valid names."""
         made = super().dict_schema(schema)
         return made | {"additionalProperties": False} if "patternProperties" in made else made
 

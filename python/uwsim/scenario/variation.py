@@ -1,4 +1,4 @@
-"""Variation: the values (a range or choices) that a key of a scenario takes in a study, and how they are drawn."""
+"""Variation: the values (a range or choices) that a scenario key takes in a study, and how they are drawn."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Variation(Model):
 
 @dataclass(frozen=True)
 class Level:
-    """One value of a variation. shown: how tables show it: a number, or a choice's name."""
+    """One value of a variation. shown: its form in tables: a number, or the name of a choice."""
 
     shown: Any
     value: Any
@@ -66,7 +66,7 @@ def choices(variation: Variation) -> list[Level]:
 
 
 def extremes(variation: Variation) -> list[Level]:
-    """Return the levels to check before a study, both ends or all choices; if they are valid, all others are too."""
+    """Return the levels to check before a study (both ends, or all choices); if they are valid, so are all others."""
     return choices(variation) if variation.choices is not None else [level_at(variation, u) for u in (0.0, 1.0)]
 
 

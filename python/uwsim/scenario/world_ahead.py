@@ -1,4 +1,4 @@
-"""Builds the ray tracing trees of a packaged scenario's world on a thread, while the caller imports other modules."""
+"""Builds the ray-tracing trees for a packaged scenario on a separate thread while the caller imports other modules."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.scenario.load import load, packaged_scenarios
 
 
 def make_world_ahead(scenario: str | Path) -> None:
-    """Start building the trees; a Simulator that needs them waits for them, since equal worlds share theirs.
+    """Start building the trees. A Simulator that needs them waits for them, since equal worlds share their trees.
 
     Only for packaged scenarios: errors in a user's scenario should be reported once, by the Simulator.
     """

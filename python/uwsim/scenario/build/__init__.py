@@ -1,1 +1,1 @@
-"""Conversion of a validated scenario to objects of the native core; all such conversion is done here."""
+"""Converts a validated scenario to native core objects; all such conversion is done here."""

@@ -12,9 +12,9 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 
 def actuators_spec(model: VehicleModel, *, by_voltage: bool = False) -> _core.ActuatorsSpec:
-    """Return a vehicle's actuators: thrusters and fins, and the maximum wrench of one without thrusters.
+    """Return a vehicle's actuators: thrusters, fins and, for a vehicle without thrusters, its maximum wrench.
 
-    by_voltage: whether the thrusters need their sheets. Raises ScenarioError if they have none.
+    by_voltage: whether performance sheets are required. Raises ScenarioError if a thruster has none.
     """
     spec = _core.ActuatorsSpec()
     if model.max_force_n is not None and model.max_torque_nm is not None:

@@ -1,4 +1,4 @@
-"""Cameras and lamps as core objects: lens, image sensor, lamps."""
+"""Cameras (lens and image sensor) and lamps as core objects."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ CHASE_LENGTHS = np.array([2.0, 0.8])
 
 
 def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
-    """Return the rotation from the mounted part's frame to that of its carrier, (4,) as x, y, z, w."""
+    """Return the rotation from the frame of a mounted part to that of its carrier, (4,) as x, y, z, w."""
     return of_yaw_pitch_roll_deg(yaw_pitch_roll_deg)
 
 
 def intrinsic_matrix(mount: CameraMount) -> Floats:
-    """Return the (3, 3) intrinsic matrix K in pixels, for square pixels and the principal point in the image centre."""
+    """Return the intrinsic matrix K (3, 3) in pixels, for square pixels and a principal point at the image centre."""
     focal = 0.5 * mount.width / np.tan(np.radians(0.5 * mount.horizontal_fov_deg))
     return np.array([[focal, 0, 0.5 * (mount.width - 1)], [0, focal, 0.5 * (mount.height - 1)], [0, 0, 1]])
 

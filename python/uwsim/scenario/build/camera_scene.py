@@ -1,4 +1,4 @@
-"""The core's scene for cameras, built from a scenario: materials, textures and the vehicles' hulls."""
+"""The core's camera scene, built from a scenario: materials, textures and vehicle hulls."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CLASSES: dict[type, str] = {Pipeline: "pipeline", Gate: "gate"}
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
-    """Return a scene of the world with its materials and the vehicles' hulls. Raises ScenarioError."""
+    """Return a scene of the world with its materials and the vehicle hulls. Raises ScenarioError."""
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
     scene.set_ground(ground.bed, ground.steep, ground.land)

@@ -1,8 +1,8 @@
 """Collision shapes made of several convex pieces, which preserve the hollows that a single convex hull would fill.
 
 CoACD (Wei et al. 2022, ACM Trans. Graph. 41(4)) takes ten seconds to a minute to decompose a hull of 2,000 triangles,
-too long for every start. So the decomposition is done once (`uwsim decompose`), and the pieces are an asset stored
-next to the mesh; loading them does not need CoACD.
+too long to do at every start. The decomposition is therefore done once (`uwsim decompose`), and the pieces are stored
+as an asset next to the mesh; loading them does not require CoACD.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:
 def decompose(
     vertices: Vertices, triangles: Triangles, *, threshold: float = 0.1, max_pieces: int = 24, seed: int = 0
 ) -> list[Vertices]:
-    """Return the corners (n, 3) of each piece of a closed mesh's approximate convex decomposition, by CoACD.
+    """Decompose a closed mesh into approximately convex pieces, using CoACD; return the corners (n, 3) of each.
 
     threshold: permitted remaining concavity, relative to the mesh's size. The same seed produces the same pieces.
     Raises ScenarioError if CoACD is not installed.

@@ -1,4 +1,4 @@
-"""Displacement of a compressible hull at depth, in water that may itself be compressible."""
+"""The displacement of a compressible hull at depth, in water that may itself be compressible."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STEP_M = 25.0  # keeps the relative error of linear interpolation below 1e-8
 
 
 def buoyancy_share(scenario: Scenario, compressibility_1_pa: float) -> NDArray[np.float64]:
-    """Return a submerged hull's buoyancy relative to that at surface pressure, every STEP_M down to the bed.
+    """Return the buoyancy of a submerged hull relative to that at surface pressure, every STEP_M down to the bed.
 
     (n,): rho(z) V(z) / (rho_0(z) V_0). If the water is compressible, its density increases with pressure by EOS-80
     (sea_water.h). The volume follows dV / V = -compressibility dp, so V = V_0 exp(-compressibility p) at gauge pressure

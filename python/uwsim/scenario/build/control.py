@@ -1,4 +1,4 @@
-"""Control settings from a vehicle's file: a model of its motion, gains and limits."""
+"""Control settings from a vehicle's file: motion model, gains and limits."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ControlSettings:
 
     @property
     def net_buoyancy_n(self) -> float:
-        """Net vertical force deep in still water with thrusters off; positive if the vehicle rises."""
+        """The net vertical force deep in still water with thrusters off; positive if the vehicle rises."""
         return -float(self.model.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))[2])
 
     def __repr__(self) -> str:
@@ -56,7 +56,7 @@ def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 
 def built_settings(
     model: VehicleModel, body: _core.Craft, actuators: _core.ActuatorsSpec, density_kg_m3: float
 ) -> ControlSettings:
-    """Return the control settings of a vehicle whose core objects exist. Raises ScenarioError."""
+    """Return the control settings of a vehicle whose core objects have been built. Raises ScenarioError."""
     plant = _core.ControlModel(body, actuators, density_kg_m3)
     control = model.control
     for axis, is_driven in zip(AXES, plant.driven, strict=True):

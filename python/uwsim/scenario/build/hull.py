@@ -40,7 +40,7 @@ class RigidBody:
 
 
 class _Solid(NamedTuple):
-    """A closed mesh's volume integrals. centroid_m: (3,). inertia_m5: (3,), about the centroid for a density of 1."""
+    """Volume integrals of a closed mesh. centroid_m: (3,). inertia_m5: (3,), about the centroid, for a density of 1."""
 
     volume_m3: float
     centroid_m: NDArray[np.float64]
@@ -56,7 +56,7 @@ class _Hull(NamedTuple):
 
 
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Return vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward.
+    """Return the vertices (n, 3), body frame, and outward-wound triangles (m, 3) of the closed hull.
 
     The mesh is scaled uniformly to the model's volume and moved to its centre of buoyancy, where the model specifies
     them. Both arrays are shared and read-only. Raises ScenarioError.
@@ -91,7 +91,7 @@ def _placed_hull(
     volume_m3: float | None,
     centre_of_buoyancy_m: Point3 | None,
 ) -> _Hull:
-    """Scale, move and measure the closed mesh; `version` identifies the file's state, so the cache stays current."""
+    """Scale, move and measure the closed mesh. version: identifies the state of the file, to keep the cache current."""
     vertices, triangles = _closed_hull(path, version, scale, up)
     if volume_m3 is not None or centre_of_buoyancy_m is not None:
         hull = _solid(vertices, triangles)
@@ -145,9 +145,10 @@ def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _S
 
 
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
-    """Return the mass properties: those specified, and the rest from the hull as a solid of uniform density.
+    """Return the mass properties; those not specified are computed from the hull as a solid of uniform density.
 
-    Raises ScenarioError, also for an implausible size or mean density, or a centre of mass outside the hull's box.
+    Raises ScenarioError, also for an implausible size or mean density, or a centre of mass outside the hull's bounding
+    box.
     """
     vertices, _, hull = _placed(model)
     volume = hull.volume_m3

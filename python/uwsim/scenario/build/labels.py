@@ -7,7 +7,7 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """Return the names by label: those of `build_world` (World.label_names), followed by the vehicles'."""
+    """Return the names by label: those from `build_world` (World.label_names), followed by those of the vehicles."""
     station = ["station"] if scenario.station.mesh is not None else []
     obstacles, vehicles = ([named.name for named in part] for part in (scenario.obstacles, scenario.vehicles))
     return ["nothing", "terrain", *obstacles, *station, *vehicles]

@@ -13,7 +13,7 @@ from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
 def multibeam_model(
     model: SonarModel, frequency_khz: float | None = None, *, gain_db: float = 0.0
 ) -> _core.MultibeamModel:
-    """Return the fan at a frequency; None selects the only frequency of a model. Raises ValueError."""
+    """Return the fan at a frequency; None selects a model's only frequency. Raises ValueError."""
     band = model.band(frequency_khz)
     return _core.MultibeamModel(
         name=model.description or model.name,
@@ -39,7 +39,7 @@ def acoustic_spec(
     rays_per_beam: int = 8,
     bottoms: Sequence[Backscatter] = (),
 ) -> _core.AcousticSpec:
-    """Return the parameters of physics mode at a frequency.
+    """Return the physics-mode parameters at a frequency.
 
     bottoms: backscatter by label; labels beyond its end are treated as rock. Raises ValueError.
     """

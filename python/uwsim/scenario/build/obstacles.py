@@ -71,7 +71,7 @@ def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
 
 
 def _standing(obstacle: Standing, terrain: Terrain) -> Standing:
-    """Return the obstacle lowered until it first touches the bed, then raised by the z of its position."""
+    """Return the obstacle, lowered until it first touches the bed, then raised by the z of its position."""
     x, y, above_m = obstacle.position_m
     afloat = obstacle.model_copy(update={"on_bed": False, "position_m": (x, y, 0.0)})
     solid = obstacle_solid(afloat, terrain)
@@ -81,7 +81,7 @@ def _standing(obstacle: Standing, terrain: Terrain) -> Standing:
 
 
 def _created(shape: str, *arguments: Any) -> Mesh:
-    """Return a mesh built by a function of trimesh.creation."""
+    """Return a mesh created by a function in trimesh.creation."""
 
     def make() -> Mesh:
         import trimesh
@@ -146,7 +146,8 @@ def swept_tube(axis_m: NDArray[np.float64], radius_m: float) -> Mesh:
 def _untwisted_frames(directions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return two unit normals for each of (n, 3) unit directions, with the smallest rotation between neighbours.
 
-    This keeps the tube's edges straight through a bend; independent frames would twist a tube that also climbs.
+    This keeps the tube's edges straight through a bend; with independent frames, a tube that also climbs would be
+    twisted.
     """
     side = np.empty_like(directions)
     side[0] = np.cross([0.0, 0.0, 1.0], directions[0])
@@ -158,7 +159,7 @@ def _untwisted_frames(directions: NDArray[np.float64]) -> tuple[NDArray[np.float
 
 
 def _skinned(rings: NDArray[np.float64], first: NDArray[np.float64], last: NDArray[np.float64]) -> Mesh:
-    """Return triangles over rings (n, sides, 3), counter-clockwise seen from the tube's end, with a fan at each end."""
+    """Return a mesh over rings (n, sides, 3), counter-clockwise seen from the tube's end, with a fan at each end."""
     n, sides, _ = rings.shape
     a = np.arange((n - 1) * sides).reshape(n - 1, sides)
     b = np.roll(a, -1, axis=1)
@@ -172,7 +173,7 @@ def _skinned(rings: NDArray[np.float64], first: NDArray[np.float64], last: NDArr
 
 
 def _gate(gate: Gate, terrain: Terrain) -> Solid:
-    """Return posts from below the bed and crossbars; their height is measured from the bed midway between the posts."""
+    """Return posts, from below the bed, and crossbars; heights are measured from the bed midway between the posts."""
     yaw = np.radians(gate.yaw_deg)
     across = np.array([-np.sin(yaw), np.cos(yaw)])
     middle = np.asarray(gate.position_m)

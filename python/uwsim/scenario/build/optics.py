@@ -9,7 +9,7 @@ from uwsim.scenario.spec.optics import Optics
 
 
 def core_optics(optics: Optics) -> _core.Optics:
-    """Return the native optics."""
+    """Return the core's optics."""
     return _core.Optics(
         _water(optics),
         float(np.radians(optics.sun_elevation_deg)),

@@ -1,4 +1,4 @@
-"""Checks that a mesh's scale is plausible: a mesh in millimetres, read as metres, is a thousand times too large."""
+"""Checks that mesh scales are plausible: a mesh in millimetres, read as metres, is a thousand times too large."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def size_text(size_m: Floats) -> str:
 
 
 def question_of_factor(factor: float, mesh_scale: float) -> str:
-    """Return a question about the mesh's unit if a unit explains this factor on lengths; otherwise an empty string."""
+    """Return a question about the mesh unit if a unit explains this factor on lengths; otherwise an empty string."""
     unit = next((unit for unit, metres in UNITS.items() if 0.9 <= factor / metres <= 1.1), None)
     return "" if unit is None else _question([unit], mesh_scale)
 
@@ -39,9 +39,9 @@ def question_of_factor(factor: float, mesh_scale: float) -> str:
 def require_plausible_volume(
     name: str, volume_m3: float, size_m: Floats, mesh_scale: float, mass_kg: float | None
 ) -> None:
-    """Raise ScenarioError for a hull with extents size_m (3,) and a volume that no vehicle has.
+    """Raise ScenarioError for a hull, with extents size_m (3,), whose volume is implausible for a vehicle.
 
-    mass_kg: if known, it is the best evidence for the mesh's unit.
+    mass_kg: the vehicle's mass, if known: the best evidence for the mesh unit.
     """
     low, high = VOLUMES_M3
     if low <= volume_m3 <= high:
@@ -58,7 +58,7 @@ def require_plausible_volume(
 
 
 def require_plausible_density(name: str, mass_kg: float, volume_m3: float, mesh_scale: float, what: str) -> None:
-    """Raise ScenarioError for a mass that does not fit the hull. what: what the mass includes, for the message."""
+    """Raise ScenarioError for a mass that does not match the hull. what: what the mass includes, for the message."""
     density = mass_kg / volume_m3
     low, high = DENSITIES_KG_M3
     if low <= density <= high:
@@ -71,7 +71,7 @@ def require_plausible_density(name: str, mass_kg: float, volume_m3: float, mesh_
 
 
 def require_fits(name: str, hull_m: Floats, terrain: Terrain, mesh_scale: float) -> None:
-    """Raise ScenarioError for a hull, vertices (n, 3), longer than the terrain or higher than the water is deep.
+    """Raise ScenarioError for a hull, vertices (n, 3), longer than the terrain or taller than the water is deep.
 
     terrain: the whole terrain, even if only a window of it is built.
     """
@@ -89,7 +89,7 @@ def require_fits(name: str, hull_m: Floats, terrain: Terrain, mesh_scale: float)
 
 
 def require_solid_fits(name: str, vertices_m: Floats, terrain: Terrain) -> None:
-    """Raise ScenarioError for a mesh of an obstacle or the station that is far larger than the terrain."""
+    """Raise ScenarioError for an obstacle or station mesh that is far larger than the terrain."""
     size_m = np.ptp(vertices_m, axis=0)
     x0, y0, x1, y1 = terrain.extent_m
     most_m = max(HUGE_OBSTACLE_M, TERRAINS_ACROSS * max(x1 - x0, y1 - y0))
@@ -108,7 +108,7 @@ def _of_size(longest_m: float, mesh_scale: float) -> str:
 
 
 def _of_density(density_kg_m3: float, mesh_scale: float) -> str:
-    """Return a question about the unit that makes the density plausible and closest to water's, or an empty string."""
+    """Return a question about the unit with the most plausible density (closest to water), or an empty string."""
     if density_kg_m3 > DENSITIES_KG_M3[1]:
         return _too_small(mesh_scale) if mesh_scale != 1.0 else ": is the mass in kg and the mesh in metres?"
     water, (low, high) = 1000.0, DENSITIES_KG_M3

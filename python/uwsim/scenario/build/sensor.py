@@ -10,7 +10,7 @@ from uwsim.scenario.spec.sensor import Noise, SensorMount
 
 
 def sensor_spec(name: str, sensor: SensorMount) -> _core.SensorSpec:
-    """Return the sensor's spec with the errors of each channel. Raises ValueError."""
+    """Return the sensor's spec, including the errors of each channel. Raises ValueError."""
     overall = sensor.noise or Noise(std=sensor.noise_std or 0.0)
     return _core.SensorSpec(
         name,

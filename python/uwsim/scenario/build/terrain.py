@@ -1,4 +1,4 @@
-"""The terrain as heights on a regular grid, from any source that a scenario may name."""
+"""The terrain as heights on a regular grid, from any source that a scenario may specify."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Terrain:
         return Terrain(np.ascontiguousarray(self.heights_m[rows, columns]), self.spacing_m, origin_m)
 
     def height_at(self, xy_m: ArrayLike) -> NDArray[np.float64]:
-        """Return z of the triangulated surface at points (n, 2) as (n,), NaN outside the terrain.
+        """Return z (n,) of the triangulated surface at points (n, 2); NaN outside the terrain.
 
         Each cell is split along the diagonal from (i + 1, j) to (i, j + 1), as in the native world.
         """

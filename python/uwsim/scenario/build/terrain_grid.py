@@ -31,7 +31,7 @@ def resampled(
     """Interpolate values (h, w) at the nodes (ny, nx) of a grid, linearly or with an interpolating cubic spline.
 
     pixel_at: converts coordinates to fractional rows and columns. It is called block by block, since converting all
-    nodes of a large terrain at once would take a gigabyte.
+    nodes of a large terrain at once would take a gigabyte of memory.
     """
     from scipy.ndimage import map_coordinates, spline_filter  # imported here: slow to import
 

@@ -1,4 +1,4 @@
-"""Terrain from the grey levels of an image."""
+"""Terrain derived from the grey levels of an image."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
 
 
 def _one_channel(levels: NDArray[np.uint8], mode: str, spec: ImageTerrain) -> NDArray[np.uint8]:
-    """Return the grey levels of a grey image saved in colour, ignoring its alpha channel."""
+    """Return the grey levels of a greyscale image that was saved in colour, ignoring its alpha channel."""
     colours = levels[..., :1] if mode == "LA" else levels[..., :3]
     if (colours != colours[..., :1]).any():
         raise ScenarioError(

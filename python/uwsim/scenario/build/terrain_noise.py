@@ -26,7 +26,7 @@ def noise_heights(spec: NoiseTerrain) -> FloatGrid:
 
 
 def _rim_share(x: FloatGrid, y: FloatGrid, rim: Rim, variation: FloatGrid) -> FloatGrid:
-    """Return the weight of the rim: 1 outside the superellipse that touches the terrain's edges, 0 width_m inside it.
+    """Return the rim's weight: 1 outside the superellipse that touches the terrain edges, 0 from width_m inside it.
 
     The variation, in [-0.5, 0.5], creates bays and headlands. In between, the weight follows Perlin's step (2002),
     whose continuous second derivative avoids a crease that would produce echoes.

@@ -1,4 +1,4 @@
-"""Terrain from an elevation raster: GeoTIFF, ESRI ASCII grid and other formats that GDAL can read."""
+"""Terrain derived from an elevation raster: GeoTIFF, ESRI ASCII grid or any other format that GDAL can read."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class _Raster:
 
     @property
     def unit_m(self) -> float:
-        """Metres per unit of a projected coordinate system, which may use feet."""
+        """Metres per unit of a projected coordinate system, whose unit may be feet."""
         return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
 
     @property
@@ -237,7 +237,7 @@ def _file_from_metres(
 
 
 def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
-    """Return the simulated size of the largest grid about the centre that fits between the outermost cell centres."""
+    """Return the simulated size of the largest grid around the centre that fits within the outermost cell centres."""
     h, w = raster.elevations.shape
     across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)
     columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
@@ -264,7 +264,7 @@ def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates
 
 
 def _metres_about(centre: tuple[float, float]) -> CRS:
-    """Return a projection to metres east and north of a longitude and latitude.
+    """Return a projection to metres east and north of a given longitude and latitude.
 
     Its scale is 1 at the centre; the scale error at 10 km is 1e-6.
     """
@@ -279,7 +279,7 @@ def _require_whole_tiff(path: Path) -> None:
 
 
 def _require_numbers(path: Path, cells: int) -> None:
-    """Raise ScenarioError for parts of an ASCII grid that GDAL would read as zero: words, and missing numbers."""
+    """Raise ScenarioError for parts of an ASCII grid that GDAL would read as zero: words and missing numbers."""
     numbers = 0
     with path.open("rb") as lines:
         for number, line in enumerate(lines, 1):

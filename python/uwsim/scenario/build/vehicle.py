@@ -65,7 +65,7 @@ def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.Vehicle
 
 @contextmanager
 def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
-    """Prefix errors raised while building a vehicle with file and line, of both the scenario and the vehicle."""
+    """Prefix errors raised while building a vehicle with file and line in both the scenario and the vehicle file."""
     where = scenario.source_file.line_prefix("vehicles", index) + scenario.source_file.place("vehicles", index)
     model_file = scenario.vehicles[index].model.source_file
     try:
@@ -80,7 +80,7 @@ def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
 def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:
     """Return the acceleration from rest at full effort on each axis alone, deep in still water, (6,) [m/s2, rad/s2].
 
-    full_wrench_body: wrenches ahead and astern, (6,) each; the smaller magnitude counts.
+    full_wrench_body: ahead and astern wrenches, (6,) each; the smaller magnitude is used.
     """
     deep = _core.BodyState((0.0, 0.0, -1e3), (0.0, 0.0, 0.0, 1.0), np.zeros(6))
     water = _core.Water()

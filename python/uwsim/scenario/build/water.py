@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 
 
 def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
-    """Return the water. bottom_depth_m: depth of the terrain's deepest point, a default depth. Raises ScenarioError."""
+    """Return the water. bottom_depth_m: greatest depth of the terrain, a default depth. Raises ScenarioError."""
     native = _core.Water()
     state = water.state(bottom_depth_m)
     native.density_kg_m3 = state.density
@@ -112,7 +112,7 @@ def steady_current_m_s(water: Water) -> Floats:
 
 
 def surface_density_kg_m3(water: Water) -> float:
-    """Return the density at the surface, for which a neutral vehicle is trimmed. Raises ScenarioError."""
+    """Return the density at the surface, for which neutral vehicles are trimmed. Raises ScenarioError."""
     if water.profile is None:
         return water.state().density
     top = water.profile.surface if isinstance(water.profile, LinearProfile) else _levels(water.profile)[0]
@@ -214,7 +214,7 @@ def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _read_csv(path: Path, what: str) -> tuple[list[str], Floats]:
-    """Return the column names and the rows (n, columns); lines that begin with # are comments."""
+    """Return the column names and the rows (n, columns); lines starting with # are comments."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             lines = list(csv.reader(line for line in file if line.strip() and not line.lstrip().startswith("#")))

@@ -1,4 +1,4 @@
-"""Checks that a TIFF is complete, since GDAL and Pillow leave missing parts zero or uninitialised."""
+"""Checks that a TIFF is complete, since GDAL and Pillow return zeros or uninitialised data for missing parts."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _require_unpacks(data: bytes, size: int) -> None:
 
 
 def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return the expected number of tiles, and a function from a tile's index to its unpacked size in bytes."""
+    """Return the expected number of tiles, and a function from tile index to unpacked size in bytes."""
     planes, row_bits = _planes(tags, tags[TILE_WIDTH])
     across, down = -(-tags[WIDTH] // tags[TILE_WIDTH]), -(-tags[HEIGHT] // tags[TILE_HEIGHT])
     tile_bytes = tags[TILE_HEIGHT] * -(-row_bits // 8)
@@ -92,7 +92,7 @@ def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
 
 
 def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return the expected number of strips, and a function from a strip's index to its unpacked size in bytes."""
+    """Return the expected number of strips, and a function from strip index to unpacked size in bytes."""
     planes, row_bits = _planes(tags, tags[WIDTH])
     height: int = tags[HEIGHT]
     rows = min(tags.get(ROWS, height), height)
@@ -105,7 +105,7 @@ def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
 
 
 def _planes(tags: dict[int, Any], width: int) -> tuple[int, int]:
-    """Return the number of planes, and the number of bits per row of a plane."""
+    """Return the number of planes and the number of bits per row of a plane."""
     bits = tags.get(BITS, (1,))
     separate = tags.get(PLANAR, 1) == SEPARATE
     samples = tags.get(SAMPLES, 1)

@@ -1,4 +1,4 @@
-"""The core's world for physics and rays: terrain, obstacles, station and water."""
+"""The core's world, for physics and ray casting: terrain, obstacles, station and water."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FRESH_KG_M3 = 1000.0
 def build_world(scenario: Scenario) -> _core.World:
     """Return the world of a scenario: terrain, obstacles, the station (named "station") and water.
 
-    Raises ScenarioError that lists all mistakes.
+    Raises a ScenarioError that lists all mistakes.
     """
     errors_at = scenario.source_file.errors_at
     with errors_at("terrain"):
@@ -61,7 +61,7 @@ def build_world(scenario: Scenario) -> _core.World:
 
 
 def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
-    """Return the vertices of a vehicle's hull; a single zero vertex if it is invalid, which is reported later."""
+    """Return a hull's vertices, or a single zero vertex if the hull is invalid; the error is reported later."""
     try:
         rigid_body(vehicle.model, FRESH_KG_M3)
         return vehicle_hull(vehicle.model)[0]
@@ -81,7 +81,7 @@ def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain, found: Collected) -> None:
-    """Reject a dry world; note vehicles that start outside or below the terrain, and survey corners outside it."""
+    """Reject a dry world; record vehicles that start outside or below the terrain, and survey corners outside it."""
     errors_at = scenario.source_file.errors_at
     if terrain.lowest_m >= 0.0:
         with errors_at("terrain"):

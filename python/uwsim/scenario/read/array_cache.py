@@ -1,8 +1,8 @@
 """A disk cache for arrays that are slow to compute, such as closed hulls and noise terrain.
 
-The folder is $UWSIM_CACHE if set (empty: no cache), otherwise uwsim in $XDG_CACHE_HOME or ~/.cache. A file's name is a
-digest of everything that its arrays depend on: inputs, our sources and library versions. The folder may be deleted at
-any time. If a file is damaged, unwritable or not the user's own, its arrays are computed again.
+The folder is $UWSIM_CACHE if set (empty: no cache), otherwise uwsim in $XDG_CACHE_HOME or ~/.cache. File names are
+digests of everything that the arrays depend on: inputs, our sources and library versions. The folder may be deleted at
+any time. If a file is damaged, unwritable or owned by another user, its arrays are recomputed.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ DIGEST_BYTES = 32
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
     """Return make(), or the arrays stored by an earlier call with the same inputs.
 
-    kind: a name for this kind of arrays. Results that came with warnings are not stored, so that the warnings are
-    issued every time.
+    kind: a name for this kind of arrays. Results computed with warnings are not stored, so that the warnings are issued
+    every time.
     """
     folder = _folder()
     if folder is None:
@@ -90,7 +90,7 @@ def _packed(arrays: Arrays) -> bytes:
 
 
 def _unpacked(data: bytes) -> Arrays:
-    """Return the arrays. Raises ValueError if the bytes are damaged."""
+    """Unpack the arrays. Raises ValueError if the bytes are damaged."""
     digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
     if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
         raise ValueError("damaged")
@@ -111,7 +111,7 @@ def _digest_of(*inputs: Input) -> str:
 
 @functools.cache
 def _versions() -> bytes:
-    """Return the library versions and a digest of our sources, on which results depend."""
+    """Return the library versions and a digest of our sources, since results depend on both."""
     digest = hashlib.blake2b()
     for name in LIBRARIES:
         with contextlib.suppress(metadata.PackageNotFoundError):

@@ -27,7 +27,7 @@ def packaged_names(kind: str) -> list[str]:
 
 
 def find_yaml(source: str | Path, kind: str) -> Path:
-    """Return the YAML file for a packaged name or a path. Raises ScenarioError, which lists the known names."""
+    """Return the YAML file for a packaged name or a path. Raises a ScenarioError that lists the known names."""
     text = str(source)
     names = packaged_names(kind)
     if isinstance(source, str) and text in names:

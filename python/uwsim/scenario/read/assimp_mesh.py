@@ -1,4 +1,4 @@
-"""Mesh import with assimp, which reads dozens of formats but may crash or hang, so it runs in a limited subprocess."""
+"""Mesh import with assimp, in a resource-limited subprocess: assimp reads dozens of formats but may crash or hang."""
 
 from __future__ import annotations
 

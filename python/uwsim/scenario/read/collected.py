@@ -1,4 +1,4 @@
-"""Collected: gathers errors of parts that are built one by one, so that they can be reported together."""
+"""Collected: gathers errors from parts that are built one by one, so that they can be reported together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The common error for scenario, terrain and mesh files, and the warning about a repaired file."""
+"""The common error for scenario, terrain and mesh files, and the warning about repaired files."""
 
 from __future__ import annotations
 
@@ -28,4 +28,4 @@ class ScenarioError(ValueError):
 
 
 class RepairWarning(UserWarning):
-    """A file was repaired before use. The message describes the repair in one line."""
+    """Issued when a file was repaired before use. The message describes the repair in one line."""

@@ -1,4 +1,4 @@
-"""Checks that a mesh file is complete, since trimesh silently reads what it can of a damaged one."""
+"""Checks that mesh files are complete, since trimesh silently reads whatever it can of a damaged file."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
 
 
 def require_whole_stl(name: str, text: bytes) -> None:
-    """Raise ValueError unless an STL text consists of solids of facets throughout; warn like require_whole."""
+    """Raise ValueError unless a text STL consists entirely of solids made of facets; warn like require_whole."""
     warn_if_cut_short(name, text)  # another solid may be missing
     text, at = text.lower(), 0
     while begins := STL_SOLID.match(text, at):
@@ -58,7 +58,7 @@ def require_whole_stl(name: str, text: bytes) -> None:
 
 
 def _ply_header(head: bytes) -> tuple[bool, int]:
-    """Return whether a PLY file is binary, and the number of faces that its header announces. Raises ValueError.
+    """Return, from a PLY header, whether the file is binary and the number of faces declared. Raises ValueError.
 
     trimesh ignores unknown lines, and uses the last of several elements with the same name.
     """
@@ -73,6 +73,6 @@ def _ply_header(head: bytes) -> tuple[bool, int]:
 
 
 def _announced_faces(suffix: str, head: bytes) -> int:
-    """Return the number of faces that a header announces, or 0 if it announces none."""
+    """Return the number of faces declared in a header, or 0 if none are declared."""
     words = re.sub(rb"#[^\n]*", b"", head).split(maxsplit=3) if suffix == ".off" else []
     return int(words[2]) if len(words) > 2 and words[2].isdigit() else 0

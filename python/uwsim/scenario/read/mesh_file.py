@@ -53,7 +53,7 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
 
 
 def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
-    """Read the mesh. content: the file's bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
+    """Read a mesh. content: the bytes of the file, for CACHED_SUFFIXES. Raises ScenarioError."""
     suffix = path.suffix.lower()
     try:
         if suffix in TRIMESH_SUFFIXES:
@@ -119,7 +119,7 @@ def _require_indices_from_one(path: Path, text: str) -> None:
 
 
 def _sound_stl(path: Path, data: bytes) -> bytes:
-    """Return the file's bytes, text converted to UTF-8. Raises ValueError if trimesh would find no triangles."""
+    """Return the file's bytes, with text converted to UTF-8. Raises ValueError if trimesh would find no triangles."""
     announced = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * announced:
         return data

@@ -52,7 +52,7 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
 
 
 def _without_overlaps(mesh: trimesh.Trimesh, name: str, repairs: list[str]) -> trimesh.Trimesh:
-    """Unite overlapping parts and record it in `repairs`; reject a surface that still intersects itself."""
+    """Unite overlapping parts and record this in `repairs`; reject a surface that still intersects itself."""
     whole = None
     try:
         whole = united(mesh)

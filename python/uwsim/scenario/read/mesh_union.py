@@ -1,4 +1,4 @@
-"""Union of a mesh's overlapping closed parts, and detection of surfaces that intersect themselves."""
+"""Union of the overlapping closed parts of a mesh, and detection of self-intersecting surfaces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MAX_PAIRS = 2_000_000  # edge-triangle pairs tested at once
 
 
 def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
-    """Return the union of a closed mesh's parts and their number, or None if no parts overlap.
+    """Return the union of the parts of a closed mesh, and the number of parts, or None if none overlap.
 
     A part with negative volume is a cavity in the smallest part around it. Raises ValueError if a part intersects
     itself in a way that manifold3d does not accept.
@@ -59,7 +59,7 @@ def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
 
 
 def crossings(vertices: Vertices, faces: Faces) -> int:
-    """Return the number of edges that pierce a triangle with which they share no vertex; touches do not count."""
+    """Return the number of edges that pierce a triangle with which they share no vertex; touching does not count."""
     faces = np.asarray(faces, np.int64)
     edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     ends, corners = vertices[edges], vertices[faces]
@@ -95,14 +95,14 @@ def crossings(vertices: Vertices, faces: Faces) -> int:
 def _flat_boxes_meet(
     face_low: Vertices, face_high: Vertices, edge_low: Vertices, edge_high: Vertices
 ) -> NDArray[np.bool_]:
-    """Return which pairs of boxes meet where either is flat along an axis, so that open intervals would not overlap."""
+    """Return a mask of box pairs that meet where either is flat along an axis: open intervals would not overlap."""
     meet = ((face_low <= edge_high) & (edge_low <= face_high)).all(axis=1)
     flat = ((face_low == face_high) | (edge_low == edge_high)).any(axis=1)
     return np.asarray(meet & flat, np.bool_)
 
 
 def _pierces(ends: Vertices, corners: Vertices) -> NDArray[np.bool_]:
-    """Return whether each segment (n, 2, 3) passes through its triangle (n, 3, 3) (Moeller, Trumbore 1997)."""
+    """Return a mask (n,) of segments (n, 2, 3) that pass through their triangles (n, 3, 3) (Moeller, Trumbore 1997)."""
     segment = ends[:, 1] - ends[:, 0]
     ab, ac = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across = np.cross(segment, ac)

@@ -1,4 +1,4 @@
-"""The valid remainder of a file's values: mistakes are left out so that the rest can still be checked."""
+"""The valid remainder of the values in a file: mistakes are left out so that the rest can still be checked."""
 
 from __future__ import annotations
 
@@ -63,9 +63,9 @@ class Remainder:
         return True
 
     def leave_out(self, path: Path) -> Path | None:
-        """Remove a key, or an item of a list of mappings, or its nearest existing ancestor.
+        """Remove a key, a list item that is a mapping, or its nearest existing ancestor.
 
-        Return the place removed, or None if that would be everything.
+        Return the place removed, or None if that would leave nothing.
         """
         while path:
             node, key = self._at(path[:-1]), path[-1]

@@ -1,4 +1,4 @@
-"""SourceFile: the file from which a scenario was read, so that later errors can name file and line."""
+"""SourceFile: the file from which a scenario was read, so that later errors can name the file and line."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class SourceFile:
         return f"{self.document.name}:{self.document.line(self.in_file(keys))}: " if self.document else ""
 
     def place(self, *keys: Key) -> str:
-        """Return the keys as messages show them: vehicles[0].model."""
+        """Return the keys in the notation of messages: vehicles[0].model."""
         return dotted(self.in_file(keys))
 
     @property
@@ -37,7 +37,7 @@ class SourceFile:
 
     @contextmanager
     def errors_at(self, *keys: Key) -> Iterator[None]:
-        """Prefix ScenarioErrors from the block with file and line of the offending value, at or below these keys."""
+        """Prefix ScenarioErrors from the block with the file and line of the offending value at or below these keys."""
         try:
             yield
         except ScenarioError as error:

@@ -1,4 +1,4 @@
-"""Parts of a scenario in separate YAML files: a vehicle, a thruster, a sonar, a set of sensors."""
+"""Reads the parts of a scenario that have their own YAML files: vehicles, thrusters, sonars and sensor sets."""
 
 from __future__ import annotations
 

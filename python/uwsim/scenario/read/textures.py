@@ -1,4 +1,4 @@
-"""Textures and colours of mesh files: an image, and the coordinates of each triangle on it."""
+"""Reads the textures and colours of mesh files: an image, and the coordinates of each triangle on it."""
 
 from __future__ import annotations
 

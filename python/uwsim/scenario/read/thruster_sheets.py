@@ -14,7 +14,7 @@ MAX_BYTES = 1_000_000
 
 
 class SheetRow(NamedTuple):
-    """A point of a sheet. command: in the unit of the thruster's own table."""
+    """A point on a performance sheet. command: in the unit of the thruster's own table."""
 
     voltage_v: float
     command: float
@@ -24,7 +24,7 @@ class SheetRow(NamedTuple):
 
 
 def read_sheet_rows(path: Path) -> list[SheetRow]:
-    """Return the rows of a file with these COLUMNS; lines that begin with # are comments. Raises ScenarioError."""
+    """Return the rows of a file with these COLUMNS; lines starting with # are comments. Raises ScenarioError."""
     name = shown_name(path)
     try:
         if path.stat().st_size > MAX_BYTES:

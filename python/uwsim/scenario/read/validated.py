@@ -1,7 +1,7 @@
 """Validation of values against a model, with all mistakes reported together.
 
-pydantic stops at a model's first broken rule and skips rules that combine several fields. So offending values are left
-out, or read under the key that was meant, and the rest is checked again until no new mistake is found.
+pydantic stops at a model's first broken rule and skips rules that combine several fields. Offending values are
+therefore left out, or read under the intended key, and the rest is checked again until no new mistake is found.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MEANT = re.compile(r"did you mean '([^']+)'")
 
 
 def validated(model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None) -> M:
-    """Return a model of these values. folder: where to look for files first. Raises ScenarioError."""
+    """Return a model with these values. folder: where to look for files first. Raises ScenarioError."""
     try:
         return model.model_validate(values, context={"folder": folder or Path(), HINTS: {}})
     except ValidationError:
@@ -48,7 +48,7 @@ class Holding(Generic[M]):
 def what_holds(
     model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None
 ) -> Holding[M]:
-    """Return all mistakes, one line each: at most MAX_MISTAKES, followed by the number of the others."""
+    """Return all mistakes, one line each: at most MAX_MISTAKES, followed by the number of further ones."""
     left = Remainder(values)
     found: dict[str, tuple[bool, int]] = {}  # a dict, since each absent item of a list repeats the error
     made: M | None = None
@@ -85,7 +85,7 @@ def _follows(mistake: Mistake, left: Remainder) -> bool:
 
 
 def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
-    """Rename misspelt keys; otherwise leave out offending values; otherwise the mappings that lack something.
+    """Rename misspelt keys or, failing that, leave out offending values or, failing that, incomplete mappings.
 
     Only one of these is done at a time, so that as much as possible is checked. Return False if nothing is left to do.
     """

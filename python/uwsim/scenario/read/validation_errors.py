@@ -42,9 +42,9 @@ RULES = {
 
 
 class Mistake(NamedTuple):
-    """One of pydantic's errors. path: key path of the error. model: key path of the model whose rule is broken.
+    """A pydantic error. path: key path of the error. model: key path of the model whose rule is broken.
 
-    lines: pairs of line number and text; several if the error is in another file that has several mistakes.
+    lines: pairs of line number and text; several if the error lies in another file with several mistakes.
     """
 
     path: tuple[Key, ...]
@@ -56,7 +56,7 @@ class Mistake(NamedTuple):
 def mistakes_in(
     errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None, in_file: InFile
 ) -> list[Mistake]:
-    """Return the errors that are not consequences of others. in_file: maps places in `values` to the file."""
+    """Return the errors that are not consequences of others. in_file: maps places in `values` to places in the file."""
     return [
         _described(error, errors, hints, values, document, in_file)
         for error in errors
@@ -140,7 +140,7 @@ def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence
 
 
 def _path(values: Any, loc: Sequence[Key]) -> list[Key]:
-    """Return the key path of an error in the file: pydantic's location without the tags of unions."""
+    """Return the key path of an error in the file: pydantic's location without union tags."""
     path: list[Key] = []
     node, entered = values, True
     for part in loc:

@@ -1,4 +1,4 @@
-"""A YAML file as plain values, with their line numbers."""
+"""A YAML file as plain values with line numbers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Key = str | int
 
 
 def dotted(path: Sequence[Key]) -> str:
-    """Return a key path as messages show it: vehicles[0].sonar.model."""
+    """Return a key path in the notation of messages: vehicles[0].sonar.model."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return text.removeprefix(".")
 
@@ -64,7 +64,7 @@ def read_yaml(path: Path, name: str) -> YamlDocument:
 
 @functools.lru_cache(maxsize=64)  # parsing takes a third of a simulator's start-up time, and files rarely change
 def _parsed(text: str, name: str) -> YamlDocument:
-    """Return the document, which must not be modified. Raises ScenarioError with name and line."""
+    """Parse a document, which must not be modified. Raises ScenarioError with name and line."""
     reader = YAML(typ="rt")
     reader.Constructor = _Constructor
     try:
@@ -114,7 +114,7 @@ def _read_text(path: Path, name: str) -> str:
 
 
 class _Constructor(RoundTripConstructor):
-    """Adds line numbers to errors for values that YAML accepts as a number or date but Python does not."""
+    """Adds line numbers to the errors for values that YAML accepts as numbers or dates but Python does not."""
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
         try:
@@ -191,7 +191,7 @@ class _Plain:
 
 
 def _line_of(node: CommentedMap | CommentedSeq, key: Any) -> int:
-    """Return the line of a key or item; for one from an alias, the line of the enclosing mapping or list."""
+    """Return the line of a key or item or, if it comes from an alias, of the enclosing mapping or list."""
     try:
         line, _ = node.lc.key(key) if isinstance(node, CommentedMap) else node.lc.item(key)
     except (KeyError, TypeError):

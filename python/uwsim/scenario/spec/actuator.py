@@ -1,4 +1,4 @@
-"""Thrusters and fins, as read from YAML: a thruster's type from its own file, its mount from the vehicle's file.
+"""Thrusters and fins, as read from YAML: thruster types from their own files, mounts from the vehicle file.
 
 Body frame: x forward, y left, z up.
 """

@@ -1,4 +1,4 @@
-"""A vehicle's battery: its type from its own file, its load from the scenario."""
+"""A vehicle's battery: the type is read from its own file, the load from the scenario."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 
 
 
 def dock_camera(dock_m: Point3) -> CameraMount:
-    """Return a camera in front of a dock, above and beside the exit, that looks back at the docked vehicle."""
+    """Return a camera in front of a dock, above and beside the exit, looking back at the docked vehicle."""
     ahead_m, aside_m, above_m = DOCK_VIEW_M
     back_deg = 180.0 + math.degrees(math.atan2(aside_m, ahead_m))
     down_deg = math.degrees(math.atan2(above_m, math.hypot(ahead_m, aside_m)))

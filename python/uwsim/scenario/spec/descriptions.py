@@ -1,4 +1,4 @@
-"""Descriptions of models and fields, from docstrings that contain `key, other_key [unit]: words.` for each field."""
+"""Descriptions of models and fields, parsed from docstrings with `key, other_key [unit]: words.` for each field."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ EVERYWHERE = {
 
 @functools.cache
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
-    """Return the descriptions of a model's fields by name, from its docstring or a base class's."""
+    """Return the descriptions of a model's fields by name, from its own docstring or that of a base class."""
     found = {key: words for key, words in EVERYWHERE.items() if key in model.model_fields}
     for base in reversed(model.__mro__):
         if issubclass(base, BaseModel):
@@ -46,7 +46,7 @@ def _said_by(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
 
 
 def summary(model: type[BaseModel]) -> str:
-    """Return the docstring's description of the model itself: everything before the first field."""
+    """Return the description of the model itself: the part of the docstring before the first field."""
     text = inspect.getdoc(model) or ""
     for match in KEYS.finditer(text):
         if _fields(match[1]) & set(model.model_fields):

@@ -1,4 +1,4 @@
-"""A vehicle's reaction to loss of contact or to a failure on board."""
+"""A vehicle's reaction to loss of contact or an onboard failure."""
 
 from __future__ import annotations
 

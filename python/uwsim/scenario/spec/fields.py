@@ -1,7 +1,7 @@
 """Field types of the scenario models: a strict base class, numbers with range and unit, names, files.
 
-Each rule is part of a type, so that it applies to YAML and Python alike. Errors pass the unit and the rule to
-read/validation_errors.py, which adds file and line.
+Each rule is part of a type, so that it applies to YAML and Python alike. Errors carry the unit and the rule;
+read/validation_errors.py adds file and line.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class Model(BaseModel):
 
 
 def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:
-    """Return the error for a broken rule. at: keys below the model that raises it.
+    """Return the error to raise for a broken rule. at: keys below the model that raises it.
 
     context: the `value` and its `unit`.
     """
@@ -145,7 +145,7 @@ class AssetName:
 
 
 def _plain_int(value: object) -> object:
-    """Convert NumPy integers to Python's; leave anything else, including booleans, to be rejected later."""
+    """Convert NumPy integers to Python integers; leave anything else, including booleans, to be rejected later."""
     if isinstance(value, np.bool_):
         return bool(value)
     if isinstance(value, int) or not hasattr(value, "__index__"):

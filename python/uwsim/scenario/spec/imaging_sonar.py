@@ -1,4 +1,4 @@
-"""An imaging sonar on a vehicle, as read from its YAML file: its kind, its mount, and changed parameters.
+"""An imaging sonar on a vehicle, as read from its YAML file: kind, mount and overridden parameters.
 
 The kinds and their parameters are in the native core's table (cpp/uwsim/sonar/imaging/): a new kind needs no change
 here.

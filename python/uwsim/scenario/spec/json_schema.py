@@ -1,6 +1,6 @@
-"""Parts of a JSON Schema that pydantic cannot derive: descriptions, units, ranges, and the kinds in the core's tables.
+"""The parts of a JSON Schema that pydantic cannot derive: descriptions, units, ranges, and kinds from core tables.
 
-Draft 7, which all editors support.
+Uses draft 7, which all editors support.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], 
 
 
 def figures(parameters: Mapping[str, _core.Parameter], in_degrees: bool = False) -> JsonSchemaValue:
-    """Return the properties for the parameters of a kind of sensor or imaging sonar, and the required ones.
+    """Return a schema's properties for the parameters of a kind of sensor or imaging sonar, and which are required.
 
     in_degrees: whether angles are in degrees, under names that end in _deg.
     """

@@ -1,4 +1,4 @@
-"""Materials of surfaces: how they reflect light and scatter sound."""
+"""Surface materials: how they reflect light and scatter sound."""
 
 from __future__ import annotations
 

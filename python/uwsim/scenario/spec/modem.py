@@ -80,7 +80,7 @@ class ModemModel(Model):
 
     @property
     def guard_s(self) -> float:
-        """Time that each TDMA slot reserves for the travel of sound, in seconds."""
+        """The time in each TDMA slot that is reserved for the propagation of sound, in seconds."""
         return self.range_max_m / SLOWEST_SOUND_M_S
 
     def packet_s(self, payload_bytes: int | None = None) -> float:

@@ -1,6 +1,6 @@
 """Fixed obstacles in the water, selected by `kind`. All of them collide and produce echoes.
 
-Rays intersect round obstacles as exact shapes; contacts and map scores use meshes of them, see build/obstacles.py.
+For round obstacles, rays intersect the exact shapes; contacts and map scores use meshes, see build/obstacles.py.
 """
 
 from __future__ import annotations

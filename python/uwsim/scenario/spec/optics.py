@@ -26,7 +26,7 @@ class WaterCoefficients(Model):
 
     @model_validator(mode="after")
     def _absorbs_at_most_what_is_lost(self) -> WaterCoefficients:
-        """Check that Kd is at least a, since light that descends by a metre has travelled at least a metre."""
+        """Check that Kd is at least a, since light that has descended a metre has travelled at least a metre."""
         for band, (a, kd) in enumerate(zip(self.absorption, self.diffuse_attenuation, strict=True)):
             if a > kd:
                 rule = f"must be at most diffuse_attenuation[{band}] = {kd:g} 1/m: light that descends a metre has gone"

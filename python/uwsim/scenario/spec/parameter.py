@@ -13,7 +13,7 @@ from uwsim.scenario.spec.fields import broken
 def checked_values(
     key: str, value: Any, parameter: _core.Parameter, *, in_degrees: bool = False
 ) -> tuple[float, ...]:  # fmt: skip
-    """Return a parameter's values, in degrees if in_degrees. Raises the error of a broken rule at the key."""
+    """Return a parameter's values, in degrees if in_degrees. If a rule is broken, raises the error at the key."""
     several = parameter.width > 1
     values = list(value) if several and isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if several and len(values) != parameter.width:

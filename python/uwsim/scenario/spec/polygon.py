@@ -25,7 +25,7 @@ def crossing_edges(corners: Sequence[Point]) -> tuple[int, int] | None:
 
 
 def area(corners: Sequence[Point]) -> float:
-    """Return the area of a simple polygon whose corners are in either order."""
+    """Return the area of a simple polygon, whose corners may be in either order."""
     x, y = np.asarray(corners, np.float64).T
     x, y = x - x[0], y - y[0]  # avoids cancellation far from the origin
     return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2

@@ -123,9 +123,9 @@ class Scenario(Model):
         vehicle_model: VehicleModel | None = None,
         modem: str | Path | None = None,
     ) -> Scenario:
-        """Return a validated copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError.
+        """Return a validated copy with some values replaced; sonar values apply to every vehicle. Raises ScenarioError.
 
-        vehicle_model: replaces the first vehicle's. modem: of the link, as a packaged name or a path.
+        vehicle_model: replaces that of the first vehicle. modem: the link's modem, as a packaged name or a path.
         """
         data = self.given()
         if seed is not None:

@@ -151,7 +151,7 @@ def _sensors(value: object, info: ValidationInfo) -> object:
 
 
 def _named_as_their_kind(sensors: dict[str, SensorMount]) -> dict[str, SensorMount]:
-    """Check that sensors named after a kind are of that kind, on which programs and their type checkers rely."""
+    """Check that sensors named after a kind are of that kind; programs and type checkers rely on this."""
     kinds = _core.sensor_kinds()
     for name, mount in sensors.items():
         if name in kinds and mount.kind != name:

@@ -62,7 +62,7 @@ class SonarNoiseChanges(Model):
     range: bool | None = None
 
     def of(self, noise: SonarNoise) -> SonarNoise:
-        """Return a model's noise with these overrides applied."""
+        """Apply these overrides to a model's noise."""
         return noise.model_copy(update={key: value for key, value in dict(self).items() if value is not None})
 
 
@@ -210,7 +210,7 @@ def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarMod
 
 @cache
 def _em2040(number: int) -> SonarModel:
-    """Return a packaged model; cached, since setups request theirs often."""
+    """Return a packaged model; cached, since it is requested often."""
     return read_spec(SonarModel, f"em2040-{number}", "sonars")
 
 

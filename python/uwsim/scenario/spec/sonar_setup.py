@@ -120,7 +120,7 @@ class SonarSetup(Model):
 
     @property
     def title(self) -> str:
-        """The model's number on the wire or its name, with the receivers and the frequency if specified."""
+        """The wire number or name of the model, with the receivers and the frequency if specified."""
         name = self.model.name if isinstance(self.model, SonarModel) else str(self.model)
         name = f"{name} with {self.receivers} receivers" if self.receivers is not None else name
         return name if self.frequency_khz is None else f"{name} at {self.frequency_khz:g} kHz"

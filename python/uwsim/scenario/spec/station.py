@@ -12,7 +12,7 @@ from uwsim.scenario.spec.material import Material, MaterialSpec
 
 
 def _cameras(station: dict[str, Any]) -> dict[str, CameraMount]:
-    """Return the default cameras of a station. station: the fields already validated."""
+    """Return the default cameras of a station. station: the fields validated so far."""
     return {"station": dock_camera(station.get("dock_m", (0.0, 0.0, 0.0))), "deck": DECK_CAMERA}
 
 

@@ -1,4 +1,4 @@
-"""The survey that `uwsim survey` flies in a scenario."""
+"""The survey of a scenario, flown by `uwsim survey`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scenario's terrain: from noise, from an elevation raster, or from the grey levels of an image."""
+"""A scenario's terrain: from noise, an elevation raster, or the grey levels of an image."""
 
 from __future__ import annotations
 

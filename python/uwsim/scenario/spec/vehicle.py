@@ -1,4 +1,4 @@
-"""A vehicle model, as read from its YAML file. Body frame: x forward, y left, z up; its origin is the mesh's."""
+"""A vehicle model, as read from its YAML file. Body frame: x forward, y left, z up; its origin is that of the mesh."""
 
 from __future__ import annotations
 
@@ -195,5 +195,5 @@ class VehicleModel(Model):
 
 
 def load_vehicle(source: str | Path, folder: Path | None = None) -> VehicleModel:
-    """Load a vehicle from a packaged name ("rov") or a YAML file's path, relative to `folder`. Raises ScenarioError."""
+    """Load a vehicle from a packaged name ("rov") or a YAML file path, relative to `folder`. Raises ScenarioError."""
     return read_spec(VehicleModel, source, "vehicles", folder)

@@ -1,4 +1,4 @@
-"""An entry of a scenario's `vehicles:`: a vehicle model, its start and its multibeam."""
+"""An entry under `vehicles:` in a scenario: a vehicle model, its start and its multibeam."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scenario's water: surface, currents and profile, each selected by its `kind`."""
+"""A scenario's water: surface, currents and profile, each selected by `kind`."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ class WaterLevel(Model):
     sound_speed_m_s: SoundSpeed | None = None
 
     def state(self, *, in_place: bool = False) -> WaterState:
-        """Return density and salinity. in_place: whether the density was measured at the level's depth."""
+        """Return density and salinity. in_place: whether the density was measured at the depth of this level."""
         depth_m = self.depth_m if in_place else 0.0
         return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
@@ -303,7 +303,7 @@ class Water(Model):
         return self
 
     def state(self, bottom_depth_m: float = DEEPEST_M) -> WaterState:
-        """Return density and salinity, for water without a profile."""
+        """Return the density and salinity of water without a profile."""
         temperatures = self.surface_temperature_deg_c, self.bottom_temperature_deg_c
         return WaterState(self.density_kg_m3, self.salinity_psu, temperatures, self._measured_at(bottom_depth_m))
 
@@ -311,7 +311,7 @@ class Water(Model):
         return 0.0 if self.compressible else depth_m
 
     def _states(self) -> Iterator[tuple[tuple[str | int, ...], WaterState]]:
-        """Yield each specified state of the water and its place; levels in a file are read later."""
+        """Yield each specified water state and its place; levels in a file are read later."""
         if isinstance(self.profile, LinearProfile):
             yield ("profile", "surface"), self.profile.surface.state()
             bottom_m = self._measured_at(self.profile.bottom_depth_m or DEEPEST_M)

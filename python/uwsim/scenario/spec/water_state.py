@@ -1,4 +1,4 @@
-"""Density, temperature and salinity of water: derived values (EOS-80), and whether specified ones agree."""
+"""Density, temperature and salinity of water: missing values derived (EOS-80), specified ones checked for agreement."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class WaterState(NamedTuple):
 
     @property
     def salinity(self) -> float:
-        """The specified salinity, or 0 if fresh water fits the density, or else derived from the density [psu]."""
+        """The salinity [psu] as specified, else 0 if the density matches fresh water, else derived from the density."""
         if self.salinity_psu is not None:
             return self.salinity_psu
         if self.density_kg_m3 is None or self.density_kg_m3 <= self._at_top(0.0) + TOLERANCE_KG_M3:
@@ -42,12 +42,12 @@ class WaterState(NamedTuple):
 
     @property
     def density(self) -> float:
-        """The specified density, or else that of the first temperature and the salinity [kg/m3]."""
+        """The specified density, else the density at the first temperature and the salinity [kg/m3]."""
         return self._at_top(self.salinity) if self.density_kg_m3 is None else self.density_kg_m3
 
     @property
     def broken_rule(self) -> str:
-        """The rule that the density breaks for the specified salinity, or an empty string."""
+        """The rule broken by the density at the specified salinity, or an empty string."""
         if self.density_kg_m3 is None or self.salinity_psu is None:
             return ""
         low, high = self._density_of(self.salinity_psu)
