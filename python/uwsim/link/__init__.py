@@ -1,4 +1,4 @@
-"""Link: carries messages between station and vehicles, packed, with delay and losses."""
+"""Link: carries packed messages between station and vehicles, with delays and losses."""
 
 from uwsim.link.carrier import Carrier
 from uwsim.link.seen import is_seen, seen_channels

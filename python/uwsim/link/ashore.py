@@ -1,4 +1,4 @@
-"""The map built at the station from the pings that have arrived, each of which includes the pose of its sonar."""
+"""The map built at the station from arriving pings, each of which includes the pose of its sonar."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LookedFor = Callable[[str, Simulator], object]
 class MapAshore(PingMap):
     """A map in the odom frame, built from the pings that have arrived at the station.
 
-    Over a modem, where the next ping may take long to arrive, the changes made by a ping are published immediately;
+    Over a modem, where the next ping may be a long time coming, the changes made by a ping are published immediately;
     over other links, they are published on the same schedule as on board.
     """
 
@@ -44,7 +44,7 @@ class MapAshore(PingMap):
         self._changes_said: tuple[int, Any] = (-1, None)
 
     def read(self, sim: Simulator) -> Any:
-        """Return the map if pings have arrived since the last map, at most once a second; else None.
+        """Return the map if pings have arrived since the last one, at most once a second; otherwise None.
 
         All readers at one time get the same map.
         """
@@ -81,7 +81,7 @@ class MapAshore(PingMap):
         return self._changes_message(self._newest_ns, (part, None))[0] if len(part.cells) else None
 
     def keep_up(self, sim: Simulator) -> None:
-        """Insert the pings that have arrived; start a new map if time has gone back."""
+        """Insert the pings that have arrived; start a new map if simulated time has gone back."""
         if self._looked_for is not None:
             self._looked_for(self._carried.channel.name, sim)  # a cable carries only the channels that are read
         if sim.time_ns < self._looked_ns:
@@ -153,7 +153,7 @@ def maps_ashore(
     carried: dict[str, Carried],
     looked_for: LookedFor | None = None,
 ) -> list[Channel]:
-    """Return the channels, with onboard maps replaced by maps built ashore, which the table's services then save."""
+    """Return the channels, with onboard maps replaced by maps built ashore; the table's services then save these."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
     made: dict[str, Channel] = {}
     for source in table.sources:

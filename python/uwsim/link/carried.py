@@ -1,4 +1,4 @@
-"""Determines which channels go over a link, which vehicle they belong to, and how they are packed."""
+"""Determines which channels go over a link, to which vehicle they belong, and how they are packed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Carried(NamedTuple):
 
 
 def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
-    """Return the vehicle that a channel belongs to, by its name's prefix; None if it belongs to several vehicles."""
+    """Return the vehicle to which a channel belongs, by its name prefix; None if it belongs to several vehicles."""
     names = list(sim.vehicles)
     if len(names) == 1:
         return names[0]
@@ -46,5 +46,5 @@ def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carrie
 
 
 def is_chosen(name: str, patterns: Iterable[str]) -> bool:
-    """Return whether one of the patterns matches a channel's name."""
+    """Return whether any of the patterns matches a channel's name."""
     return any(fnmatch.fnmatchcase(name, pattern.removeprefix("/")) for pattern in patterns)

@@ -1,4 +1,4 @@
-"""Carrier: sends the vehicles' messages over the link, and applies the station's when they arrive."""
+"""Carrier: sends messages from vehicles over the link, and applies those from the station when they arrive."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ logger = logging.getLogger("uwsim.link")
 
 
 class Carrier:
-    """Both ends of a simulator's link.
+    """Operates both ends of a simulator's link.
 
         with LiveSimulator("lake", ...) as live, Carrier(live, table) as carrier:
             table.channels, table.services = carrier.channels, carrier.over(table.services)
 
     simulator: a live simulator, or one stepped by its owner. table: contains all of its channels. Every message is sent
-    by a command in the log, so that a replay sends the same messages; arriving messages are unpacked from the bytes
+    by a logged command, so that a replay sends the same messages; arriving messages are unpacked from the bytes
     carried. Over a modem, every channel named in the scenario is sent at a rate within the modem's capacity (`rates`);
     over a cable or the ideal link, only the channels that the station reads are sent. A picture is sent only after the
     previous one has been read. only: name endings of the channels that vehicles may send, unless the scenario selects
@@ -78,7 +78,7 @@ class Carrier:
         self._awaited_tick = NEVER
 
     def _require_known(self, patterns: Iterable[str]) -> None:
-        """Raise ValueError for a pattern that matches no topic on the link."""
+        """Raise ValueError if a pattern matches no topic on the link."""
         topics = [*self._carried, *(remote.TOPIC + name for name in COMMANDS if remote.crosses_link(name))]
         for pattern in patterns:
             if not any(is_chosen(topic, (pattern,)) for topic in topics):
@@ -116,7 +116,7 @@ class Carrier:
         self.close()
 
     def over(self, services: Iterable[Service]) -> list[Service]:
-        """Return services whose commands go over the link; they respond as soon as the command is queued."""
+        """Return services whose commands go over the link and that respond as soon as the command is queued."""
         return [replace(service, call=self._called(service)) for service in services]
 
     def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
@@ -129,12 +129,12 @@ class Carrier:
         return call
 
     def remote(self) -> LiveSimulator:
-        """Return the simulator as seen from the station, with commands to vehicles going over the link."""
+        """Return the simulator as seen from the station: commands to vehicles go over the link."""
         return remote.RemoteSimulator(self._live, self.command)  # type: ignore[return-value]
 
     @property
     def modem(self) -> str:
-        """The modem's name."""
+        """The name of the modem."""
         return self._network.modem.name
 
     def newest(self, name: str, after_s: float = 0.0) -> Any:
@@ -166,7 +166,7 @@ class Carrier:
         return replace(channel, apply=apply, abandoned=gone)
 
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
-        """Submit a message to the link. is_vital: whether it is sent even if late, and repeated."""
+        """Submit a message to the link. is_vital: whether to send it even if late, and to repeat it."""
         repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
         return self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
@@ -174,7 +174,7 @@ class Carrier:
         )  # fmt: skip
 
     def _repeats(self, topic: str) -> int:
-        """Return how many times a message of a topic is repeated."""
+        """Return the number of times that messages on a topic are repeated."""
         patterns = self._setup.repeats.items()
         return max((times for pattern, times in patterns if is_chosen(topic, (pattern,))), default=0)
 
@@ -226,8 +226,8 @@ class Carrier:
     def due_tick(self) -> int:
         """The first tick at which a message may arrive.
 
-        Once a message has arrived, the network reports a later message as its next arrival, although the arrived
-        message is still to be applied.
+        Once a message has arrived, the network reports a later message as its next arrival, even though the arrived
+        message has yet to be applied.
         """
         arrival = -(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9))
         self._awaited_tick = min(self._awaited_tick, arrival)
@@ -241,7 +241,7 @@ class Carrier:
         self._arrived_ns = max(self._arrived_ns, self._sim.time_ns)
 
     def jump(self, tick: int) -> None:
-        """Ignore earlier arrivals, because simulated time has jumped."""
+        """Ignore earlier arrivals; called when simulated time has jumped."""
         self._tick, self._awaited_tick, self._arrived_ns = tick - 1, NEVER, self._sim.time_ns
         self._listened.clear()
 
@@ -282,7 +282,7 @@ class Carrier:
 
 
 def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | None) -> list[Channel]:
-    """Return the channels, without those that would cross the link but are not selected."""
+    """Return the channels, except those that would cross the link but are not selected."""
     setup, ends = sim.scenario.link, None if only is None else tuple(only)
     if ends is None or setup is None or "carries" in setup.model_fields_set:
         return list(channels)
@@ -290,7 +290,7 @@ def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | N
 
 
 def _size(one: Carried, sim: Simulator) -> int:
-    """Return the packed size of a channel's messages in bytes: the usual size, or that of its current message."""
+    """Return the packed size of a channel's messages in bytes: the usual size, or that of the current message."""
     if one.packing.usual_bytes is not None:
         return one.packing.usual_bytes
     message = one.channel.read(sim)

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class Offline:
-    """The methods of a LiveSimulator that a Carrier uses; calls are executed immediately on the caller's thread."""
+    """The LiveSimulator methods used by a Carrier; calls are executed immediately on the caller's thread."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator

@@ -1,4 +1,4 @@
-"""Computes how much of a modem's time is used by the pings of instruments that share it."""
+"""Computes how much of a modem's time is taken up by pings of the instruments that share it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 def ranging_share(sim: Simulator, vehicle: str, modem: ModemModel, access: Access, nodes: int) -> float:
-    """Return the share of time for which a vehicle's pings occupy its modem, with one ping at a time per instrument."""
+    """Return the share of time for which a vehicle's pings occupy its modem, at one ping at a time per instrument."""
     mounts = next(entry.model.sensors for entry in sim.parameters.scenario.vehicles if entry.name == vehicle)
     cost_s = airtime_s(modem, access, _core.RANGING_PING_BYTES)
     turns_s = nodes * (modem.slot_s + modem.guard_s)

@@ -28,14 +28,14 @@ LONGEST_S = 120.0
 
 
 def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
-    """Return the share of time in which each of `nodes` nodes can send successfully."""
+    """Return the share of time during which each of `nodes` nodes can transmit successfully."""
     if access == "aloha":
         return ALOHA_PEAK / nodes
     return modem.slot_s / (modem.slot_s + modem.guard_s) / nodes
 
 
 def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
-    """Return how long a message of `size` bytes keeps the modem busy, in seconds; TDMA slots are not split."""
+    """Return the time for which a message of `size` bytes occupies the modem, in seconds; TDMA slots are not split."""
     full, rest = divmod(size, modem.packet_bytes)
     packets = [modem.packet_bytes] * full + ([rest] if rest or not full else [])
     lengths_s = [modem.packet_s(part) for part in packets]
@@ -58,7 +58,7 @@ def send_rates(
 
     Capacity is assigned by priority: the channels of one priority get their desired rates, but at most SHARE of the
     remaining capacity. The channels of the last priority that gets any capacity also get what remains unused. Pictures
-    take turns: the rate returned for each is that of all pictures together. sizes: sizes of packed messages in bytes.
+    take turns: the rate returned for each is that of all pictures together. sizes: packed message sizes in bytes.
     times: how many times each message is sent, by default once. taken: share of time used by the vehicle's instruments.
     """
     left = max(airtime_share(modem, access, nodes) - taken, 0.0)
@@ -86,7 +86,7 @@ def send_rates(
 
 
 def _shared_out(costs_s: Mapping[str, float], wanted_hz: float, budget: float) -> dict[str, float]:
-    """Return the rates of one priority's channels: equal or, if that is too low, SHARE of the rest to each in turn."""
+    """Return rates for channels of one priority: equal or, if that is too low, SHARE of the rest to each in turn."""
     even_hz = min(wanted_hz, budget / sum(costs_s.values()))
     if even_hz * EVEN_S >= 1.0:
         return dict.fromkeys(costs_s, even_hz)

@@ -1,4 +1,4 @@
-"""The simulator as seen from the station: commands to vehicles go over the link, all others are applied directly."""
+"""The simulator as seen from the station: commands to vehicles go over the link; all others are applied directly."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ TOPIC = "command/"
 class RemoteSimulator:
     """A LiveSimulator whose commands to vehicles are sent over the link.
 
-    The futures of these commands resolve when the commands are queued, since their arrival is unknown. has_sent:
-    whether any command has gone over the link.
+    The futures of these commands resolve when the commands are queued, since the station cannot know when they arrive.
+    has_sent: whether any command has gone over the link.
     """
 
     def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
@@ -52,7 +52,7 @@ def crosses_link(name: str) -> bool:
 
 
 def packed(name: str, arguments: dict[str, Any]) -> tuple[str, bytes]:
-    """Return a command's topic, which contains its name, and its arguments as JSON, deflated if that is shorter."""
+    """Return a command's topic, which includes its name, and its arguments as JSON, deflated if that is shorter."""
     text = json.dumps(_rounded(arguments), separators=(",", ":")).encode() if arguments else b""
     deflated = zlib.compress(text, 9)
     return TOPIC + name, b"\x01" + deflated if len(deflated) < len(text) else b"\x00" + text

@@ -24,7 +24,7 @@ def seen_channels(
 ) -> list[Channel]:
     """Return a table's channels as seen at the station: those that cross the link deliver arrived messages.
 
-    Channels that could go over the link but are not carried are missing; maps, including the table's own, are built
+    Channels that could go over the link but are not carried are left out; maps, including the table's own, are built
     ashore. Messages depend only on the simulator's state, so that a replay reads the same messages. given: the table's
     channels to consider, by default all. looked_for: called each time that a channel is read.
     """
@@ -44,7 +44,7 @@ def seen_channels(
 
 
 def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
-    """Return whether these are channels as seen at the station, through a link."""
+    """Return whether these are channels as seen from the station, through a link."""
     return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 

@@ -1,4 +1,4 @@
-"""The `link` channel: how well a vehicle and the station receive each other, from the data of both ends."""
+"""The `link` channel: how well a vehicle and the station receive each other, based on data from both ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The link's table in a report: how many messages were sent, delivered, lost and late, by topic and sender."""
+"""The link table of a report: numbers of messages sent, delivered, lost and late, by topic and sender."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ HEADINGS = ("channel", "from", "given", "sent", "delivered", "lost", "late", "by
 
 
 class LinkRow(NamedTuple):
-    """Statistics of the messages of one topic and sender.
+    """Message statistics for one topic and sender.
 
     given: submitted to the modem; messages that were replaced by newer ones before they were sent count as neither sent
     nor late. lost: sent, but lost in the water. late: not sent, because their lifetime had ended or the queue was full.
@@ -36,7 +36,7 @@ class LinkRow(NamedTuple):
 
 
 def link_rows(sim: Simulator) -> list[LinkRow]:
-    """Return the rows for a simulator's link so far, with the station's messages last; empty without a link."""
+    """Return the rows for a simulator's link so far, with messages from the station last; empty without a link."""
     counts = [] if sim.link is None else sim.link.counts()
     rows = [
         LinkRow(

@@ -1,4 +1,4 @@
-"""A link trial: a vehicle moves away from the station and back, and its modem sends as much as possible."""
+"""A link trial: a vehicle moves away from the station and back while its modem sends as much as it can."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Leg:
-    """The result at one place: its range from the station's transducer, and how many messages from there arrived.
+    """The result at one place: its range from the station's transducer, and how many messages arrived from there.
 
     delay_s: travel time of the sound, NaN if there is no path. waited_s: mean time from `send` to arrival.
     goodput_bit_s: rate at which payloads arrived.
@@ -48,7 +48,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Curve:
-    """Theoretical values by range for water without a bed: the share of packets that arrive, and the delay."""
+    """Theoretical values by range in water without a bed: the share of packets that arrive, and their delay."""
 
     range_m: Floats
     delivery: Floats
@@ -93,7 +93,7 @@ def run_trial(
 
 
 def _places(sim: Simulator, depth_m: float) -> list[Floats]:
-    """Return places along the bearing in which a vehicle can move farthest at that depth."""
+    """Return places along the bearing on which a vehicle can move farthest at that depth."""
     start = np.asarray(sim.scenario.station.position_m, np.float64)
     best: list[Floats] = []
     for bearing in np.linspace(0.0, 2.0 * np.pi, BEARINGS, endpoint=False):
@@ -152,7 +152,7 @@ def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
 
 
 class _Sums:
-    """Counts of the trial's messages."""
+    """Message counts of a trial."""
 
     def __init__(self, network: Network) -> None:
         found = [one for one in network.counts() if one.topic == TOPIC]
@@ -167,7 +167,7 @@ def _counts(network: Network) -> _Sums:
 
 
 def _settled(counts: _Sums) -> bool:
-    """Return whether no message is on its way."""
+    """Return whether no messages are in transit."""
     return counts.sent == counts.delivered + counts.lost
 
 

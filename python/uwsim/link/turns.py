@@ -1,4 +1,4 @@
-"""Schedules when each of the vehicles' channels is sent, as items of the simulator's agenda."""
+"""Schedules the transmission of vehicle channels, as items on the simulator's agenda."""
 
 from __future__ import annotations
 

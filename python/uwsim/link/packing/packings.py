@@ -1,4 +1,4 @@
-"""The table of packings, which convert messages to bytes and back. Adding a packing takes one line here.
+"""Table of packings, which convert messages to bytes and back. Adding a packing takes one line here.
 
 Anything left out or rounded is lost: listeners receive the unpacked message, not the original.
 """
@@ -17,7 +17,7 @@ from uwsim.scenario.spec.modem import ModemModel
 
 
 class Packing(NamedTuple):
-    """How the messages of a kind of channel are packed.
+    """The packing of messages for one kind of channel.
 
     pack: converts a message to bytes; may raise ValueError. unpack: converts bytes back to a message of the channel.
     may_replace: returns whether a newer message of the channel may replace a waiting message. usual_bytes: typical
@@ -70,7 +70,7 @@ SHORT_BYTES = 64
 def packing_of(channel: Channel, modem: ModemModel) -> Packing | None:
     """Return the packing for a channel's messages, or None if the modem cannot carry them.
 
-    Links other than modems carry all messages whole.
+    Links other than modems carry all messages unabridged.
     """
     if modem.kind != "modem":
         return WHOLE

@@ -22,7 +22,7 @@ NONE = {"B": 255, "H": 65535, "h": 32767, "I": 2**32 - 1, "i": 2**31 - 1, "b": 1
 
 
 def quantised(value: float, quantum: float, code: str) -> int:
-    """Return a value as a whole number of quanta, saturated at the limits of the struct format code."""
+    """Round a value to a whole number of quanta, saturated at the limits of the struct format code."""
     if not math.isfinite(value):
         return NONE[code]
     low, high = LIMITS[code]
@@ -30,14 +30,14 @@ def quantised(value: float, quantum: float, code: str) -> int:
 
 
 def pack_state(message: Any) -> bytes:
-    """Return 21 bytes for the nine values of `stateData`."""
+    """Pack the nine values of `stateData` into 21 bytes."""
     values = [float(text) for text in message.data.replace("Infinity", "inf").split("a")[:-1]]
     codes = STATE.format[1:]
     return STATE.pack(*(quantised(*each) for each in zip(values, STATE_QUANTA, codes, strict=True)))
 
 
 def unpack_state(data: bytes, channel: Channel) -> Any:
-    """Return the message with the nine values as text."""
+    """Return a message with the nine values as text."""
     codes = STATE.format[1:]
     values = zip(STATE.unpack(data), STATE_QUANTA, codes, strict=True)
     return build.text(join(math.inf if whole == NONE[code] else whole * quantum for whole, quantum, code in values))
@@ -112,20 +112,20 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
 
 
 def pack_failsafe(message: Any) -> int:
-    """Return a byte that encodes the failsafe's state and its cause."""
+    """Encode the failsafe's state and its cause in one byte."""
     state = DOES.index(message.failsafe) if message.failsafe in DOES else 0
     cause = CAUSES.index(message.failsafe_cause) if message.failsafe_cause in CAUSES else 0
     return len(CAUSES) * state + cause
 
 
 def unpack_failsafe(byte: int) -> dict[str, str]:
-    """Return the failsafe's fields of /telemetry."""
+    """Decode the failsafe fields of /telemetry."""
     state, cause = divmod(byte, len(CAUSES))
     return {"failsafe": DOES[state], "failsafe_cause": CAUSES[cause]}
 
 
 def _pack_notices(message: Any) -> bytes:
-    """Return the failsafe's byte, followed by the alarms as text, of which there are usually none."""
+    """Return the failsafe byte, followed by the alarms, if any, as text."""
     return bytes([pack_failsafe(message)]) + "\n".join(message.alarms).encode()
 
 
@@ -134,5 +134,5 @@ def _unpack_notices(data: bytes) -> dict[str, Any]:
 
 
 def value_of(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
-    """Return the value of a whole number of quanta, or `none` if the number stands for a missing value."""
+    """Convert a whole number of quanta to a value, or to `none` if the number represents a missing value."""
     return none if whole == NONE[code] else whole * quantum

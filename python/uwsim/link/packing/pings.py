@@ -35,14 +35,14 @@ def _unpacked(data: bytes, none: float) -> NDArray[np.float64]:
 
 
 def pack_depths(message: Any) -> bytes:
-    """Return every eighth range of `depthArray`, in two bytes each: 136 bytes for 513 beams."""
+    """Pack every eighth range of `depthArray` into two bytes: 136 bytes for 513 beams."""
     ranges_m = np.array([float(text) for text in message.data.split("a")[:-1]])
     limit_m = float(ranges_m.max(initial=0.0))
     return DEPTHS.pack(len(ranges_m), limit_m) + _packed(ranges_m, limit_m)
 
 
 def unpack_depths(data: bytes, channel: Channel) -> Any:
-    """Return the text with all beams; beams that were not carried have no echo."""
+    """Return text with all beams; beams that were not carried have no echo."""
     beams, limit_m = DEPTHS.unpack_from(data)
     ranges_m = np.full(beams, limit_m)
     ranges_m[::EVERY] = _unpacked(data[DEPTHS.size :], limit_m)
@@ -50,7 +50,7 @@ def unpack_depths(data: bytes, channel: Channel) -> Any:
 
 
 def pack_scan(message: Any) -> bytes:
-    """Return every eighth range of a LaserScan, in two bytes each, without intensities."""
+    """Pack every eighth range of a LaserScan into two bytes, without intensities."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     return SCAN.pack(
         stamp_ns, message.angle_min, message.angle_increment, message.time_increment, message.scan_time,
@@ -59,7 +59,7 @@ def pack_scan(message: Any) -> bytes:
 
 
 def unpack_scan(data: bytes, channel: Channel) -> Any:
-    """Return a LaserScan with an eighth of the beams."""
+    """Return a LaserScan with one beam in eight."""
     stamp_ns, first_rad, increment_rad, between_s, scan_s, range_min_m, range_max_m = SCAN.unpack_from(data)
     ranges_m = _unpacked(data[SCAN.size :], math.inf).astype(np.float32)
     return build.message(
@@ -77,14 +77,14 @@ def unpack_scan(data: bytes, channel: Channel) -> Any:
 
 
 def pack_placed(message: Any) -> bytes:
-    """Return a ping with its pose, in 36 bytes, and every eighth range in two bytes each: 166 bytes for 513 beams."""
+    """Pack a ping's pose into 36 bytes and every eighth range into two: 166 bytes for 513 beams."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     head = PLACED.pack(stamp_ns, message.angle_min, message.angle_increment)
     return head + poses.pack_pose(message.sonar) + _packed(message.ranges, math.inf)
 
 
 def unpack_placed(data: bytes, channel: Channel) -> Any:
-    """Return a ping with an eighth of the beams, and its pose."""
+    """Return a ping with its pose and one beam in eight."""
     stamp_ns, first_rad, increment_rad = PLACED.unpack_from(data)
     ranges_at = PLACED.size + poses.POSE.size
     return build.message(

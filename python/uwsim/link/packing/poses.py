@@ -17,7 +17,7 @@ INT32, INT16 = 2**31 - 1, 2**15 - 1
 
 
 def pack_pose(message: Any) -> bytes:
-    """Return 20 bytes: the position in mm, the quaternion to 3e-5."""
+    """Pack a pose into 20 bytes: the position in mm, the quaternion to 3e-5."""
     at, turned = message.position, message.orientation
     position = np.clip(np.round(1e3 * np.array([at.x, at.y, at.z])), -INT32, INT32).astype(int)
     turn = np.round(INT16 * np.clip([turned.x, turned.y, turned.z, turned.w], -1.0, 1.0)).astype(int)
@@ -32,7 +32,7 @@ def unpack_pose(data: bytes, channel: Channel) -> Any:
 
 
 def pack_key(message: Any) -> bytes:
-    """Return 7 bytes: six efforts, clipped to [-1, 1], and the function's number."""
+    """Pack into 7 bytes: six efforts, clipped to [-1, 1], and the function number."""
     linear, angular = message.position, message.orientation
     efforts = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
     if not np.isfinite(efforts).all():
@@ -50,12 +50,12 @@ def unpack_key(data: bytes, channel: Channel) -> Any:
 
 
 def is_plain_key(message: Any) -> bool:
-    """Return whether a key message has only efforts and may thus be replaced; a function must not be lost."""
+    """Return whether a key message contains only efforts and so may be replaced; a function must not be lost."""
     return bool(message.orientation.w == 0)
 
 
 def pack_twist(message: Any) -> bytes:
-    """Return 12 bytes: velocities in steps of 5 mm/s and 5 mrad/s."""
+    """Pack velocities into 12 bytes, in steps of 5 mm/s and 5 mrad/s."""
     linear, angular = message.linear, message.angular
     values = np.array([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
     if not (np.abs(values) <= INT16 * TWIST_QUANTUM).all():

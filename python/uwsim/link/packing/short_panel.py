@@ -1,4 +1,4 @@
-"""The panel in one packet of a slow modem: the values most important to a pilot, within 32 bytes."""
+"""The panel in a single packet of a slow modem: the values that matter most to a pilot, within 32 bytes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TURN_RAD = math.pi / 127  # roll, pitch and yaw
 
 
 def pack(message: Any) -> bytes:
-    """Return 31 bytes: position in cm, attitude to 1.4 degrees, and all stop as the only alarm.
+    """Pack into 31 bytes: position in cm, attitude to 1.4 degrees, and all stop as the only alarm.
 
     The true position and the commands are not included.
     """

@@ -17,7 +17,7 @@ HEAD = struct.Struct("<qB")  # stamp [ns], length of the frame's name
 
 
 def pack(message: Any) -> bytes:
-    """Return a CompressedImage as a JPEG at most 96 pixels wide, with its stamp and frame."""
+    """Pack a CompressedImage as a JPEG at most 96 pixels wide, with its stamp and frame."""
     from PIL import Image
 
     picture = Image.open(io.BytesIO(bytes(message.data))).convert("RGB")
