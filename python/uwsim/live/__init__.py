@@ -1,4 +1,4 @@
-"""A simulator on the wall clock: one thread steps it; commands come from any thread and are logged by tick."""
+"""A simulator paced by the wall clock: one thread steps it; commands come from any thread and are logged by tick."""
 
 from uwsim.commands import COMMANDS
 from uwsim.live.clock import LiveClock, MissionClock

@@ -1,4 +1,4 @@
-"""Clocks for missions on a live simulator: a mission waits while the stepping thread steps."""
+"""Clocks for missions on a live simulator: a mission waits while the stepping thread makes steps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ class LiveClock:
     """A Clock (uwsim.navigation.control.Clock) for one mission on one thread; the simulator does not wait for it.
 
     A wait ends duration_s after the end of the previous wait if that is in the future, else duration_s from now, so
-    that a control loop keeps its period although it computes between waits.
+    that a control loop keeps its period despite the computation between waits.
     """
 
     def __init__(self, loop: StepLoop) -> None:
@@ -45,7 +45,7 @@ class LiveClock:
 
 
 class MissionClock(LiveClock):
-    """A LiveClock that stops the simulator between the mission's waits; see LiveSimulator.mission_clock."""
+    """A LiveClock that holds the simulator between the waits of a mission; see LiveSimulator.mission_clock."""
 
     def __init__(self, loop: StepLoop) -> None:
         super().__init__(loop)

@@ -29,7 +29,7 @@ class Entry(NamedTuple):
 
 
 class CommandLog:
-    """The entries of a live run, in the order in which they took effect, and the state at its start.
+    """The entries of a live run, in the order in which they took effect, and its initial state.
 
     Commands that raised an error changed nothing and are not included. The log keeps the newest ENTRIES_MAX entries,
     and at most PAYLOAD_BYTES_MAX of link messages, since pictures over a cable are large. forgotten: the number of
@@ -66,7 +66,7 @@ def _payload_bytes(entry: Entry) -> int:
 def replay(
     simulator: Simulator | str | Path | Scenario, log: CommandLog | Iterable[Entry], until_tick: int
 ) -> Simulator:
-    """Replay a log; return the simulator at until_tick, in the original's state to the last bit.
+    """Replay a log; return the simulator at until_tick, in the same state as the original to the last bit.
 
     simulator: must have the same scenario, seed and build. A CommandLog starts from the initial state that it contains;
     other entries start from the simulator's current state. until_tick: not before the last entry. Raises ValueError if

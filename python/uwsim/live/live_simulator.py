@@ -78,8 +78,8 @@ class LiveSimulator:
             with live.mission_clock() as clock:
                 run(mission, live.rov, clock)
 
-        The mission thus produces the same bytes as on a Simulator, no matter how busy the machine is. A mission that
-        computes for long makes the simulator late.
+        The mission thus produces the same bytes as on a Simulator, no matter how busy the machine is. Long computations
+        in the mission make the simulator late.
         """
         clock = MissionClock(self._loop)
         try:
@@ -209,7 +209,7 @@ class LiveSimulator:
         self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
 
     def reset(self, state: bytes | None = None) -> None:
-        """Go to a state from save_state, by default the initial state; return once there.
+        """Go to a state returned by save_state, by default the initial state; return once there.
 
         Raises ValueError if the state does not fit this simulator.
         """
@@ -217,7 +217,7 @@ class LiveSimulator:
         future.result()
 
     def call(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Call function(simulator) at the start of the next step. After that, the log cannot be written to a file.
+        """Call function(simulator) at the start of the next step. From then on, the log cannot be written to a file.
 
         The function must be brief, since it delays the steps. The future receives its error. Raises NotRunningError if
         the simulator is not running.
@@ -249,8 +249,8 @@ class LiveSimulator:
 
         Readings are taken after the first step at or after each multiple, in simulated time. Both functions run on the
         stepping thread and must be brief; the sink must not block. Their errors are logged and kept in the
-        subscription. leads: whether its readings precede all others at the same tick, as time and transforms do. Raises
-        ValueError if the period is invalid, NotRunningError if the simulator is not running.
+        subscription. leads: whether these readings precede all others at the same tick, as time and transforms do.
+        Raises ValueError if the period is invalid, NotRunningError if the simulator is not running.
         """
         if not 0 < period_s <= 1e9:
             raise ValueError(f"period_s = {period_s} s: must be in (0, 1e9]")

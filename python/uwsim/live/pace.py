@@ -1,4 +1,4 @@
-"""The pace: when steps are due on the wall clock, and how well the simulator keeps to it."""
+"""The pace: when steps are due on the wall clock, and how well the simulator keeps up."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BATCH_STEPS_MAX = 10_000
 class Pace:
     """The schedule of steps at a given speed: simulated seconds per wall second, or "max".
 
-    All arguments now_s are times on the same monotonic clock. lateness_s: largest delay of a step behind its schedule,
+    All now_s arguments are times on the same monotonic clock. lateness_s: largest delay of a step behind its schedule,
     or behind the time until which it was allowed to wait, if that is later. slipped_s: total wall time by which the
     schedule has slipped. factor: speed achieved over the last second.
     """
@@ -46,7 +46,7 @@ class Pace:
         return (made_last_s - made_first_s) / (last_s - first_s)
 
     def restart(self) -> None:
-        """Restart the schedule at the next step, because of a pause or a jump in time."""
+        """Restart the schedule at the next step, after a pause or a jump in time."""
         self._start_s, self._rest_s = math.nan, -math.inf
         self._marks.clear()
 
@@ -78,7 +78,7 @@ class Pace:
     def wait_s(self, now_s: float, steps: int | None) -> float:
         """Return the wall time until steps must be made; zero or less if they are due.
 
-        steps: number of steps after which a reading, alarm or the like is due; None if nothing is. All steps within
+        steps: number of steps after which a reading, alarm or similar is due; None if nothing is. All steps within
         REST_S may be made together, since waking up costs more than stepping.
         """
         if self.speed == "max" or math.isnan(self._start_s):
@@ -90,7 +90,7 @@ class Pace:
 
     @property
     def batch(self) -> int:
-        """The number of steps that run together, about BATCH_S."""
+        """The number of steps made together, lasting about BATCH_S."""
         return min(max(1, int(BATCH_S / self._step_cost_s)), BATCH_STEPS_MAX)
 
     def made(self, steps: int, began_s: float, now_s: float) -> None:

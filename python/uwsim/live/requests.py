@@ -11,12 +11,12 @@ from uwsim.simulator.simulator import Simulator
 
 
 class NotRunningError(RuntimeError):
-    """The live simulator has not been started or has stopped."""
+    """Raised if the live simulator has not been started or has stopped."""
 
 
 @dataclass(eq=False)
 class Request:
-    """A function of the simulator to call between two steps; the future receives its result or its error.
+    """A function to call with the simulator between two steps; the future receives its result or error.
 
     name, arguments: its entry in the log; if name is None, it changes nothing and is not logged. is_vital: whether it
     is accepted even if the queue is full.

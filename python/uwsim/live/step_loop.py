@@ -32,8 +32,8 @@ logger = logging.getLogger("uwsim.live")
 class StepLoop:
     """The state shared by the stepping thread and other threads, guarded by `lock`.
 
-    An alarm is a future that resolves when the loop has made a given number of steps. steps_made keeps increasing when
-    a reset takes simulated time back. holds: by holder, the value of steps_made beyond which no step may be made.
+    An alarm is a future that resolves when the loop has made a given number of steps. steps_made keeps increasing even
+    when a reset takes simulated time back. holds: by holder, the value of steps_made beyond which no step may be made.
     error: why the simulation stopped, if it did.
     """
 
@@ -223,12 +223,12 @@ class StepLoop:
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log the start of navigation, which reading an estimate may cause: a replay must start it at the same tick."""
+        """Log the start of navigation, as on reading an estimate, since a replay must start it at the same tick."""
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
 
     def _notice_jump(self, request: Request, before: int) -> None:
-        """After a request that changed simulated time, end all waits for times that no longer apply."""
+        """If a request has changed simulated time, end all waits for times that no longer apply."""
         tick = self.sim.tick
         if tick == before and request.name != RESET:
             return

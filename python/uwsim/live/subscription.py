@@ -13,7 +13,7 @@ logger = logging.getLogger("uwsim.live")
 
 
 class Subscription:
-    """A reading that is taken at all multiples of a period and passed to a sink; see LiveSimulator.every.
+    """A reading taken at all multiples of a period and passed to a sink; see LiveSimulator.every.
 
     error: the last error raised by read or sink. errors: number of such errors, which do not end the subscription.
     """

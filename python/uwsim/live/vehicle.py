@@ -1,4 +1,4 @@
-"""Vehicles of a live simulator: readings return immediately, commands are logged."""
+"""Vehicles of a live simulator: readings return immediately; commands are logged."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class LiveVehicle(Placeable):
         return self._vehicle.telemetry()
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue one of uwsim.commands by name; return once it has taken effect. Raises ValueError if it is refused."""
+        """Issue one of uwsim.commands by name; return once it has taken effect. Raises ValueError if it is rejected."""
         return self._live.command(name, **command_named(name).named(self.name, arguments)).result()
 
 
@@ -116,7 +116,7 @@ class LiveCamera:
         return getattr(self._camera, name)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn the camera towards these angles; None leaves that axis's aim as it is."""
+        """Turn the camera towards these angles; None leaves the aim of that axis unchanged."""
         self._live.command(
             "aim_camera", vehicle=self._vehicle, camera=self._key, pan_rad=pan_rad, tilt_rad=tilt_rad
         ).result()
