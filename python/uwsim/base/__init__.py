@@ -1,1 +1,1 @@
-"""Code that all packages share and that needs no simulator: value checks, files, locks, signals, the agenda."""
+"""Code shared by all packages and independent of the simulator: value checks, files, locks, signals, the agenda."""

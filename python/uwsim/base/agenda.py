@@ -1,6 +1,6 @@
 """Agenda: schedules everything that acts in simulated time, in a fixed order.
 
-The order at tick T is as follows. Reproducibility depends on it, so it is defined only here, and checked by
+The order at tick T is as follows. Reproducibility depends on it, so it is defined only here and checked by
 tests/python/base/test_agenda.py.
 
 | when           | rank       | what acts                                              | among themselves     |
@@ -116,7 +116,7 @@ class Agenda:
         return due_tick(self._entries)
 
     def parts(self, steps: int) -> Iterator[int]:
-        """Split `steps` where items act: let due items act, then yield the number of steps until the next ones are due.
+        """Split `steps` wherever items act: let due items act, then yield the number of steps until the next are due.
 
         Ends early if the simulation is not at the expected tick after a part: its steps failed, or an item reset or
         restored the simulation.
@@ -148,7 +148,7 @@ def due_tick(entries: Iterable[_Entry]) -> int:
 
 
 def act(entries: Iterable[_Entry], tick: int) -> bool:
-    """Let the due entries act, in order; return whether any did."""
+    """Let the entries that are due act, in order; return whether there were any."""
     acted = False
     for one in entries:
         if one.item.due_tick <= tick:
@@ -158,6 +158,6 @@ def act(entries: Iterable[_Entry], tick: int) -> bool:
 
 
 def next_tick(tick: int, period_ns: int, step_ns: int) -> int:
-    """Return the first tick that reaches the next multiple of a period after `tick`."""
+    """Return the first tick at or after the next multiple of a period following `tick`."""
     periods = tick * step_ns // period_ns + 1
     return -(-periods * period_ns // step_ns)

@@ -1,4 +1,4 @@
-"""Checks for values that callers pass."""
+"""Checks on values passed by callers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
 
 
 def number(value: Any, name: str, unit: str = "") -> float:
-    """Convert a real number, including NumPy's, to float. Raises ValueError for text, booleans and anything else."""
+    """Convert a real number, NumPy's included, to float. Raises ValueError for text, booleans and anything else."""
     if not isinstance(value, bool | np.bool_ | str | bytes):
         try:
             return float(value)
@@ -29,7 +29,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 def require_positive(step: str = "", /, **values: float) -> None:
     """Raise ValueError unless all values, whose names end in their units, are positive and finite.
 
-    step: the name of the function that received the values, for the message.
+    step: the name of the function that received the values, for use in the message.
     """
     for name, value in values.items():
         if not 0.0 < value < math.inf:
@@ -73,6 +73,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Make an array read-only and return it: writing to it, which would not change the state, then raises an error."""
+    """Make an array read-only and return it, since writing to it would not change the state and so should fail."""
     array.setflags(write=False)
     return array

@@ -1,4 +1,4 @@
-"""Atomic writing: after an interruption, a file has either its old or its new content, never part of it."""
+"""Atomic writing: after an interruption, a file has either its old or its new content, never a mixture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _unfinished: set[str] = set()
 
 
 def remove_unfinished() -> None:
-    """Remove temporary files that are still being written, before the process exits immediately."""
+    """Remove temporary files that are still being written; called before an immediate exit."""
     for name in _unfinished.copy():
         with contextlib.suppress(OSError):
             Path(name).unlink()

@@ -16,7 +16,7 @@ LOCK = ".uwsim.lock"
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Lock a folder during the block. Raises OSError if another run has locked it or locking fails."""
+    """Lock a folder for the duration of the block. Raises OSError if another run has locked it or locking fails."""
     path = folder / LOCK
     descriptor = _locked(path)
     with suppress(OSError):  # disk full: the lock still works, but does not name its holder
@@ -40,7 +40,7 @@ def require_free(folder: Path) -> None:
 
 
 def _locked(path: Path) -> int:
-    """Lock the file and return its descriptor, once it is certain that the file was not unlinked meanwhile."""
+    """Lock the file and return its descriptor, having made sure that it was not unlinked in the meantime."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

@@ -17,7 +17,7 @@ class CommandObserver(Protocol):
     """An object that is notified of commands, on the thread that issues them."""
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Handle a command that has just taken effect: any of uwsim.live.COMMANDS, restore_state or reset."""
+        """Handle a command that has just taken effect: one of uwsim.live.COMMANDS, restore_state or reset."""
 
 
 class Observer(Due, Protocol):
@@ -37,13 +37,13 @@ class Journal:
         self.of_efforts: tuple[CommandObserver, ...] = ()
 
     def listen(self, observer: CommandObserver, *, efforts: bool = True) -> None:
-        """Start passing commands to an observer. efforts: whether to include set_effort, which is very frequent."""
+        """Start passing commands to an observer. efforts: whether to include the very frequent set_effort."""
         self.observers = (*self.observers, observer)
         if efforts:
             self.of_efforts = (*self.of_efforts, observer)
 
     def attach(self, observer: Observer, *, efforts: bool = True) -> None:
-        """Start calling an observer when it is due, and passing commands to it if it is a CommandObserver as well."""
+        """Start calling an observer when it is due, and passing commands to it if it is also a CommandObserver."""
         if isinstance(observer, CommandObserver):
             self.listen(observer, efforts=efforts)
         self._agenda.add(observer, Rank.OBSERVER, lambda tick: observer.observe())

@@ -1,6 +1,6 @@
 """Single rotations as quaternions (x, y, z, w).
 
-For single rotations, SciPy's Rotation takes 20 us and this module 1 us; importing SciPy takes longer than creating a
+For a single rotation, SciPy's Rotation takes 20 us and this module 1 us; importing SciPy takes longer than creating a
 simulator.
 """
 

@@ -1,7 +1,7 @@
-"""Saved states: each part of a simulator saves its state, and restores it after validation by its model.
+"""Saved states: each part of a simulator saves its state, and restores it once its model has validated it.
 
-A saved state consists of the native simulation's state and a JSON object with the state of each Python part, by name.
-It may come from an untrusted source, so none of it is used before all of it has been checked.
+A saved state consists of the state of the native simulation and a JSON object with the state of each Python part, by
+name. It may come from an untrusted source, so none of it is used before all of it has been checked.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ M = TypeVar("M", bound=BaseModel)
 
 
 class State(BaseModel):
-    """Base model of a part's state: all keys are required, others are forbidden, and types are not converted."""
+    """Base model for the state of a part: all keys are required, others are forbidden, and types are not converted."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -56,7 +56,7 @@ class SavedState:
     ) -> None:
         """before, after: the parts that are restored before and after the native simulation, in order.
 
-        resume: called when the native simulation has been restored.
+        resume: called once the native simulation has been restored.
         """
         self._core, self._before, self._after, self._resume = core, before, after, resume
         self._parts = {**before, **after}
@@ -66,7 +66,7 @@ class SavedState:
         return self._core.save_state(*origin, json.dumps({key: self._parts[key].save() for key in KEYS}))
 
     def restore(self, state: bytes, origin: Origin) -> None:
-        """Restore a state that `save` returned. If it is invalid, raises ValueError without changing anything."""
+        """Restore a state returned by `save`. Raises ValueError, changing nothing, if it is invalid."""
         before, states = self.save(origin), self._read(state, origin)
         try:
             self._put(state, origin, states)

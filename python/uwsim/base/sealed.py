@@ -1,4 +1,4 @@
-"""Sealed: a base class whose objects refuse assignments that would have no effect."""
+"""Sealed: a base class whose instances reject assignments that would have no effect."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from uwsim.base.did_you_mean import did_you_mean
 
 
 class Sealed:
-    """Base of classes whose public attributes cannot change once the object has been created.
+    """Base of classes whose public attributes cannot be changed once an object has been created.
 
     A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter can be assigned. Any
     other assignment raises AttributeError, which names the closest attribute or the method that changes the value.

@@ -1,4 +1,4 @@
-"""Long runs that stop at their next pause on Ctrl-C or SIGTERM; SIGTERM also skips work that can be done later."""
+"""Long runs that Ctrl-C or SIGTERM stops at their next pause; SIGTERM also skips work that can be done later."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Stoppable:
 
 @contextmanager
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
-    """During the block, the first Ctrl-C or SIGTERM ends the flight at its next pause, the second immediately.
+    """During the block, a first Ctrl-C or SIGTERM ends the flight at its next pause, a second one immediately.
 
     After SIGTERM, work that can be done later is skipped, and KeyboardInterrupt is raised if there is no pause within
     GRACE_S, for example during a long computation. Only the main thread receives signals: in other threads this does

@@ -1,4 +1,4 @@
-"""Wall time by stage. Blocks may be nested: each second is counted once, for the innermost block."""
+"""Wall time by stage. Blocks may be nested; each second is counted once, for the innermost block."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class WallTimer:
-    """Accumulates wall time by stage, added to that of an earlier flight, if any. Each stage is timed by one thread."""
+    """Accumulates wall time by stage, starting from that of an earlier flight, if any. One thread times each stage."""
 
     def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}
@@ -27,7 +27,7 @@ class WallTimer:
         return measurement
 
     def timed(self, stage: str, function: Callable[P, T]) -> Callable[P, T]:
-        """Return the function, wrapped so that the time of its calls is added to a stage."""
+        """Wrap a function so that the time of its calls is added to a stage."""
         measurement = self.measure(stage)
 
         def call(*args: P.args, **kwargs: P.kwargs) -> T:
