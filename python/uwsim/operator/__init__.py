@@ -1,1 +1,1 @@
-"""The operator's side: the station with its web page, and the pilot's terminal."""
+"""The operator's side: the station with its web page, and teleoperation from a terminal."""

@@ -1,4 +1,4 @@
-"""Pictures from the vehicles' cameras that have arrived over the link, the only ones that a pilot receives."""
+"""Vehicle camera pictures that have arrived over the link, the only ones that a pilot receives."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SMALL_S = 2.0
 
 
 class Arrivals:
-    """The pictures that arrive for the views of the vehicles' cameras.
+    """Arriving pictures for the views of vehicle cameras.
 
     A view's pictures are sent while any page shows it large; the newest is kept for later viewers and as the small
     picture. A cable and the ideal link also carry pictures of small views, one every SMALL_S; a modem does not have the
@@ -118,6 +118,6 @@ class Arrivals:
 
 
 def _topic(view: View) -> str:
-    """Return the name of a view's camera channel."""
+    """Return the name of the camera channel of a view."""
     prefix, camera = view.name.rpartition("/")[::2]
     return f"{prefix}/camera/{camera}/{SUFFIX}" if prefix else f"camera/{camera}/{SUFFIX}"

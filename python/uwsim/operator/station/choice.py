@@ -1,4 +1,4 @@
-"""The choice made on the start screen: validated field by field, then turned into a scenario."""
+"""The choice made on the start screen, validated field by field and turned into a scenario."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
 class ChoiceError(ValueError):
-    """Errors in a choice, by field."""
+    """Raised for an invalid choice. Contains the errors by field."""
 
     def __init__(self, errors: dict[str, str]) -> None:
         super().__init__("; ".join(errors.values()))
@@ -54,7 +54,7 @@ def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
 
 
 def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
-    """Return the session that a choice continues, and the speed. Raises ChoiceError."""
+    """Return the saved session that a choice continues, and the speed. Raises ChoiceError."""
     fixed = [name for name in FIELDS if name not in ("speed", "link") and choice.get(name) is not None]
     errors = dict.fromkeys(fixed, "is as it was saved")
     session = _try(errors, "saved", lambda: _name(choice["saved"], known))
@@ -72,7 +72,7 @@ def scenarios(offered: str) -> list[str]:
 
 @cache
 def catalog(offered: str = "lake") -> Values:
-    """Return the possible choices, with those of the scenario `offered` as defaults. Computed once."""
+    """Return the available choices, with those of the scenario `offered` as defaults. Computed once."""
     return {
         "scenarios": [_described(name) for name in scenarios(offered)],
         "vehicles": [

@@ -68,7 +68,7 @@ def _stop_recording(station: Station, request: Values) -> str:
 
 
 def _new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:
-    """Return a path in the station's folder for the requested name that does not exist yet. Raises ValueError."""
+    """Return a new path in the station's folder for the requested name. Raises ValueError, also if it exists."""
     name = request.get("name", default)
     if not isinstance(name, str) or not NAME.fullmatch(name):
         raise ValueError(f"name = {str(name)[:40]!r}: must have 1 to 64 of A-Z a-z 0-9 _ . -")

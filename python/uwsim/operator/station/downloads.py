@@ -1,4 +1,4 @@
-"""Files that pilots can download: the map in several formats, and snapshots with the panel's values."""
+"""Files that pilots can download: the map in several formats, and snapshots with panel values."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def depth_tiff(running: Running, vehicle: str) -> bytes:
 
 
 def snapshot_png(running: Running, view: str) -> bytes:
-    """Return a lossless picture of a view, and store the panel's values at that time. Raises ValueError.
+    """Return a lossless picture of a view, and store the panel values at that time. Raises ValueError.
 
     For a view received over a link, these are the last picture and the last panel that arrived.
     """
@@ -51,7 +51,7 @@ def snapshot_png(running: Running, view: str) -> bytes:
 
 
 def snapshot_json(running: Running, view: str) -> bytes:
-    """Return the panel's values at the last snapshot of a view. Raises ValueError if there is none."""
+    """Return the panel values at the time of a view's last snapshot. Raises ValueError if there is none."""
     if running.views.view(view).name not in running.snapshots:
         raise ValueError(f"there is no snapshot of '{view}' yet")
     import orjson

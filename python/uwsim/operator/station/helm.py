@@ -1,4 +1,4 @@
-"""The pilot's efforts: they must be recent, last only while repeated, and are otherwise zero."""
+"""The pilot's efforts: they must be recent, they last only while repeated, and they are zero otherwise."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ZERO = dict.fromkeys(AXES, 0.0)
 
 
 class LeastDelay:
-    """Estimates the delay of a message from the time that its sender's clock showed when it was sent.
+    """Estimates the delay of a message from the reading of its sender's clock at the time of sending.
 
     The sender's clock differs from ours. The smallest difference in the last WINDOW_S to 2 WINDOW_S is assumed to be
     that of a message without delay; the limited window allows the clocks to drift.
@@ -34,7 +34,7 @@ class LeastDelay:
         self._began_s = -math.inf
 
     def age_s(self, sent_s: float, now_s: float) -> float:
-        """Return the age of a message that was sent at sent_s and arrived now."""
+        """Return the age of a message sent at sent_s and received at now_s."""
         if now_s - self._began_s > WINDOW_S:
             self._least = [math.inf, self._least[0]]
             self._began_s = now_s
@@ -122,7 +122,7 @@ class Helm:
 
 
 def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None, text: str = "") -> Future[Values]:
-    """Return the service response after a command has taken effect: success, message (an error or text) and tick."""
+    """Return the service response once a command has taken effect: success, message (an error or text) and tick."""
     said: Future[Values] = Future()
 
     def say(done: Future[Any]) -> None:  # on the simulator's thread, so the tick is that of the command
@@ -135,7 +135,7 @@ def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = N
 
 
 def wants_stop(request: Values) -> bool:
-    """Return whether all stop is to be set (the default) or released. Raises ValueError."""
+    """Return True if all stop is to be set (the default), False if it is to be released. Raises ValueError."""
     on = request.get("on", True)
     if not isinstance(on, bool):
         raise ValueError(f"on = {str(on)[:40]!r}: must be true or false")

@@ -82,7 +82,7 @@ class Station:
         node.offer_topics(self._topics(None))
 
     def left(self, client: str) -> None:
-        """Called when a connection is closed; if it was the pilot's, efforts are set to zero."""
+        """Called when a connection is closed. If it was the pilot's, efforts are set to zero."""
         if self.lease.leave(client):
             self.let_go()
         if not self.lease.members:
@@ -190,7 +190,7 @@ class Station:
             self._enter("idle")
 
     def begin_anew(self) -> None:
-        """Start another session because simulated time has restarted, so that pages request everything again."""
+        """Start another session, so that pages request everything again; called when simulated time has restarted."""
         self.session = next(self._numbers)
         self.tell()
 
@@ -217,7 +217,7 @@ class Station:
             running.helm.let_go()
 
     def tell(self) -> None:
-        """Publish the state, which has changed."""
+        """Publish the state; called when it has changed."""
         self._pulse.tell()
 
     def _topics(self, running: Running | None) -> list[GuestTopic]:

@@ -1,4 +1,4 @@
-"""The lease of the controls: one member is the pilot, and the others watch."""
+"""The lease of the controls: one member is the pilot, the others watch."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Lease:
         self.asking: list[str] = []
 
     def join(self, client: str, name: object) -> None:
-        """Add a connection as a named member. Raises ValueError."""
+        """Register a connection as a named member. Raises ValueError."""
         if not isinstance(name, str) or not name.strip() or len(name) > NAME_MAX or not name.isprintable():
             raise ValueError(f"name = {str(name)[:NAME_MAX]!r}: must have 1 to {NAME_MAX} printable characters")
         self.members[client] = name.strip()

@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class Prepared:
-    """Holds at most one simulator, for the last validated choice, which is identified by its scenario's content.
+    """Holds at most one simulator, for the last validated choice; choices are identified by scenario content.
 
     make: creates the simulator for a scenario. Methods may be called on any thread.
     """
@@ -28,7 +28,7 @@ class Prepared:
         self._made: Future[Simulator] | None = None
 
     def want(self, scenario: Scenario) -> None:
-        """Start preparing a simulator, replacing one for another scenario. Raises OSError if a file is gone."""
+        """Start preparing a simulator, replacing any for another scenario. Raises OSError if a file is gone."""
         key = scenario_fingerprint(scenario)
         with self._lock:
             if key != self._key:

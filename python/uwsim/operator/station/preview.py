@@ -25,12 +25,12 @@ Points = NDArray[np.float64]
 
 @cache
 def preview_png(name: str) -> bytes:
-    """Return the picture of a scenario, by name; cached. Raises ScenarioError or OSError."""
+    """Return the top view of a scenario, by name, as PNG; cached. Raises ScenarioError or OSError."""
     return draw(load(name))
 
 
 def draw(scenario: Scenario) -> bytes:
-    """Return the picture as PNG, north up."""
+    """Return the top view of a scenario as PNG, north up."""
     full = build_terrain(scenario.terrain)
     plan = Plan(thinned(full))
     for obstacle in scenario.obstacles:
@@ -50,7 +50,7 @@ def draw(scenario: Scenario) -> bytes:
 
 
 class Plan:
-    """A picture of a terrain, on which items are drawn in world coordinates."""
+    """A picture of a terrain on which items are drawn in world coordinates."""
 
     def __init__(self, terrain: Terrain) -> None:
         rows, columns = terrain.heights_m.shape
@@ -64,7 +64,7 @@ class Plan:
         self._deepest_m = -float(np.nanmin(terrain.heights_m))
 
     def solid(self, vertices: Points, triangles: NDArray[np.integer]) -> None:
-        """Draw a solid's outline from above."""
+        """Draw the outline of a solid as seen from above."""
         corners = self._at(vertices)[triangles]
         for triangle in corners:
             self._pen.polygon([tuple(corner) for corner in triangle], fill=OBSTACLE, outline=OBSTACLE)
@@ -80,7 +80,7 @@ class Plan:
         self._pen.rectangle((x - 8, y - 8, x + 8, y + 8), fill=STATION, outline=INK, width=2)
 
     def vehicle(self, position_m: Points, yaw_deg: float, ahead: float = 0.0) -> None:
-        """Mark a vehicle's start with an arrow along its heading. ahead: offset of the arrow in pixels."""
+        """Mark a vehicle's starting position with an arrow along its heading. ahead: offset of the arrow in pixels."""
         along = np.array([math.cos(math.radians(yaw_deg)), -math.sin(math.radians(yaw_deg))])
         across = np.array([-along[1], along[0]])
         middle = self._at(position_m) + ahead * along
@@ -109,7 +109,7 @@ class Plan:
         self._pen.text((x, y), text, fill=AREA, font=font, anchor=anchor, stroke_width=2, stroke_fill=INK)
 
     def _at(self, points_m: Points) -> Points:
-        """Return the pixels (..., 2) of world points (..., 2 or 3)."""
+        """Return the pixel coordinates (..., 2) of world points (..., 2 or 3)."""
         pixels: Points = (points_m[..., :2] - self._low_m) * self._pixels_per_m
         pixels[..., 1] = self._image.height - pixels[..., 1]
         return pixels

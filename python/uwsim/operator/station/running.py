@@ -1,4 +1,4 @@
-"""A simulator run by the station, with its channels, views and map, and its description for the page."""
+"""A simulator run by the station: its channels, views and map, and its description for the page."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class Running:
         return {**said, **topics, **aboard, **self.arrivals.describe(view.name)}
 
     def _sonar_views(self) -> list[Values]:
-        """Return the views of imaging sonars: ordinary channels, paced by simulated time."""
+        """Return the views of imaging sonars; these are ordinary channels, paced by simulated time."""
         return [
             {
                 "name": source.topic(name), "title": title(source.topic(name)), "kind": SONAR_KINDS[type(sonar.model)],

@@ -54,7 +54,7 @@ def load_saved(folder: Path, threads: int | None) -> Simulator:
 
 
 def go_on_with_maps(running: Running, folder: Path) -> None:
-    """Load a session's maps, which the running simulator then continues."""
+    """Load the maps of a session so that the running simulator continues them."""
     for vehicle, ping_map in running.maps.items():
         if (folder / f"{vehicle}.ot").is_file():
             ping_map.go_on_from(folder / f"{vehicle}.ot")

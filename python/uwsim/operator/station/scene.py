@@ -1,4 +1,4 @@
-"""The world for the page's 3D view: the bed as a grid of heights; obstacles, station and hulls as GLB."""
+"""The world for the page's 3D view: the bed as a height grid; obstacles, station and hulls as GLB."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Handlers of the station's services, which its page calls; see `calls`."""
+"""Handlers of the services that the station's page calls; see `calls`."""
 
 from __future__ import annotations
 
@@ -123,12 +123,12 @@ class Services:
 
 
 def _sent(running: Running) -> str:
-    """Return the message for a command passed to the link, or "" if there is no link."""
+    """Return the message for a command sent over the link, or "" if there is no link."""
     return "" if running.carrier is None else f"Sent over {running.carrier.modem}"
 
 
 def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
-    """Return a service that reports errors in its response."""
+    """Wrap a service so that it reports errors in its response."""
 
     def answer(caller: str, request: Values) -> Any:
         try:

@@ -1,4 +1,4 @@
-"""The station's HTTP content: the page's files, previews of scenarios, the scene, maps and snapshots."""
+"""The station's HTTP content: page files, scenario previews, the scene, maps and snapshots."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ class File(NamedTuple):
 class Site:
     """Answers the server's HTTP requests; slow content is generated on separate threads.
 
-    may_load: whether a request may load more than the page's own files, for example because it carries the token.
+    may_load: returns whether a request may load more than the page's own files, for example because it carries the
+    token.
     """
 
     def __init__(self, station: Station, may_load: Callable[[Request], bool] = lambda request: True) -> None:

@@ -1,4 +1,4 @@
-"""Camera pictures shown by the page, rendered at a wall-clock rate, and only while they are viewed."""
+"""Camera pictures shown by the page, rendered at a wall-clock rate and only while being viewed."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Size:
 
 @dataclass(eq=False)
 class Stream:
-    """A topic with pictures from one camera."""
+    """A topic that carries pictures from one camera."""
 
     topic: str
     camera: Camera
@@ -94,7 +94,7 @@ class View:
         self.call("view", "small")
 
     def call(self, large: str, small: str) -> None:
-        """Set the view's topics, whose names are `large` and `small`, each followed by the view's name."""
+        """Set the view's topics, named `large` and `small`, each followed by the name of the view."""
         small_size = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
         whole, reduced = self.camera.resized(self.camera.mount.width), self.camera.resized(SMALL_WIDTH)
         self.large = Stream(f"station/{large}/{self.name}", whole, Size(), self.frame_id)
@@ -113,8 +113,8 @@ class View:
 class Views:
     """The views of one simulator. Call `beat` at the times it returns, and after `stir`; it does not block.
 
-    over_link: whether pictures from the vehicles' cameras are received over a link; those rendered here then have other
-    topics, and exist only if the truth may be shown.
+    over_link: whether vehicle camera pictures are received over a link; those rendered here then have different topics,
+    and exist only if the truth may be shown.
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class Views:
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
     def beat(self, now_s: float) -> float:
-        """Start the pictures that are due; return the time [s] until the next, unless `stir` is called earlier."""
+        """Start the pictures that are due; return the time [s] until the next one, unless `stir` is called earlier."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
         passing = [view for view in self._made if not is_cut_off(self._live.simulator, view.vehicle)]
         for view in passing:
@@ -226,7 +226,7 @@ class Views:
 
 
 def _views(sim: Simulator, table: Table) -> Iterable[View]:
-    """Return the vehicles' cameras, then their chase cameras, then the station's."""
+    """Return the vehicle cameras, then the chase cameras, then the station cameras."""
     found = []
     for source in table.sources:
         for name, camera in source.of(sim).cameras.items():

@@ -1,7 +1,6 @@
 """Generates the page's message module, `page/wire/messages.js`: `python -m uwsim.operator.station.wire_js`.
 
-It contains a function for each service of the station, the types of responses and of topics' messages, and the
-commands.
+It contains a function for each station service, the types of responses and topic messages, and the commands.
 """
 
 from __future__ import annotations
@@ -61,7 +60,7 @@ def _literal(value: Any) -> str:
 
 
 def _function(call: Call) -> str:
-    """Return the function that calls a service; it sends only fields that the service knows."""
+    """Return the function that calls a service, sending only fields known to the service."""
     name = re.sub(r"_(\w)", lambda match: match[1].upper(), call.name)
     names = list(call.request.model_fields)
     given = f"{{ {', '.join(names)} }}" if names else ""

@@ -122,7 +122,7 @@ class TeleopApp(App[None]):
             self.take(character)
 
     def on_key_released(self, message: KeyReleased) -> None:
-        """Record that the terminal reports releases, and that this key was released."""
+        """Record that this key was released, and thus that the terminal reports releases."""
         self.hands.tells_releases = True
         self.hands.let_go(message.character)
 
@@ -150,7 +150,7 @@ class TeleopApp(App[None]):
             self.hands.press(character)
 
     def _mark(self) -> None:
-        """Store the current position: marking is a function of the published keyboard, not a command."""
+        """Store the current position; marking is a function of the published keyboard, not a command."""
         readout = self.connection.readout
         east, north, up = readout.position_m
         self.marks.append(

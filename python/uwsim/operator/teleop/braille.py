@@ -12,7 +12,7 @@ EMPTY = 0x2800
 
 
 class Canvas:
-    """Dots, addressed from the top left corner; a character takes the style of its dots with the highest rank."""
+    """Dots, addressed from the top left corner; a character takes the style of its highest-ranking dots."""
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height

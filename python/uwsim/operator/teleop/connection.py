@@ -85,7 +85,7 @@ class Connection:
         return time.monotonic() - self.heard_s
 
     def do(self, function: Function) -> None:
-        """Request a function of the published wire, such as release."""
+        """Request a function from the published wire, such as release."""
         with self._sending:
             if self._node is None:
                 self.say("not connected")
@@ -252,7 +252,7 @@ class Connection:
         self._guarded(lambda node: self._publish(message))
 
     def _guarded(self, act: Callable[[Node], object]) -> None:
-        """Call `act` with the node, unless its connection is closing, which the listening thread reports."""
+        """Call `act` with the node unless its connection is closing; the listening thread reports that."""
         try:
             if self._node is not None:
                 act(self._node)

@@ -1,4 +1,4 @@
-"""The sonar's fan drawn as dots: the vehicle is at the bottom centre, ahead is up, port is left."""
+"""The sonar fan drawn as dots: the vehicle is at the bottom centre, ahead is up, port is left."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ARC = 400  # number of dots in a ring
 
 
 def fan_scale_m(ranges_m: NDArray[np.float32]) -> float:
-    """Return the smallest scale that shows nine in ten echoes, or the largest scale if there are no echoes."""
+    """Return the smallest scale that shows nine out of ten echoes, or the largest scale if there are no echoes."""
     echoes = ranges_m[np.isfinite(ranges_m)]
     far_m = float(np.quantile(echoes, 0.9)) if len(echoes) else math.inf
     return next((scale_m for scale_m in SCALES_M if scale_m >= far_m), SCALES_M[-1])

@@ -1,4 +1,4 @@
-"""Flies a vehicle from the terminal until the pilot quits; afterwards the efforts are zero in all cases."""
+"""Flies a vehicle from the terminal until the pilot quits, leaving the efforts at zero in all cases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.operator.teleop.hands import Hands
 
 
 class _ToScreen(logging.Handler):
-    """Shows warnings on the pilot's screen, since they would corrupt it if printed to stderr."""
+    """Shows warnings on the pilot's screen, which they would corrupt if printed to stderr."""
 
     def __init__(self, app: TeleopApp) -> None:
         super().__init__(logging.WARNING)

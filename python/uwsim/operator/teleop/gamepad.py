@@ -1,4 +1,4 @@
-"""Gamepads through SDL (pygame-ce, the extra 'gamepad'), with the same sticks and buttons as the station's page.
+"""Gamepads via SDL (pygame-ce, the extra 'gamepad'), with the same stick and button assignments as the station's page.
 
 Sticks as on most ROVs: the left one climbs and turns, the right one moves ahead and sideways. SDL's database maps all
 known gamepads to the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
@@ -81,7 +81,7 @@ class Gamepads:
                     return
 
     def poll(self) -> tuple[dict[str, float], list[str], list[str]]:
-        """Return the efforts of the sticks, and the keys whose buttons were just pressed and released."""
+        """Return the stick efforts, and the keys whose buttons have just been pressed and released."""
         if self._pad is None:
             return {}, [], []
         self._pygame.event.pump()

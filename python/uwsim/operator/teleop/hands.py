@@ -1,10 +1,10 @@
 """The pilot's hands: keys and sticks become efforts, which end without further input.
 
-A terminal reports that a key was typed, and again as it repeats, but not that it was released. So an effort lasts for
-FIRST_HOLD_S after a key is first typed, within which a keyboard starts to repeat, and for REPEAT_HOLD_S after each
-repeat. Of several held keys only the last one repeats; the others last as long as it does. Terminals with the kitty
-keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is released; there an effort
-lasts until then.
+A terminal reports that a key was typed, and again as it repeats, but not that it was released. An effort therefore
+lasts for FIRST_HOLD_S after a key is first typed, by which time a keyboard has started to repeat, and for REPEAT_HOLD_S
+after each repeat. Of several keys held down, only the last one repeats; the others last as long as it does. Terminals
+with the kitty keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is released;
+there an effort lasts until then.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class Hands:
             self._held.pop(key, None)
 
     def set_sticks(self, efforts: Mapping[str, float]) -> None:
-        """Set the efforts of a gamepad's sticks, in [-1, 1] by axis, held until the next call."""
+        """Set the efforts from gamepad sticks, in [-1, 1] by axis; they are held until the next call."""
         with self._lock:
             self._sticks = dict(efforts)
             self.has_helm = self.has_helm or any(efforts.values())
@@ -118,7 +118,7 @@ class Hands:
             return {axis: self.share * min(max(effort, -1.0), 1.0) for axis, effort in efforts.items()}
 
     def tilt(self) -> Function:
-        """Return the command for the sonar's head: tilt while a tilt key is held, otherwise hold."""
+        """Return the command for the sonar head: tilt while a tilt key is held down, otherwise hold."""
         with self._lock:
             self._forget(self._clock())
             return next((TILTING[key] for key in self._held if key in TILTING), Function.TILT_HOLD)

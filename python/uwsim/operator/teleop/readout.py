@@ -1,4 +1,4 @@
-"""The pilot's information about the vehicle: the latest message of each of its topics."""
+"""The pilot's information about the vehicle: the latest message on each of its topics."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ LET_GO = "3"
 
 
 class KeyReleased(Message):
-    """A key was released. character: the key's character without modifiers."""
+    """A key was released. character: the character of the key without modifiers."""
 
     def __init__(self, character: str) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class KeyReleased(Message):
 
 
 class ReleaseParser(XTermParser):
-    """Reports releases through a callback, and presses and repeats like textual."""
+    """Reports key releases through a callback; presses and repeats are handled as by textual."""
 
     def __init__(self, released: Callable[[str], object]) -> None:
         super().__init__()
