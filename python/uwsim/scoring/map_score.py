@@ -20,14 +20,14 @@ ROWS_AT_ONCE = 1 << 14
 
 @dataclass(frozen=True, eq=False)
 class MapScore:
-    """A map's score against the true surface.
+    """The score of a map against the true surface.
 
     Truth voxels are the voxels on the map's grid through which the true surface passes. coverage: fraction, in [0, 1],
     of the visible truth voxels with an occupied voxel at most one voxel away; 0 if none was visible. recall: fraction
     of them that are themselves occupied. precision: fraction of the occupied voxels through which the true surface
     passes. Distances are from the centres of the occupied voxels to the nearest point on the true surface. For an empty
     map, distances and precision are NaN. visible_voxels: (v,), packed keys of the truth voxels that the sonar could
-    have seen. covered: (v,) bool, which of them count as covered. false_centres_m: (f, 3), centres of occupied voxels
+    have seen. covered: mask (v,) of those that count as covered. false_centres_m: (f, 3), centres of occupied voxels
     without true surface. seabed: the depths of the occupied voxels, in cells as wide as a voxel, compared with the
     terrain; None for an empty map.
     """
@@ -75,7 +75,7 @@ def score_map(
 ) -> MapScore:
     """Return the score of occupied voxel centres (n, 3) against the world.
 
-    rays: the world's ray scene, if it exists already. ahead: work already done during the survey of this area, for
+    rays: the world's ray scene, if it already exists. ahead: work already done during the survey of this area, for
     voxels of this resolution. occupied_were_seen: whether the map was built from exact ranges and true poses on this
     path, so that an occupied truth voxel is known to have been seen, without casting a ray.
 
@@ -135,7 +135,7 @@ def _hold_surface(
     distances_m: NDArray[np.float64],
     truth: NDArray[np.int64],
 ) -> NDArray[np.bool_]:
-    """Return which of the voxels (n,) contain true surface. truth: sorted voxels that are known to contain it."""
+    """Return a mask (n,) of voxels that contain true surface. truth: sorted voxels that are known to contain it."""
     undecided = np.flatnonzero(distances_m > surface.resolution_m / 2.0)
     undecided = undecided[~are_in(voxels[undecided], truth)]
     right = np.ones(len(voxels), bool)
@@ -159,7 +159,7 @@ def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[
 
 
 def _have_occupied_neighbour(voxels: NDArray[np.int64], occupied: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return, for packed keys (n,), whether an occupied voxel is at most one away on each axis: (n,) bool."""
+    """Return a mask (n,) of packed keys with an occupied voxel at most one voxel away along each axis."""
     found = np.zeros(len(voxels), bool)
     steps = np.stack(np.meshgrid(*[np.array([0, -1, 1])] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     for step in pack_keys(steps) - pack_keys(np.zeros((1, 3), np.int64)):

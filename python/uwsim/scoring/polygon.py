@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def inside_polygon(xy_m: NDArray[np.floating], polygon_m: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which points (n, 2) lie inside a simple polygon (k, 2) of either winding, by the even-odd rule: (n,)."""
+    """Return a mask (n,) of points (n, 2) inside a simple polygon (k, 2) of either winding, by the even-odd rule."""
     x, y = xy_m[:, 0], xy_m[:, 1]
     inside = np.zeros(len(xy_m), bool)
     for (x0, y0), (x1, y1) in zip(polygon_m, np.roll(polygon_m, -1, axis=0), strict=True):

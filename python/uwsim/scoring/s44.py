@@ -18,14 +18,14 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Order:
-    """An order of S-44. a_m: the depth-independent part of the uncertainty. b: the factor applied to depth."""
+    """An S-44 order. a_m: the depth-independent part of the uncertainty. b: the factor applied to depth."""
 
     name: str
     a_m: float
     b: float
 
     def tvu_m(self, depths_m: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return the vertical uncertainty allowed at depths (any shape, positive down), with a minimum depth of 0."""
+        """Return the vertical uncertainty allowed at depths (any shape, positive down), which are clipped to at least 0."""
         return np.hypot(self.a_m, self.b * np.maximum(np.asarray(depths_m, np.float64), 0.0))
 
 
@@ -40,7 +40,7 @@ ORDERS = (
 
 
 def share_within(order: Order, errors_m: NDArray[np.floating], depths_m: NDArray[np.floating]) -> float:
-    """Return the fraction of errors (n,) at true depths (n,) within the order's limit, or NaN if there are none."""
+    """Return the fraction of errors (n,), at true depths (n,), within the limit of the order; NaN if there are none."""
     if not len(errors_m):
         return float("nan")
     return float((np.abs(errors_m) <= order.tvu_m(depths_m)).mean())

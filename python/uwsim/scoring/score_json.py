@@ -1,4 +1,4 @@
-"""A map's score as JSON: SI units, fractions in [0, 1], null for unknown values."""
+"""A map score as JSON: SI units, fractions in [0, 1], null for unknown values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.scoring.s44 import ORDERS, share_within
 
 
 def score_values(score: MapScore, *, path_known: bool) -> dict[str, Any]:
-    """Return the score's values by name. path_known: whether there is a path, which coverage and recall require."""
+    """Return score values by name. path_known: whether there is a path; coverage and recall require one."""
     seabed = score.seabed
     known = path_known and score.visible_truth_voxels > 0
     figures: dict[str, Any] = {

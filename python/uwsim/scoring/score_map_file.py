@@ -20,7 +20,7 @@ from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
 @dataclass(frozen=True, eq=False)
 class ScoredMap:
-    """A map's score and its track. path_known: whether the track has a path, which coverage and recall require."""
+    """A map's score and its track. path_known: whether the track has a path; coverage and recall require one."""
 
     score: MapScore
     track: SurveyTrack
@@ -30,7 +30,7 @@ class ScoredMap:
 def score_map_file(path: Path, scenario: str, track: Path | None, origin_world_m: Origin) -> ScoredMap:
     """Return the score of a map file against a scenario's world.
 
-    track: the survey's track file, or a cloud file of the sonar's positions; by default TRACK in the map's folder.
+    track: the survey's track file, or a cloud file of sonar positions; by default, TRACK in the map's folder.
     Without a track, coverage and recall, which depend on the path, are unknown. Raises ScenarioError, ValueError or
     OSError.
     """

@@ -1,4 +1,4 @@
-"""A map's score as text for tables and reports."""
+"""A map score as text for tables and reports."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def order_rows(score: MapScore) -> list[tuple[str, str, str]]:
 
 
 def order_met(score: MapScore) -> str:
-    """Return the name of the strictest order whose vertical uncertainty limit is met by 95 % of the seabed's cells."""
+    """Return the name of the strictest order whose vertical uncertainty limit is met by 95 % of the seabed cells."""
     if score.seabed is None or not score.seabed.judged.any():
         return "-"
     order = score.seabed.best_order

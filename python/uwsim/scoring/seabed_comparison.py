@@ -67,7 +67,7 @@ class SeabedComparison:
 def compare_seabed(
     world: _core.World, rays: _core.RayScene, grid: DepthGrid, area_world_m: NDArray[np.float64]
 ) -> SeabedComparison:
-    """Compare cells whose centres are in the polygon (k, 2) with the terrain's mean height in each cell.
+    """Compare cells whose centres lie in the polygon (k, 2) with the mean terrain height in each cell.
 
     Terrain heights and obstacles are sampled at most SAMPLE_SPACING_M apart, including the cell's edges.
     """
@@ -119,9 +119,9 @@ def _samples(centres_m: NDArray[np.float64], cell_m: float) -> Iterator[tuple[sl
 def _blocked(
     rays: _core.RayScene, centres_m: NDArray[np.float64], cell_m: float, top_m: float, bottom_m: float
 ) -> NDArray[np.bool_]:
-    """Return whether an obstacle is the first hit below any sample of each cell (n,).
+    """Return a mask (n,) of cells in which an obstacle is the first hit below any sample.
 
-    top_m, bottom_m: heights of the world's highest and lowest points.
+    top_m, bottom_m: heights of the highest and lowest points in the world.
     """
     blocked = np.zeros(len(centres_m), bool)
     for batch, xy in _samples(centres_m, cell_m):

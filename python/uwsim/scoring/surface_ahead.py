@@ -1,4 +1,4 @@
-"""Samples the true surface during a survey, while the map's thread is idle."""
+"""Samples the true surface during a survey, while the map thread is idle."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class SurfaceAhead:
             self._sampled.append(self._left.popleft()())
 
     def tiles(self) -> Iterator[Callable[[], SurfaceSamples]]:
-        """Yield the jobs of surface_tile_jobs, some of which are already done. Raises the same errors."""
+        """Yield the jobs from surface_tile_jobs, some of them already done. Raises the same errors."""
         left = self._begin() if not self._sampled else self._left or ()
         yield from (partial(_itself, tile) for tile in self._sampled)
         yield from left

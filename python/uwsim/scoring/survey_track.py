@@ -1,4 +1,4 @@
-"""A survey's track, stored next to its map in track.npz: the sonar's path, and the area to be covered."""
+"""A survey track, stored next to the map in track.npz: the sonar's path and the area to be covered."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FIELDS = ("version", "path_world_m", "area_world_m", "range_max_m", "scenario_na
 
 @dataclass(frozen=True, eq=False)
 class SurveyTrack:
-    """Everything about a survey on which its map's score depends.
+    """Everything about a survey that affects the score of its map.
 
     path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
     range_max_m: the sonar's maximum range. scenario_name: empty if unknown.
@@ -42,7 +42,7 @@ class SurveyTrack:
         return f"<SurveyTrack{of}: {len(self.path_world_m)} pings on {length_m:.0f} m>"
 
     def plot(self) -> Figure:
-        """Return a figure of the path from above, coloured by height, over the area."""
+        """Return a figure of the path seen from above, coloured by height, over the area."""
         from uwsim.scoring.track_plot import plot  # matplotlib takes a second to import
 
         return plot(self.path_world_m, self.area_world_m, repr(self))

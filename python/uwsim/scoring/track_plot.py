@@ -12,7 +12,7 @@ SIZE_IN = (6.0, 5.0)
 
 
 def plot(path_world_m: NDArray[np.float64], area_world_m: NDArray[np.float64] | None = None, title: str = "") -> Figure:
-    """Return a figure of a path (n, 3) from above, coloured by height z, with the area (k, 2) to be covered."""
+    """Return a figure of a path (n, 3) seen from above, coloured by height z, with the area (k, 2) to be covered."""
     figure = Figure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     if area_world_m is not None and len(area_world_m):
