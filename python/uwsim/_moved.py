@@ -1,4 +1,4 @@
-"""Documented modules that have moved: for one version, their old names still work, with a DeprecationWarning."""
+"""Documented modules that have moved. For one version, their old names still work, with a DeprecationWarning."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def new_name(old: str) -> str | None:
 
 
 class _OldNames(MetaPathFinder, Loader):
-    """Finds the moved module itself under its old name, so that the module and its classes exist only once."""
+    """Finds a moved module under its old name, so that the module and its classes exist only once."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
@@ -65,12 +65,12 @@ class _OldNames(MetaPathFinder, Loader):
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        """Restore the module's own spec, which the import has replaced; the module was executed under its new name."""
+        """Restore the module's own spec, which the import has replaced; the module has already run under its new name."""
         assert module.__spec__ is not None
         module.__spec__ = module.__spec__.loader_state
 
 
 def lead_old_names_on() -> None:
-    """Make imports of old names find the modules that have moved."""
+    """Redirect imports of old names to the modules that have moved."""
     if not any(isinstance(finder, _OldNames) for finder in sys.meta_path):
         sys.meta_path.insert(0, _OldNames())
