@@ -25,7 +25,7 @@ class Order:
     b: float
 
     def tvu_m(self, depths_m: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return the vertical uncertainty allowed at depths (any shape, positive down), which are clipped to at least 0."""
+        """Return the vertical uncertainty allowed at depths (any shape, positive down), clipped to at least 0."""
         return np.hypot(self.a_m, self.b * np.maximum(np.asarray(depths_m, np.float64), 0.0))
 
 
