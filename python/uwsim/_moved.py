@@ -65,7 +65,7 @@ class _OldNames(MetaPathFinder, Loader):
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        """Restore the module's own spec, which the import has replaced; the module has already run under its new name."""
+        """Restore the module's own spec, which the import has replaced; the module ran under its new name."""
         assert module.__spec__ is not None
         module.__spec__ = module.__spec__.loader_state
 

@@ -53,7 +53,7 @@ class Commandable(Steerable, Protocol):
         self.command("dock")
 
     def override_failsafe(self) -> None:
-        """Take the vehicle back from its failsafe."""
+        """Take back control of the vehicle from its failsafe."""
         self.command("override_failsafe")
 
     def all_stop(self, on: bool = True) -> None:
@@ -63,7 +63,7 @@ class Commandable(Steerable, Protocol):
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
     ) -> None:
-        """Command the force (3,) and torque (3,) of the thrusters in still water, in body axes about the origin."""
+        """Command the total thruster force (3,) and torque (3,) about the origin, in body axes and for still water."""
         self.command("set_wrench", force_body_n=force_body_n, torque_body_nm=torque_body_nm)
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
