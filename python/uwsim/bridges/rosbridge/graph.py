@@ -75,9 +75,8 @@ class Graph:
 
     on_demand: functions called with a topic name and whether the topic has subscribers, whenever that changes.
     on_leave: functions called with an owner that has left. on_abandoned: functions called with a topic name when the
-    topic's last publisher has left. silence_s: returns the time since anything was received from an owner. time_ns: returns the
-    graph's time. ledger:
-    counts the memory used for clients.
+    topic's last publisher has left. silence_s: returns the time since anything was received from an owner. time_ns:
+    returns the graph's time. ledger: counts the memory used for clients.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:

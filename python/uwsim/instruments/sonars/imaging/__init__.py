@@ -1,8 +1,8 @@
 """Imaging sonars: forward-looking, side-scan and single-beam profiling, one file per kind.
 
 They ping the same scene through the same water as all other sensors. A picture depends only on the pose, the scenario's
-seed and a number (by default the simulated time), which selects the receiver's noise; speckle is that of the pose. Repeated
-calls give the same picture, for any number of threads.
+seed and a number (by default the simulated time), which selects the receiver's noise; speckle depends on the pose.
+Repeated calls give the same picture, for any number of threads.
 `sim` is a Simulator or any object with its scene, world, strengths_db, seed, threads and time_ns.
 
 A pose is a matrix (4, 4), world from sonar, where the sonar's x axis points ahead, y to port, z up. For a sonar on a
