@@ -1940,7 +1940,7 @@ class ImagingSonar:
         """
     def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Return the absorption in the water at the head [dB/m].
+        Absorption in the water at the head [dB/m].
         """
     def ping(
         self,
@@ -3113,7 +3113,7 @@ class Simulation:
 
 class Telemetry:
     """
-    The instrument panel of a vehicle, as in the paper.
+    A vehicle's instrument panel, as in the paper.
     """
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
@@ -3122,16 +3122,21 @@ class Telemetry:
     def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
     def to_dict(self) -> dict[str, typing.Any]:
         """
-        Its fields by name; arrays are not copied.
+        Return the fields by name; arrays are not copied.
         """
     @property
     def acceleration_m_s2(self) -> float: ...
+    @property
+    def angular_acceleration_body_rad_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,)
+        """
     @property
     def angular_speed_rad_s(self) -> float: ...
     @property
     def battery_percent(self) -> float:
         """
-        what is left of the battery's charge or of the mission time
+        remaining fraction of the battery's charge or of the mission time
         """
     @property
     def collision_warning(self) -> bool: ...
@@ -3140,10 +3145,15 @@ class Telemetry:
     @property
     def distance_to_seabed_m(self) -> float:
         """
-        straight down; inf where there is nothing
+        straight down; inf if there is no surface below
         """
     @property
     def distance_to_station_m(self) -> float: ...
+    @property
+    def linear_acceleration_body_m_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,), without gravity
+        """
     @property
     def mission_time_s(self) -> float:
         """
@@ -3175,7 +3185,7 @@ class BatteryState:
     def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
     def to_dict(self) -> dict[str, typing.Any]:
         """
-        Its fields by name; arrays are not copied.
+        Return the fields by name; arrays are not copied.
         """
     @property
     def capacity_ah(self) -> float:
