@@ -49,9 +49,9 @@ struct RangeDeviation {
   double total_m() const;
 };
 
-/// The error of amplitude detection in locating the centre of an echo in range. `extent_m` is the echo's length, as
-/// that of an equivalent rectangle; it contains L = extent / cell independent looks. `snr` is the mean signal-to-noise
-/// ratio, as a linear ratio.
+/// The error of amplitude detection in locating the centre of an echo in range. `extent_m` is the echo's length,
+/// expressed as the length of an equivalent rectangle; it contains L = extent / cell independent looks. `snr` is the
+/// mean signal-to-noise ratio, as a linear ratio.
 ///
 /// Amplitude detection picks the largest sample, so its deviation is extent / sqrt(12) x (1 + 1/snr): each look is
 /// equally likely to be the largest, so the detected range is uniformly distributed over the echo, and noise widens

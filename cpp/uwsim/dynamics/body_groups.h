@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// Bodies joined in pairs, directly or through others. A group is named by the lowest index in it.
+/// Groups of bodies that are linked by pairs, directly or through others. A group is identified by its lowest index.
 class BodyGroups {
  public:
   void reserve(std::size_t bodies) { parents_.reserve(bodies); }

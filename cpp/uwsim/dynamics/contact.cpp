@@ -6,7 +6,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kBounceThreshold_m_s = 0.05;  // slower impacts do not bounce, so that bodies come to rest
-// A smaller gap is closed: a body at rest does not fall into what a step's rounding leaves.
+// A smaller gap counts as closed, so that a body at rest does not fall into a gap left by a step's rounding error.
 constexpr double kClosed_m = 1e-6;
 constexpr double kSlop_m = 1e-3;
 constexpr double kOverlapShare = 0.2;     // fraction of the overlap beyond the slop removed in one step

@@ -39,10 +39,10 @@ struct ContactBody {
   Vector6d impulse_body = Vector6d::Zero();
   /// Output: a velocity that changes only this step's pose, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
-  /// Out: the least share of Coulomb's limit that friction has left at any contact of its island that presses; 0 where
-  /// one slides or hardly presses, -1 if the impulses are not exact.
+  /// Output: the smallest margin of friction, as a fraction of Coulomb's limit, at any loaded contact of its island; 0
+  /// if one slides or is barely loaded, -1 if the impulses are not exact.
   double grip = -1;
-  bool slides = false;  ///< Out: whether a contact of its island that presses does
+  bool slides = false;  ///< Output: whether a loaded contact of its island slides
 };
 
 }  // namespace uwsim

@@ -22,7 +22,7 @@ struct MovingBody {
   bool collides = true;
 };
 
-/// Finds where bodies made of convex pieces come near each other, the terrain and the solids.
+/// Finds where bodies made of convex pieces come near each other, the terrain or the solids.
 ///
 /// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states evolve
 /// equally. Shapes have no margin: a contact's gap is the distance between the surfaces minus kRestGap_m. The terrain
@@ -39,7 +39,7 @@ class ContactFinder {
 
   /// Radius of a sphere about the body's origin that encloses all its pieces [m].
   double radius_m(std::size_t body) const;
-  /// The least size of a box around it along its axes [m].
+  /// The smallest edge of the body's bounding box, which is aligned with its axes [m].
   double thickness_m(std::size_t body) const;
 
   /// Replaces `contacts`. They are ordered by body; for each body, contacts with terrain and solids come first, then

@@ -16,9 +16,9 @@ namespace uwsim {
 /// Solves contacts with each body's full inverse mass: no penetration (Signorini), Newton's restitution above a
 /// threshold speed, Coulomb friction. Overlaps beyond a slop are relaxed through `push_body`.
 ///
-/// Bodies that touch each other, directly or through others, are an island, which IslandSolver solves. Islands for
-/// which it does not converge are solved by projected Gauss-Seidel on impulses, the two tangents in turn (Catto 2005;
-/// Erleben 2007).
+/// Bodies that touch each other, directly or through others, form an island, which IslandSolver solves. Islands for
+/// which it does not converge are solved by projected Gauss-Seidel on impulses, one tangent after the other (Catto
+/// 2005; Erleben 2007).
 class ContactSolver {
  public:
   /// Allocates in advance, so that solve() allocates nothing for this many contacts.
@@ -62,7 +62,7 @@ class ContactSolver {
 
   // Kept so that a step does not allocate.
   BodyGroups islands_;
-  std::vector<std::uint32_t> island_;  // indices of the contacts of the one being solved
+  std::vector<std::uint32_t> island_;  // indices of the contacts of the island being solved
   std::vector<Rows> rows_;             // of the contacts solved by Gauss-Seidel
   std::vector<double> normal_impulses_;
   IslandSolver newton_;

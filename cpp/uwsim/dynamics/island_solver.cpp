@@ -10,16 +10,16 @@
 namespace uwsim {
 namespace {
 
-constexpr int kMostSteps = 12;  // of Newton's method, for one body: more than 9 never helped
+constexpr int kMostSteps = 12;  // of Newton's method, for one body; more than 9 never helped
 constexpr int kStepsPerBody = 4;
 constexpr int kPushSweeps = 20;
 constexpr double kWeights[] = {1, 0.5};  // r; the second is tried if the first does not converge
-constexpr double kCompliance = 1e-5;     // of a contact, as a fraction of 1 / mass
-// Least impulse of a contact that helps to hold a body.
+constexpr double kCompliance = 1e-5;     // of a contact, relative to 1 / mass
+// The smallest impulse of a contact that counts as holding a body.
 constexpr double kPresses = 1e-5;   // relative to the largest
 constexpr double kRounding = 1e-9;  // relative, of an impulse
-// Largest error of an impulse relative to the largest impulse: the target, and the value that is good enough when a
-// step no longer gains a digit.
+// The largest permitted error of an impulse, relative to the largest impulse: the target, and the value that is
+// accepted once a step no longer gains a digit.
 constexpr double kAim = 1e-13, kGoodEnough = 1e-9;
 
 }  // namespace
@@ -41,7 +41,7 @@ bool IslandSolver::solve(std::span<ContactBody> bodies, std::span<const Contact>
     if (members_.size() > kMostBodies) return false;
   }
   if (std::ranges::none_of(kWeights, [&](double weight) { return find_impulses(weight); })) return false;
-  for (const Point& point : points_) {  // what remains of an open contact's impulse is rounding
+  for (const Point& point : points_) {  // any impulse that is left at an open contact is rounding error
     normal_impulses[point.index] = point.slope(0, 0) > 0 ? point.impulse[0] : 0;
   }
   for (Member& member : members_) {
@@ -65,7 +65,7 @@ std::size_t IslandSolver::member_of(std::span<ContactBody> bodies, int body) {
   return members_.size() - 1;
 }
 
-/// The row whose product with the body's velocity is the share of this end in the contact's velocity along a direction.
+/// The row whose product with the body's velocity is this end's contribution to the contact's velocity in `direction`.
 Vector6d IslandSolver::row(const End& end, const Contact& contact, const Eigen::Vector3d& direction_world) const {
   const Member& member = members_[end.member];
   const Eigen::Vector3d direction = member.body_from_world * (end.sign * direction_world);
@@ -115,7 +115,7 @@ void IslandSolver::add_tangents(Point& point) const {
   point.has_tangents = true;
 }
 
-/// The velocity with the present impulses, along the normal in excess of the demanded one.
+/// The velocity due to the present impulses; along the normal, relative to the required velocity.
 double IslandSolver::excess_m_s(const Point& point, Eigen::Index direction) const {
   double sum = point.free_m_s[direction];
   for (const End& end : point.touched()) sum += end.columns.col(direction).dot(members_[end.member].change);
@@ -156,7 +156,7 @@ double IslandSolver::linearize(double weight, Point& point) const {
   return std::max(std::abs(normal_force), error.cwiseAbs().maxCoeff());
 }
 
-/// The equations of a step of Newton's method. Contacts that are open before and after it cost nothing.
+/// The equations of a Newton step. Contacts that are open both before and after the step add no cost.
 template <typename Matrix, typename Vector>
 void IslandSolver::assemble(Matrix& slope, Vector& shift) const {
   slope.setIdentity();
@@ -175,7 +175,7 @@ void IslandSolver::assemble(Matrix& slope, Vector& shift) const {
   }
 }
 
-/// Changes the impulses by a step of Newton's method, the change of velocity of all members.
+/// Updates the impulses by a Newton step, given the change in velocity of all members.
 template <typename Vector>
 void IslandSolver::apply(const Vector& step) {
   for (Member& member : members_) member.change.setZero();
@@ -252,7 +252,7 @@ void IslandSolver::separate_overlaps(double step_s) {
     any = any || point.demanded_m_s > 0;
   }
   if (!any) return;
-  for (Member& member : members_) member.change.setZero();  // from here on, by the pushes
+  for (Member& member : members_) member.change.setZero();  // from here on, due to the pushes
   for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
     bool changes = false;
     for (Point& point : points_) {

@@ -13,23 +13,24 @@
 
 namespace uwsim {
 
-/// Solves the contacts of an island, bodies that touch each other and the fixed world, to rounding, by Newton's method.
+/// Solves the contacts of an island (bodies that touch each other and the fixed world) to rounding error, by Newton's
+/// method.
 ///
-/// The impulse p of each contact is the projection of `p - r m v` onto Coulomb's cone, whose radius follows from its
-/// own normal part, where v is the velocity in excess of the demanded one and m the effective mass along the normal
-/// (Alart and Curnier 1991, Comput. Methods Appl. Mech. Eng. 92:353). Newton's method solves that for all contacts at
-/// once. A small compliance, which fades as it converges, shares the load among contacts that oppose the same motion.
-/// All quantities are in coordinates in which each body's mass is 1, and a step of the method solves six equations a
-/// body, however many contacts there are.
+/// The impulse p of each contact is the projection of `p - r m v` onto Coulomb's cone, whose radius is determined by
+/// the normal component of `p - r m v`. Here v is the velocity in excess of the required velocity, and m is the
+/// effective mass along the normal (Alart and Curnier 1991, Comput. Methods Appl. Mech. Eng. 92:353). Newton's method
+/// solves this for all contacts simultaneously. A small compliance, whose effect vanishes as the method converges,
+/// distributes the load among contacts that oppose the same motion. All quantities are in coordinates in which each
+/// body's mass is 1. A Newton step solves six equations per body, regardless of the number of contacts.
 class IslandSolver {
  public:
   /// Of an island; the work grows with the cube.
   static constexpr std::size_t kMostBodies = 16;
 
   void reserve(std::size_t bodies, std::size_t contacts);
-  /// `island`: indices of its contacts. Changes velocity_body, impulse_body, push_body and grip of its bodies, and sets
-  /// the impulses along the normals of its contacts [N s]. Returns false, changing nothing, if the method does not
-  /// converge or there are too many bodies.
+  /// `island`: indices of the island's contacts. Changes velocity_body, impulse_body, push_body and grip of its bodies,
+  /// and sets the impulses along the normals of its contacts [N s]. Returns false, changing nothing, if the method does
+  /// not converge or there are too many bodies.
   bool solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, std::span<const std::uint32_t> island,
              double step_s, std::span<double> normal_impulses);
 
@@ -55,12 +56,12 @@ class IslandSolver {
     std::size_t index;
     std::size_t end_count;
     End ends[2];
-    Eigen::Vector3d free_m_s;        ///< velocity without contacts, along the normal in excess of the demanded one
+    Eigen::Vector3d free_m_s;        ///< velocity without contacts; along the normal, relative to the required velocity
     double demanded_m_s, start_m_s;  ///< along the normal
     double mass_kg;                  ///< effective mass for an impulse along the normal
-    bool has_tangents;               ///< set once it presses
+    bool has_tangents;               ///< set once the contact is loaded
     Eigen::Vector3d impulse;
-    /// In a step of Newton's method, the impulse changes by `shift` - `slope` (change of velocity).
+    /// In a Newton step, the impulse changes by `shift` - `slope` (change of velocity).
     Eigen::Vector3d shift;
     Eigen::Matrix3d slope;
 
@@ -90,7 +91,7 @@ class IslandSolver {
   void separate_overlaps(double step_s);
 
   std::vector<Member> members_;
-  std::vector<std::uint32_t> members_of_bodies_;  // by body: its index in members_, where that one is this body
+  std::vector<std::uint32_t> members_of_bodies_;  // by body: its index in members_, valid if that member is this body
   std::vector<Point> points_;
   std::unique_ptr<Equations> equations_;
 };

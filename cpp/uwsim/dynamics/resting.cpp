@@ -3,11 +3,11 @@
 namespace uwsim {
 namespace {
 
-// The largest acceleration that contacts may leave to a body that they hold, and the additional share of what they
-// take.
+// The largest residual acceleration of a body that its contacts hold, and what is allowed in addition, as a fraction of
+// the acceleration that the contacts cancel.
 constexpr double kLeast_m_s2 = 2e-4, kSliding = 0.01, kRolling = 0.1;
-// Contacts are known to hold under loads that differ by this share if this share of each limit is left: their impulses
-// follow the loads, amplified by the geometry of the contacts, whose condition may then be as poor as 1 in 10,000.
+// If each limit has a margin of kLeft, the contacts also hold under loads that differ by the fraction kSameLoads: the
+// impulses follow the loads, amplified by the contact geometry, whose condition number may then be as high as 10,000.
 constexpr double kSameLoads = 1e-9, kLeft = 0.01;
 
 }  // namespace

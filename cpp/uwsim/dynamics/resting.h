@@ -7,23 +7,24 @@ namespace uwsim {
 
 /// Rest: the velocity is zero and the pose stays the same to the last bit.
 ///
-/// Without it, the residual of a contact's constant force over a Runge-Kutta step, some 1e-5 m/s, lets a vehicle creep
-/// over the bed by millimetres per hour, and a light one rocks on two corners for a minute. So bodies that press on
-/// each other and on the fixed world, and no point of which is faster than kSlow_m_s, stop if they would stay were they
-/// stopped: if their contacts leave none of them an acceleration above 2e-4 m/s^2 plus a share of what they take from
-/// it. Where a contact slides, the share is 0.01, since friction at rest exceeds that of sliding (Rabinowicz 1951, J.
-/// Appl. Phys. 22:1373, by more than that). Where none does, it is 0.1, rolling resistance: the coefficient of a tyre
-/// is 0.1 to 0.2 on sand (Carvill 1993, "Mechanical Engineer's Data Handbook"). Overlaps are still pushed apart.
+/// Without this rule, the residual of a contact's constant force over a Runge-Kutta step, some 1e-5 m/s, would let a
+/// vehicle creep over the bed by millimetres per hour, and a light vehicle would rock on two corners for a minute.
+/// Therefore a group of bodies that press on each other and on the fixed world is stopped if no point of the bodies
+/// moves faster than kSlow_m_s and if, once stopped, they would stay at rest: the contacts must reduce the acceleration
+/// of each body to at most 2e-4 m/s^2 plus a fraction of the acceleration that they cancel. If a contact slides, the
+/// fraction is 0.01, since static friction exceeds sliding friction by more than that (Rabinowicz 1951, J. Appl. Phys.
+/// 22:1373). If none slides, it is 0.1, for rolling resistance: the coefficient of a tyre on sand is 0.1 to 0.2
+/// (Carvill 1993, "Mechanical Engineer's Data Handbook"). Overlaps are still pushed apart.
 inline constexpr double kSlow_m_s = 0.01;
 
 /// The largest speed of any point within `radius_m` of a body's origin.
 double fastest_m_s(const Vector6d& velocity_body, double radius_m);
 
-/// How firmly the contacts that gave `solved` hold it, a body that was at rest at the start of the step. Without
-/// contacts it would move at `free_velocity_body`.
+/// How firmly contacts hold a body that was at rest at the start of the step. `solved` is the body as the contact
+/// solver left it; without contacts it would move at `free_velocity_body`.
 struct Hold {
   bool holds;
-  bool is_firm;  ///< also under loads that differ by rounding
+  bool is_firm;  ///< whether they also hold it under loads that differ by rounding error
   bool pushes;   ///< whether overlaps are still being pushed apart
 
   Hold(const ContactBody& solved, const Vector6d& free_velocity_body, double radius_m, double step_s);

@@ -7,13 +7,13 @@
 #include "uwsim/dynamics/resting.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// One interval of RigidBodyWorld: a step, or a part of one, of the bodies that take part in it.
+// The part of RigidBodyWorld that advances the participating bodies over an interval: a step or part of one.
 namespace uwsim {
 namespace {
 
-// a smaller gap counts as touching, and so does every contact with an impulse
+// a smaller gap counts as touching, as does every contact with an impulse
 constexpr double kTouch_m = 1e-3;
-constexpr double kReachPerMotion = 1.5;   // contacts are searched this many times as far as an interval moves
+constexpr double kReachPerMotion = 1.5;   // the search distance for contacts, relative to the motion in an interval
 constexpr double kLeastReach_m = 0.0015;  // more than kTouch_m
 
 }  // namespace
@@ -29,14 +29,15 @@ void RigidBodyWorld::move(const Interval& now) {
   if (!contacts_.empty()) solve_contacts(now);
 }
 
-/// A body's state at the end of the interval under its own loads and `impulse_world` at its origin, spread over it.
+/// A body's state at the end of the interval, under its own loads and `impulse_world` at its origin, which is spread
+/// evenly over the interval.
 BodyState RigidBodyWorld::moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world,
                                 const Interval& now) const {
   const Loads loads{.body = bodies_[body].tau_body, .world = impulse_world / now.step_s};
   return advance(*bodies_[body].spec.craft, state, loads, now.water, now.time_s, now.step_s);
 }
 
-/// Finds the bodies that are known to stay where they are. All others near them must stay, too.
+/// Finds the bodies that are known to stay where they are. A body counts only if all bodies near it stay, too.
 void RigidBodyWorld::find_rests(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const bool lasts = takes_part_[k] != 0 && now.step_s == step_s_ &&
@@ -140,7 +141,8 @@ void RigidBodyWorld::solve_contacts(const Interval& now) {
   }
 }
 
-/// Stops the bodies that press on each other and on the fixed world, are slow, and would stay (resting.h).
+/// Stops groups of bodies that press on each other and on the fixed world, are slow, and would stay at rest
+/// (resting.h).
 void RigidBodyWorld::stop_groups(const Interval& now) {
   groups_.separate(bodies_.size());
   std::ranges::fill(may_stop_, 0);
@@ -185,8 +187,8 @@ void RigidBodyWorld::stop_if_held(std::size_t group, const Interval& now) {
   }
 }
 
-/// Sets `stopped_bodies_` as contacts would leave them were they stopped now, and `free_velocities_body_` without
-/// contacts.
+/// Computes how the bodies would move if they were stopped now: `stopped_bodies_` with contacts and
+/// `free_velocities_body_` without them.
 void RigidBodyWorld::try_stopping(std::size_t group, const Interval& now) {
   const auto is_in_group = [&](int body) { return groups_.of(static_cast<std::size_t>(body)) == group; };
   bool are_still = true;
@@ -196,7 +198,7 @@ void RigidBodyWorld::try_stopping(std::size_t group, const Interval& now) {
     stopped_bodies_[k] = contact_bodies_[k];
     free_velocities_body_[k] = next_states_[k].velocity_body;
   }
-  if (are_still) return;  // they have been solved as they are
+  if (are_still) return;  // already solved in this state
   for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
     const BodyState stopped{.world_from_body = states_[k].world_from_body};

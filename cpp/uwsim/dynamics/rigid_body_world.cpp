@@ -11,8 +11,8 @@ namespace uwsim {
 namespace {
 
 constexpr double kDiverged = 1e7;              // m, m/s and rad/s: only a diverging body gets this far
-constexpr std::size_t kContactsPerBody = 128;  // beyond it, a step allocates
-// A part of a step turns a body that is near a contact by at most this, and moves it by at most this share of its
+constexpr std::size_t kContactsPerBody = 128;  // with more contacts, a step allocates memory
+// In each part of a step, a body near a contact turns by at most this angle and moves by at most this fraction of its
 // thickness.
 constexpr double kMostTurn_rad = 0.2, kMostTravel = 0.25;
 constexpr double kMostParts = 100;
@@ -91,7 +91,7 @@ void RigidBodyWorld::hold(std::size_t body, bool held) {
   forget_rests();
 }
 
-/// Another body may have held one up that is known to rest.
+/// Needed because a body that is known to rest may have been supported by another.
 void RigidBodyWorld::forget_rests() {
   for (Body& body : bodies_) body.resting.forget();
 }
@@ -121,7 +121,7 @@ void RigidBodyWorld::begin_step(std::size_t body) {
   bodies_[body].in_contact = false;
 }
 
-/// Finds for each body into how many parts its contacts divide the step.
+/// Determines, for each body, into how many parts its step must be divided because of its contacts.
 void RigidBodyWorld::find_parts() {
   std::ranges::fill(parts_, 1);
   for (const Contact& contact : contacts_) {
@@ -140,7 +140,7 @@ void RigidBodyWorld::find_parts() {
   }
 }
 
-/// Repeats the step of a body, and of all those that it could meet, directly or through others.
+/// Repeats the step, in parts, for a body and for all bodies that it could touch, directly or through others.
 void RigidBodyWorld::repeat_in_parts(std::size_t body, const Interval& whole) {
   std::ranges::fill(takes_part_, 0);
   takes_part_[body] = 1;

@@ -38,8 +38,8 @@ struct BodySpec {
 /// same mass. Physics engines' own integrators and solvers use a scalar mass for each body, which cannot represent
 /// added mass. Terrain and solids adopt the material of the body that touches them.
 ///
-/// Contacts are linear: they follow their points along the velocity of a body. Bodies that turn or move too far for
-/// that near a contact make their step in parts.
+/// Contacts are linear within a step: contact points are assumed to move with the initial velocity of the body. Near a
+/// contact, the step of a body that turns or moves too far for this assumption is divided into parts.
 class RigidBodyWorld {
  public:
   RigidBodyWorld(const World& world, double step_s);
@@ -82,7 +82,7 @@ class RigidBodyWorld {
     Resting resting = {};
   };
 
-  /// A step or a part of one, of the bodies that take part in it.
+  /// A step or part of a step, in which some of the bodies take part.
   struct Interval {
     const WaterField& water;
     double time_s, step_s;
@@ -110,15 +110,15 @@ class RigidBodyWorld {
   ContactFinder finder_;
   ContactSolver solver_;
   std::vector<Body> bodies_;
-  // Kept so that steps allocate nothing; by body, unless they are of contacts.
+  // Kept so that steps allocate nothing; indexed by body, except for contacts.
   std::vector<BodyState> states_, next_states_;  // at the start and at the end of an interval
   std::vector<Vector6d> free_velocities_body_;
   std::vector<std::uint8_t> takes_part_, rests_, may_stop_;
-  std::vector<int> parts_;  // of the step
+  std::vector<int> parts_;  // number of parts of the step
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_, stopped_bodies_;
   std::vector<Contact> contacts_, stopped_contacts_;
-  BodyGroups groups_;  // of bodies that press on each other
+  BodyGroups groups_;  // bodies that press on each other
 };
 
 }  // namespace uwsim

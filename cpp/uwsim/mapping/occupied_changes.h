@@ -9,9 +9,9 @@
 
 namespace uwsim {
 
-/// Tracks which voxels became occupied, or are no longer occupied, since the last call. Free water, which accounts for
-/// most of the changes that scans cause, takes no memory: 12 bytes are stored for each cube of 4 x 4 x 4 voxels that
-/// contains an occupied voxel, and nothing for other cubes.
+/// Tracks which voxels have become occupied, or ceased to be occupied, since the last call. Free water, which accounts
+/// for most of the changes that scans cause, takes no memory: 12 bytes are stored for each cube of 4 x 4 x 4 voxels
+/// that contains an occupied voxel, and nothing for other cubes.
 class OccupiedChanges {
  public:
   struct Changed {

@@ -28,9 +28,9 @@ struct VoxelScene::Walk {
 
   double at(int axis, double distance_m) const { return start[axis] + rate[axis] * distance_m; }
 
-  /// Visits in order the square cells, with an edge of `size` cubes, that the ray crosses between two distances, until
-  /// visit(i, j, from, to, axis) returns true. The last argument of visit is the axis across which the ray enters the
-  /// cell; for the first cell, it is `axis`. low and high limit the cells' numbers, since rounding may place the ray
+  /// Visits, in order, the square cells, with an edge of `size` cubes, that the ray crosses between two distances,
+  /// until visit(i, j, from, to, axis) returns true. The last argument of visit is the axis across which the ray enters
+  /// the cell; for the first cell, it is `axis`. low and high bound the cell indices, since rounding may place the ray
   /// just outside the grid.
   template <typename Visit>
   bool cells(double size, std::array<std::int32_t, 2> low, std::array<std::int32_t, 2> high, double from, double to,

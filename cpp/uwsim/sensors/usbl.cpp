@@ -51,7 +51,7 @@ class Usbl final : public MountedSensor {
     const Eigen::Vector3d line = from_station(input);
     const auto ray = line.norm() <= range_max_m_ ? ray_from_station(input) : std::nullopt;
     if (ray) return 2 * ray->time_s;
-    // After this time, no answer can come any more.
+    // After this time, no reply can arrive.
     return 2 * std::min(line.norm(), range_max_m_) / input.around.sound.at(depth_m(input.around.station_world_m));
   }
 

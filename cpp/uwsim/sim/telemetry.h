@@ -24,13 +24,13 @@ struct Telemetry {
   bool collision_warning = false;   ///< whether the vehicle is in contact with anything
 };
 
-/// The readings of a battery's monitor; for a battery that is a mission time, NaN but for the percentage.
+/// The readings of a battery's monitor; if the battery is a mission time, all but the percentage are NaN.
 struct BatteryState {
   double voltage_v = 0;    ///< at the terminals
-  double current_a = 0;    ///< out of the terminals
-  double charge_ah = 0;    ///< what remains
-  double capacity_ah = 0;  ///< of a full battery
-  double percent = 0;      ///< what is left to use; 0 once it has switched off
+  double current_a = 0;    ///< drawn from the terminals
+  double charge_ah = 0;    ///< remaining charge
+  double capacity_ah = 0;  ///< charge of a full battery
+  double percent = 0;      ///< remaining usable charge; 0 once the battery has switched off
 };
 
 }  // namespace uwsim

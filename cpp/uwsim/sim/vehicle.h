@@ -28,7 +28,7 @@ struct VehicleSpec {
   bool docked = false;  ///< held at its start until it is released
   std::vector<SensorSpec> sensors;
   std::vector<SonarSpec> sonars;
-  std::optional<BatterySpec> battery;  ///< nothing: the simulation's mission time
+  std::optional<BatterySpec> battery;  ///< empty: the simulation's mission time
 
   BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m}; }
 };

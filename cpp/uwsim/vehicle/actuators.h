@@ -70,8 +70,8 @@ class Actuators {
   /// and direct wrenches and fins are limited to their ranges.
   void renew_commands();
 
-  /// The current that the thrusters would draw at the end of the next step; empty unless all of them have sheets. Valid
-  /// until the next call.
+  /// The current that the thrusters would draw at the end of the next step; empty unless all thrusters have sheets.
+  /// Valid until the next call.
   ElectricalLoad load(double step_s);
   /// Advances the state by one step. Without power, thrusters spin down and fins stay in position.
   void advance(double step_s, const Supply& supply);

@@ -10,10 +10,10 @@
 
 namespace uwsim {
 
-/// The vehicle's energy store: full until the vehicle is released; once it is empty, thrusters stop and fins stay where
-/// they are. Docking charges it, at once. Without cells it is modelled as the paper does, as a mission time: it drains
-/// evenly whatever the thrusters do, and is empty `lasting_s` after the release. All times are ticks of the simulation,
-/// `step_ns` long.
+/// The vehicle's energy store. It begins to drain when the vehicle is released; once it is empty, thrusters stop and
+/// fins stay where they are. Docking recharges it instantly. Without cells, it is modelled as in the paper, as a
+/// mission time: it drains at a constant rate, whatever the thrusters do, and is empty `lasting_s` after the release.
+/// All times are ticks of the simulation, `step_ns` long.
 class Battery {
  public:
   Battery() = default;
@@ -42,16 +42,16 @@ class Battery {
     if (!cells_) return {mission_started_ && mission_time_s(tick) < lasting_s_, {}};
     return mission_started_ ? cells_->supply(load, 1e-9 * static_cast<double>(step_ns_)) : cells_->rest();
   }
-  /// The remaining share of the charge or of the mission time, from 100 to 0.
+  /// The remaining charge or mission time, from 100 to 0 [%].
   double charge_percent(std::uint64_t tick) const {
     if (cells_) return cells_->charge_percent();
     return 100 * std::clamp(1 - mission_time_s(tick) / lasting_s_, 0.0, 1.0);
   }
-  /// Nothing for a mission time.
+  /// Empty if the battery is a mission time.
   const std::optional<BatteryCells>& cells() const { return cells_; }
 
-  /// Saves or restores whether the mission has started, and when, at the current `tick`, and the cells' state. Throws
-  /// InvalidValue.
+  /// Saves or restores whether and when the mission started, and the state of the cells. `tick` is the current tick.
+  /// Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive(mission_started_);
     archive(start_tick_);

@@ -12,8 +12,8 @@ CrossflowDrag::CrossflowDrag(double across, double turning, double length_m)
 
 double CrossflowDrag::turning_drag() const { return across_ * half_length_m_ * half_length_m_ * half_length_m_ / 4; }
 
-/// The integrals of (v + x w) |v + x w| and of x times it over -h < x < h, by 2 h: in closed form, apart for strips
-/// that all move the same way and for strips that turn about a point x0 of the hull.
+/// The integrals of (v + x w) |v + x w| and x (v + x w) |v + x w| over -h < x < h, divided by 2 h, in closed form.
+/// There are two cases: all strips move in the same direction, or the hull turns about a point x0 within its length.
 CrossflowDrag::Load CrossflowDrag::load(double across_m_s, double turn_rad_s) const {
   const double v = across_m_s, w = turn_rad_s, h = half_length_m_;
   if (std::abs(v) >= std::abs(w) * h) {

@@ -21,8 +21,8 @@ struct CraftParameters {
   Matrix6d linear_damping = Matrix6d::Zero();               ///< D_l [N s/m, ...]
   Matrix6d quadratic_damping = Matrix6d::Zero();            ///< D_q, force = -D_q (|nu| nu) [N s^2/m^2, ...]
 
-  double munk_share = 1;          ///< of the Munk moment that remains in a separated flow: 1 in an ideal fluid, 0 to 1
-  double crossflow_length_m = 0;  ///< along x, over which the drag in sway and in heave is spread; 0: at the origin
+  double munk_share = 1;          ///< fraction of the Munk moment left in a separated flow, 0 to 1; 1 in an ideal fluid
+  double crossflow_length_m = 0;  ///< length along x over which sway and heave drag is spread; 0: at the origin
 
   /// Buoyancy as a fraction of rho(z) g V, with the density at atmospheric pressure and the volume at the surface. The
   /// values are at depths 0, `buoyancy_share_step_m`, twice that, and so on, linear in between and constant below the
@@ -31,7 +31,7 @@ struct CraftParameters {
   double buoyancy_share_step_m = 0;  ///< [m]
 
   double buoyancy_share_at(double depth_m) const;
-  /// The drag in heave as strips that pitch, and that in sway as strips that yaw.
+  /// The drag of the strips, in heave and pitch or in sway and yaw.
   CrossflowDrag crossflow_in_heave() const;
   CrossflowDrag crossflow_in_sway() const;
   /// Throws InvalidValue naming the field unless masses are positive, M_RB + M_A is positive definite and damping is
@@ -48,11 +48,11 @@ struct CraftParameters {
 /// equations (3.46), and the restoring forces g are gravity and the water's pressure on the hull, including waves
 /// (BuoyantHull). The drag in sway and in heave may be spread along the hull (CrossflowDrag).
 ///
-/// The Munk moment v x A v (1924, NACA Report 184), where A is the translational part of M_A, is that of an ideal
-/// fluid, which closes behind the body. Where the flow separates, the stern loses its part (Hopkins 1951, NACA RM
-/// A51C14), and behind a sharp-edged frame so does the bow. C_A therefore has s A + (1 - s) tr(A)/3 in place of A, with
-/// s = munk_share: only the deviator of A turns the body. C_A remains skew-symmetric, so that it does no work at any s;
-/// with s < 1 the wake carries momentum away. Fossen leaves such entries out in the same pairs (PythonVehicleSimulator,
+/// The Munk moment v x A v (Munk 1924, NACA Report 184), where A is the translational part of M_A, assumes an ideal
+/// fluid, which closes behind the body. Where the flow separates, the stern's contribution is lost (Hopkins 1951, NACA
+/// RM A51C14), and on a sharp-edged frame so is the bow's. C_A therefore uses s A + (1 - s) tr(A)/3 in place of A, with
+/// s = munk_share: only the deviatoric part of A turns the body. C_A remains skew-symmetric, so it does no work for any
+/// s; with s < 1 the wake carries momentum away. Fossen omits such entries in the same pairs (PythonVehicleSimulator,
 /// remus100.py).
 ///
 /// nu_c is the water's velocity (current and orbital wave motion) at the centre of the submerged volume. It is treated
@@ -97,8 +97,8 @@ class Craft {
   CraftParameters parameters_;
   std::shared_ptr<const BuoyantHull> hull_;
   Matrix6d rigid_mass_;           // M_RB
-  Matrix6d coriolis_added_mass_;  // M_A as in C_A
-  Matrix6d point_damping_;        // D_q without the drag in the strips
+  Matrix6d coriolis_added_mass_;  // M_A as used in C_A
+  Matrix6d point_damping_;        // D_q without the drag of the strips
   CrossflowDrag heave_strips_, sway_strips_;
   Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
   // W and L such that W^T M_RB W = 1 and W^T M_A W = diag(L), and hence (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T

@@ -6,8 +6,8 @@
 
 namespace uwsim {
 
-/// y at x on the polyline through (xs, ys), constant beyond its ends. The xs never decrease; among equal ones the first
-/// is used.
+/// y at x on the polyline through (xs, ys), constant beyond its ends. The xs never decrease; of equal xs, the first is
+/// used.
 inline double interpolated(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
   const auto next = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), x) - xs.begin());
   if (next == 0) return ys.front();

@@ -12,11 +12,11 @@ namespace uwsim {
 
 namespace {
 
-// From here on a thrust or a current is its target. An exponential never reaches it: after 54 s of a lag of 75 ms it is
-// a subnormal number, with which operations take many times as long.
+// Below this difference, a thrust or a current is set to its target. An exponential never reaches its target: with a
+// lag of 75 ms, the difference is a subnormal number after 54 s, which makes operations many times slower.
 constexpr double kReached = 1e-30;
 
-/// The difference of a value from its target.
+/// The difference between a value and its target.
 double difference(double value, double target) {
   const double left = value - target;
   return std::abs(left) < kReached ? 0 : left;

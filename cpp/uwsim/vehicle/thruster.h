@@ -19,9 +19,9 @@ struct ThrusterParameters {
   std::string name;
   Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< position of the hub
   Eigen::Vector3d axis_body = Eigen::Vector3d::UnitX();       ///< unit, direction of a positive thrust
-  ThrustCurve curve;                                          ///< in still water, at the voltage that it was made for
-  ThrusterSheets sheets;                                      ///< for a supply whose voltage varies; else none
-  double time_constant_s = 0;                                 ///< of the thrust; 0 for no lag
+  ThrustCurve curve;           ///< in still water, at the voltage at which it was measured
+  ThrusterSheets sheets;       ///< for a supply with a variable voltage; otherwise empty
+  double time_constant_s = 0;  ///< of the thrust; 0 for no lag
   double diameter_m = 0.1;
   /// Thrust coefficient at zero speed (bollard pull), T / (rho n^2 D^4), from which the shaft speed is computed [-].
   double bollard_coefficient = 0.45;
@@ -47,8 +47,8 @@ struct ThrusterParameters {
 /// spin. Valid for advance ratios from about -J_0 / 2 to J_0. Inflow across the axis and the jets of other thrusters
 /// are neglected.
 ///
-/// With a supply voltage, the thrust that it approaches is that of its sheets, and so is the current that it draws,
-/// with the same lag; in inflow the current stays that of still water.
+/// With a supply voltage, thrust and current follow the values of the sheets, both with the same lag. Inflow does not
+/// affect the current.
 class Thruster {
  public:
   /// Throws InvalidValue; see ThrusterParameters::check.
@@ -61,13 +61,13 @@ class Thruster {
   /// Sets the command, in [-1, 1], which stays in effect until the next one. The caller checks the range.
   void set_command(double command);
   double command() const { return command_; }
-  /// Adds the current that it would draw at the end of the next step, for each voltage of its sheets [A].
+  /// Adds, for each voltage of the sheets, the current that the thruster would draw at the end of the next step [A].
   void add_current(double step_s, std::span<double> currents_a);
-  /// Advances the thrust by one step; without power, the thrust decays to 0, and no current flows.
+  /// Advances the thrust by one step; without power, thrust decays to 0 and no current flows.
   void advance(double step_s, const Supply& supply);
   /// Present still-water thrust [N].
   double thrust_n() const { return thrust_n_; }
-  /// Current now; 0 without a supply voltage [A].
+  /// Present current; 0 without a supply voltage [A].
   double current_a() const { return current_a_; }
 
   /// Adds mean force and torque over the last step (body frame, at the origin) for a vehicle that moves at
@@ -77,7 +77,7 @@ class Thruster {
   /// the axis.
   double submerged_fraction(double height_m, double axis_up) const;
 
-  /// Saves or restores the command, the thrust and, with sheets, the current; their targets follow from the command.
+  /// Saves or restores the command, the thrust and, with sheets, the current; the targets follow from the command.
   void exchange_state(StateArchive& archive);
 
  private:

@@ -22,7 +22,7 @@ std::shared_ptr<const Craft> cube(double side_m) {
   return std::make_shared<const Craft>(p, BuoyantHull(mesh));
 }
 
-/// A plate whose front is the plane x = 0.
+/// A plate whose front face is the plane x = 0.
 World plate_world() {
   TriangleMesh plate = testing::box(kPlate_m, 40, 40);
   for (auto& v : plate.vertices_m) v += Eigen::Vector3d(kPlate_m / 2, 0, -30);
@@ -31,7 +31,7 @@ World plate_world() {
   return world;
 }
 
-/// A cube of 4 cm thrown at the plate at 20 m/s, up to 45 degrees from its normal.
+/// A 4 cm cube, thrown at the plate at 20 m/s, at up to 45 degrees from the plate's normal.
 BodyState thrown(std::mt19937_64& draws) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share(-1, 1);

@@ -7,7 +7,7 @@
 #include "meshes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// Laws of rest for bodies that lie on each other: friction holds them to the last bit, until something changes.
+// Stacked bodies at rest: friction holds them in place, to the last bit, until something changes.
 namespace uwsim {
 namespace {
 
@@ -33,7 +33,7 @@ World bed() {
   return world;
 }
 
-/// Blocks on each other, a little out of line, dropped from a centimetre above each other.
+/// A stack of slightly misaligned blocks, each dropped from a centimetre above the one below.
 class Stack {
  public:
   explicit Stack(std::size_t count, double friction = kFriction) : friction_(friction), bodies_(bed(), kStep_s) {
@@ -60,7 +60,7 @@ class Stack {
   }
   Eigen::Vector3d place_m(std::size_t body) const { return bodies_.state(body).world_from_body.position_m; }
   RigidBodyWorld& bodies() { return bodies_; }
-  /// Continues in a world that remembers nothing of the steps before.
+  /// Continues in a new world, which remembers nothing of the preceding steps.
   void forget(std::size_t count) {
     RigidBodyWorld fresh(bed(), kStep_s);
     std::swap(fresh, bodies_);
@@ -94,7 +94,7 @@ TEST(Resting, FrictionHoldsAStackUnderLoadsThatChangeAtEveryStep) {
     stack.step(1);
     for (std::size_t body = 0; body < 3; ++body) ASSERT_EQ(stack.place_m(body), starts[body]) << body << " at " << k;
   }
-  stack.pull(2, 1.1 * kFriction * weight_in_water_n());  // the top one, on which nothing lies
+  stack.pull(2, 1.1 * kFriction * weight_in_water_n());  // the topmost block
   stack.step(200);
   EXPECT_GT(stack.place_m(2).x() - starts[2].x(), 0.05);
   EXPECT_LT((stack.place_m(0) - starts[0]).norm(), 1e-6);
@@ -107,7 +107,7 @@ TEST(Resting, WhatIsRememberedOfAStackChangesNoBit) {
     for (std::size_t k = 0; k < 300; ++k) {
       if (forgets) stack.forget(3);
       stack.pull(
-          1, 3 * kFriction * weight_in_water_n() * static_cast<double>(k / 4 * 4) / 300);  // the same for four steps
+          1, 3 * kFriction * weight_in_water_n() * static_cast<double>(k / 4 * 4) / 300);  // constant for four steps
       stack.step(1);
       for (std::size_t body = 0; body < 3; ++body) places_m.push_back(stack.place_m(body).x());
     }

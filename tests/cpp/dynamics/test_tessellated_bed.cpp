@@ -269,7 +269,7 @@ TEST(TessellatedBed, ABoxRestsOnAPeakUnderItsFace) {
 }
 
 TEST(TessellatedBed, ABodyLosesTheSpeedAcrossAHollowEdge) {
-  // Without friction and restitution, a body with speed u before a ramp of angle a has speed u cos a on it.
+  // Without friction or restitution, a body with speed u before a ramp of angle a has speed u cos a on it.
   constexpr double kRise = 0.75;
   const World ramp = surface([](double x, double) { return -20 + kRise * std::max(0.0, x); });
   const TriangleMesh mesh = testing::sphere(0.3, 12);

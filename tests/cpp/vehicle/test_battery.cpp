@@ -19,7 +19,7 @@ Battery lasting_two_seconds() {
   return battery;
 }
 
-/// 16 V full, 12 V empty, 0.1 ohm.
+/// A battery of 16 V when full and 12 V when empty, with 0.1 ohm.
 BatterySpec cells() {
   BatterySpec spec;
   spec.capacity_ah = 1;
@@ -101,7 +101,7 @@ TEST(BatteryCells, ChargeIsTheIntegralOfCurrentAndEnergyIsConserved) {
   EXPECT_NEAR(battery.charge_ah(), 1 - drawn_ah, 1e-12);
   EXPECT_NEAR(battery.charge_percent(), 100 * (1 - drawn_ah), 1e-10);
   EXPECT_GT(drawn_ah, 0.2);
-  const double s = battery.charge_ah();  // the cells give the integral of E dq, with E = 12 + 4 s
+  const double s = battery.charge_ah();  // the cells supply the integral of E dq, with E = 12 + 4 s
   const double given_j = 3600 * (12 * (1 - s) + 2 * (1 - s * s));
   EXPECT_NEAR(delivered_j + lost_j, given_j, 1e-5 * given_j) << "but for the length of a step";
 }

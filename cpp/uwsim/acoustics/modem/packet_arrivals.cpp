@@ -60,7 +60,7 @@ void PacketNetwork::arrive(const Flight& flight) {
 }
 
 /// Handles one complete copy of a message. A message counts once: as delivered when its first copy arrives, or as lost
-/// when no copy has arrived and none can arrive any more.
+/// when no copy has arrived and none can still arrive.
 void PacketNetwork::finish_copy(const Flight& flight, Partial& known) {
   const auto copy = static_cast<Loss>(known.fate);
   if (copy == Loss::kNone && !known.delivered) {
