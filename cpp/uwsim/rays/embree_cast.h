@@ -42,8 +42,8 @@ void cast_in_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const ExactRa
 std::optional<Candidate> candidate_of(const FloatAnswer& answer, const TileSurfaces& surfaces, const double* starts_m,
                                       std::size_t lane);
 
-/// Casts one lane again: returns the first candidate beyond `from_m` along the ray, which may end before the lane's
-/// ray.
+/// Casts one lane again: returns the first candidate beyond `from_m` along the given ray, which may be shorter
+/// than the lane's own ray.
 std::optional<Candidate> next_candidate(RTCSceneTy* tree, const TileSurfaces& surfaces, const ExactRays& rays,
                                         std::size_t lane, const TileRay& ray, double from_m, const double* starts_m);
 

@@ -20,7 +20,7 @@ def fingerprint(
     Hashes poses, samples, pings in both modes, pictures and maps; prints the properties of the machine that may matter.
     Two machines that print the same last line for the same scenario and seed produce the same results; if it differs,
     the lines before it show which results differ. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or
-    avx512 makes processors of different kinds agree.
+    avx512 makes the results of different kinds of processor identical.
     """
     import orjson
 

@@ -1,4 +1,4 @@
-"""A live simulator on the rosbridge: as a server, as a client of another server, and from the command line."""
+"""A live simulator over rosbridge: as a server, as a client of another server, and from the command line."""
 
 import json
 import re

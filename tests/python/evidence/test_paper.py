@@ -122,7 +122,7 @@ class Wire:
         self.client.send(json.dumps({"op": op, **fields}))
 
     def step(self, count):
-        """Advance simulated time by a multiple of the clock's 0.01 s, and read all messages sent until then."""
+        """Advance simulated time by a multiple of the clock's 0.01 s, and read all messages sent by then."""
         until_ns = self.live.simulator.time_ns + round(count * self.live.simulator.step_s * 1e9)
         self.say("call_service", service="/simulation/step", args={"steps": count})
         while self.clock_ns < until_ns:

@@ -223,7 +223,7 @@ class Navigator(Sealed):
 
     @property
     def imu_biases(self) -> tuple[Array, Array]:
-        """The estimated biases of gyroscope [rad/s] and accelerometer [m/s2] in body axes, (3,) each."""
+        """The estimated biases of the gyroscope [rad/s] and the accelerometer [m/s2] in body axes, (3,) each."""
         with self._lock:
             now = self._current()
             return now.rate_bias_rad_s, now.force_bias_m_s2

@@ -1,4 +1,4 @@
-"""Failsafe manoeuvres: hold, surface, return. Each is a function of the vehicle's pose at its start.
+"""Failsafe manoeuvres: hold, surface, return. Each is a function of the vehicle's pose when the manoeuvre starts.
 
 They set targets; the control loops of uwsim.navigation.control.Controller do the steering.
 """
