@@ -77,7 +77,7 @@ def test_an_open_call_fails_when_its_provider_unadvertises_the_service(pair):
     one.send("unadvertise_service", service="add")
     (answer,) = two.received()
     assert answer["result"] is False and "ceased to offer it" in answer["values"]
-    assert "no such call waits" in one.send("service_response", id=request["id"], service="/add").complaint()
+    assert "no such call is waiting" in one.send("service_response", id=request["id"], service="/add").complaint()
 
 
 def test_the_level_is_set_by_either_name(pair):

@@ -63,7 +63,7 @@ def test_the_map_goes_home_in_every_format(tmp_path):
         assert "saved" in ada.call("control", action="save", name="dive-1")["message"]
         saved = {path.name for path in (tmp_path / "dive-1").iterdir()}
         assert saved >= {"rov.bt", "rov.ot", "state", "commands.json", "scenario.json"}
-        assert "there already" in ada.call("control", action="save", name="dive-1")["message"]
+        assert "already exists" in ada.call("control", action="save", name="dive-1")["message"]
         assert "must have" in ada.call("control", action="save", name="../dive")["message"]
         status, body, _ = get(server, "/snapshot/front.png")
         assert status == 200 and Image.open(io.BytesIO(body)).size == (640, 360)
