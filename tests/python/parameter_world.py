@@ -184,7 +184,7 @@ def observed(sim: Simulator, *, pictures: bool, imaging: bool) -> dict[str, byte
 
 
 def _panel(panel: Any) -> list[float]:
-    return [float(value) for value in panel.to_dict().values()]
+    return np.hstack(list(panel.to_dict().values())).astype(float).tolist()
 
 
 def _sample(sample: Any) -> np.ndarray[Any, Any]:

@@ -4,10 +4,8 @@ All cases alternate within one run, so that other load affects all of them equal
 and medians of per-round ratios. Measured in single-thread CPU time, except multithreaded ping_batch, which is measured
 in wall time.
 
-All cases ping from the same poses: along the survey's lines, each close to the last, as in a real survey. From
-scattered poses, each ping waits for a different part of the ray tree to be loaded from memory; this is reported
-separately. The limit is the best rate that Embree's ray packets reach in these cases, with triangles or, as for our
-terrain, quads.
+All cases ping from the same poses along the survey's lines. From scattered poses, each ping waits for a different part
+of the ray tree to be loaded; this is reported separately. The limit is the best rate of Embree's ray packets.
 """
 
 from __future__ import annotations

@@ -234,7 +234,7 @@ def test_frames_are_saved_as_png_and_jpeg(pool: Simulator, tmp_path: Path) -> No
         frame.save(tmp_path / "a.gif")
     with pytest.raises(ValueError, match="quality = 0"):
         frame.jpeg(0)
-    with pytest.raises(ValueError, match="geometry alone"):
+    with pytest.raises(ValueError, match="only geometry"):
         pool.rov.cameras["front"].capture(geometry_only=True).png()
     assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.jpg"}
 

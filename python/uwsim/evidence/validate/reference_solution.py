@@ -122,7 +122,9 @@ def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
     wrench = np.zeros(6)
     for across, turn, sign in ((SWAY, YAW, 1.0), (HEAVE, PITCH, -1.0)):
         drag, turning = body.quadratic_damping[across], body.quadratic_damping[turn]
-        half_m = min(body.crossflow_length_m / 2.0, np.cbrt(4.0 * turning / drag))
+        half_m = min(body.crossflow_length_m / 2.0, np.cbrt(4.0 * turning / drag)) if drag else 0.0
+        if half_m == 0.0:
+            continue
         speed, rate = nu[across], sign * nu[turn]
         turns_at = -speed / rate if abs(rate) * half_m > abs(speed) else half_m
         for low, high in ((-half_m, turns_at), (turns_at, half_m)):
