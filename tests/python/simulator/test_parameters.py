@@ -54,6 +54,7 @@ OTHER: dict[str, Any] = {
 """Valid values that have an effect, where none can be derived from the current value."""
 
 
+SERVED = (".kind", ".command_timeout_s", "wire")  # the latter two act on servers: test_watchdog.py, test_paper.py
 SAME = {
     "rov.sonar.model": "the models that it may be replaced by differ from it in physics mode alone",
     "rov.sensors.usbl.shares_modem": "this world has no link; tests/python/link/test_link_usbl.py has one",
@@ -68,7 +69,7 @@ def names() -> list[Any]:
     found = []
     for variant, water in VARIANTS.items():
         for name, node in nodes(Scenario(**world(variant))).items():
-            is_parameter = node.type is not None and not node.idle and not name.endswith(".kind") and name not in SAME
+            is_parameter = node.type is not None and not node.idle and not name.endswith(SERVED) and name not in SAME
             if is_parameter and (not variant or any(name.startswith(f"water.{part}") for part in water)):
                 found.append(pytest.param(variant, name, id=f"{variant}:{name}"))
     return found
