@@ -14,7 +14,7 @@ from uwsim.evidence.validate.check import Check, along
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.published import PUBLISHED
 from uwsim.evidence.validate.published_thrusters import Propeller
-from uwsim.evidence.validate.reference_solution import Array, Coefficients
+from uwsim.evidence.validate.reference_solution import Array, resistance
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.spec.control import Control
 from uwsim.simulator.simulator import Simulator
@@ -68,15 +68,8 @@ class Probe:
             sim.step()
             after.append(np.concatenate([sim.rov.velocity.linear_body_m_s, sim.rov.velocity.angular_body_rad_s]))
         rate = self.body.mass @ (after[0] - after[1]) / STEP_S
-        return np.asarray(rate + 0.5 * (_resistance(self.body, after[0]) - _resistance(self.body, after[1])))
-
-
-def _resistance(body: Coefficients, nu: Array) -> Array:
-    """Return the published Coriolis, centripetal and damping terms, (6,)."""
-    momentum = body.mass @ nu
-    p, v, w = momentum[:3], nu[:3], nu[3:]
-    damping = (np.asarray(body.linear_damping) + np.asarray(body.quadratic_damping) * np.abs(nu)) * nu
-    return np.asarray(damping + np.concatenate([np.cross(w, p), np.cross(w, momentum[3:]) + np.cross(v, p)]))
+        driven, bare = (resistance(self.body, nu, self.body.mass @ nu) for nu in after)
+        return np.asarray(rate + 0.5 * (driven - bare))
 
 
 def wrench_checks(group: str, name: str, expected: Array, got: Array) -> Iterator[Check]:

@@ -162,6 +162,8 @@ def undamped_heavy() -> Coefficients:
         linear_damping=ZERO_6,
         quadratic_damping=ZERO_6,
         centre_of_buoyancy_m=ZERO_3,
+        munk_share=1.0,
+        crossflow_length_m=0.0,
     )
 
 

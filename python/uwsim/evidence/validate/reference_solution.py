@@ -78,33 +78,19 @@ def integrate(
 ) -> Flight:
     """Return the motion from the origin, starting level with velocity_body (6,), under a constant wrench (6,)."""
     mass, inverse = body.mass, np.linalg.inv(body.mass)
-    linear, quadratic = np.asarray(body.linear_damping), np.asarray(body.quadratic_damping)
     applied = np.asarray(wrench_body, np.float64)
     weight_n = body.mass_kg * GRAVITY_M_S2
     lift_n = body.water_density_kg_m3 * body.volume_m3 * GRAVITY_M_S2
-    added = np.asarray(body.added_mass[:3])
-    lost = (1.0 - body.munk_share) * (added - added.mean())
     at_mass, at_lift = np.asarray(body.centre_of_mass_m), np.asarray(body.centre_of_buoyancy_m)
 
     def rate(_: float, y: Array) -> Array:
         attitude, momentum = y[3:12].reshape(3, 3), y[12:]
         nu = inverse @ momentum
-        v, w = nu[:3], nu[3:]
         up = attitude[2]
-        wrench = applied - linear * nu - quadratic * np.abs(nu) * nu
-        if body.crossflow_length_m > 0:
-            wrench += crossflow_wrench(body, nu)
-        force = wrench[:3] + (lift_n - weight_n) * up
-        torque = wrench[3:] + _cross(at_lift, lift_n * up) - _cross(at_mass, weight_n * up)
-        p, angular = momentum[:3] - lost * v, momentum[3:]
-        return np.concatenate(
-            [
-                attitude @ v,
-                (attitude @ cross_matrix(w)).ravel(),
-                _cross(p, w) + force,
-                _cross(angular, w) + _cross(p, v) + torque,
-            ]
-        )
+        wrench = applied - resistance(body, nu, momentum)
+        wrench[:3] += (lift_n - weight_n) * up
+        wrench[3:] += _cross(at_lift, lift_n * up) - _cross(at_mass, weight_n * up)
+        return np.concatenate([attitude @ nu[:3], (attitude @ cross_matrix(nu[3:])).ravel(), wrench])
 
     start = np.concatenate([np.zeros(3), np.eye(3).ravel(), mass @ np.asarray(velocity_body, np.float64)])
     solution = solve_ivp(
@@ -112,6 +98,17 @@ def integrate(
     )
     y = solution.y.T
     return Flight(times_s, y[:, :3], y[:, 3:12].reshape(-1, 3, 3), y[:, 12:] @ inverse.T)
+
+
+def resistance(body: Coefficients, nu: Array, momentum: Array) -> Array:
+    """Return the Coriolis, centripetal and damping terms, (6,), of nu and the momentum mass @ nu."""
+    added = np.asarray(body.added_mass[:3])
+    v, w = nu[:3], nu[3:]
+    p, angular = momentum[:3] - (1.0 - body.munk_share) * (added - added.mean()) * v, momentum[3:]
+    damping = (np.asarray(body.linear_damping) + np.asarray(body.quadratic_damping) * np.abs(nu)) * nu
+    if body.crossflow_length_m > 0:
+        damping -= crossflow_wrench(body, nu)
+    return damping + np.concatenate([_cross(w, p), _cross(w, angular) + _cross(v, p)])
 
 
 def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
