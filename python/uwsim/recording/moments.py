@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 from bisect import bisect_left, bisect_right
 from collections import defaultdict
@@ -23,7 +24,7 @@ class Moments:
     At wall-clock speed, a picture is started by the first reader after the previous one is ready, so its time depends
     on the machine and on all readers; it is known only from the recorded stamps. A command at the same tick may have
     come before or after the picture, so pictures are rendered before and after each command. The content of a picture
-    depends only on its time, not on the topic.
+    depends only on its time, not on the topic; a CompressedImage's format depends on the topic and is copied.
     """
 
     def __init__(
@@ -36,11 +37,12 @@ class Moments:
         for channel in channels:
             self._by_kind.setdefault((channel.type, channel.frame_id), channel)
         step_ns = round(sim.step_s * 1e9)
-        self._due: dict[int, set[tuple[str, str]]] = defaultdict(set)
+        self._due: dict[int, set[tuple[str, str, str | None]]] = defaultdict(set)
         for each in recorded:
             header = each.message.header
             stamp_ns = header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
-            self._due[stamp_ns // step_ns].add((each.type, header.frame_id))
+            picture_format = getattr(each.message, "format", None)
+            self._due[stamp_ns // step_ns].add((each.type, header.frame_id, picture_format))
         self._ticks: Sequence[int] = sorted(self._due)
         self._seen: set[bytes] = set()
         self.due_tick = NEVER
@@ -70,11 +72,13 @@ class Moments:
         if tick not in self._due:
             return
         self._pictures.forget()  # so that pictures are rendered again for the current state
-        for kind in self._due[tick]:
-            channel = self._by_kind.get(kind)
+        for type_name, frame_id, picture_format in self._due[tick]:
+            channel = self._by_kind.get((type_name, frame_id))
             message = None if channel is None else channel.read(self._sim)
             if message is not None:
-                self._seen.add(_digest(kind[0], encode(message)))
+                if picture_format is not None:
+                    message = dataclasses.replace(message, format=picture_format)
+                self._seen.add(_digest(type_name, encode(message)))
 
     def shows(self, recorded: Recorded) -> bool:
         """Return whether a recorded picture was rendered byte-identically."""
