@@ -30,8 +30,8 @@ inline float log_series(float x) {
   return static_cast<float>(exponent) * 0.69314718f + series;
 }
 
-/// The angle of a right triangle, computed from its two non-negative legs. Uses the series of the arc tangent about 0,
-/// 45 or 90 degrees, whichever is nearest, so that its argument is at most tan(22.5 deg).
+/// atan2(opposite, adjacent) for non-negative arguments. Uses the series of the arc tangent about 0, 45 or 90 degrees,
+/// whichever is nearest, so that its argument is at most tan(22.5 deg).
 inline float angle_series(float opposite, float adjacent) {
   const float less = opposite < adjacent ? opposite : adjacent, more = opposite < adjacent ? adjacent : opposite;
   const bool middle = less > 0.41421356f * more;

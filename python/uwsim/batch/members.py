@@ -88,8 +88,8 @@ class Members:
     def _changed(self, original: Scenario, changes: Changes) -> Scenario:
         """Return a copy of a scenario with the given parameter values.
 
-        Locating the parameters takes most of the time, so their locations are cached once the first numbers for these
-        names have been accepted: which parameters take effect does not depend on the numbers.
+        Locating the parameters takes most of the time. Their locations do not depend on the values, so they are cached
+        once the first values for these names have been accepted.
         """
         names = tuple(changes)
         if not names:

@@ -275,7 +275,10 @@ class Simulator(Sealed):
         self.step(round(steps))
 
     def wait(self, duration_s: float) -> None:
-        """Advance by a duration, rounded to whole steps, at least one: the mission clock. Raises ValueError."""
+        """Advance by a duration, rounded to a whole number of steps, at least one. Missions use this as their clock.
+
+        Raises ValueError.
+        """
         steps = number(duration_s, "duration_s", "s") / self.step_s
         if not 0.0 <= steps < 2**53:
             raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")

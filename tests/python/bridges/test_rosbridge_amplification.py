@@ -248,6 +248,7 @@ POINTS = np.linspace(1.0, 2.0, 500_000, dtype="<f4").tobytes()
         ("sensor_msgs/msg/LaserScan", {"ranges": [1.25] * 400_000}),
         ("nav_msgs/msg/OccupancyGrid", {"data": [-1] * 600_000}),
         ("nav_msgs/msg/Path", {"poses": [POSE] * 3000}),
+        ("nav_msgs/msg/Path", {"poses": [POSE] * 400}),
         ("std_msgs/msg/String", {"data": "é" * 900_000}),
         ("std_msgs/msg/String", {"data": "1e5.," * 300_000}),
     ],

@@ -110,7 +110,7 @@ def test_pictures_that_came_late_are_rendered_at_their_stamps(slow: Slow, tmp_pa
 
 
 def test_what_is_commanded_while_a_picture_is_rendered_is_not_in_it(slow: Slow, tmp_path: Path) -> None:
-    """Nor does it affect a picture begun in the same tick as the command, before or after it."""
+    """A command in the same tick as the start of a picture does not affect it either, whichever came first."""
     path = tmp_path / "live.mcap"
     with LiveSimulator("pool", speed=1.0) as live:
         offered = served_table(live)

@@ -22,6 +22,7 @@ NODE_BYTES = 16  # per value in the tree that orjson builds first (it allocates 
 KEY_ENDS = 8  # characters at either end that distinguish keys
 ITEMS_PER_OBJECT = 5  # limit for CBOR, whose scan takes a microsecond per item
 SLOW_VALUES = 150_000  # limit for a decoder that takes 80 ns per value, in one call
+ROUGH_SHARE = 0.5  # of the limit, up to which the rough estimate will do; the rest is for the message itself
 TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would convert other tags to numbers, patterns and references
 
 
@@ -67,11 +68,12 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
         load = walk_cbor(frame, limits.nesting, limits.objects)
     else:
         load = _quick_load(frame)
-        remembers = _is_too_much(load, frame, limits)
-        if remembers:
-            load = exact_load(frame)
-            if load.containers <= limits.objects and load.values > SLOW_VALUES:
-                raise ValueError(f"frame: {load.values} values in many objects: must be {SLOW_VALUES} at most")
+        if _is_too_much(load, frame, limits, ROUGH_SHARE):
+            exact, fits = exact_load(frame), not _is_too_much(load, frame, limits)
+            remembers = exact.values <= SLOW_VALUES
+            if not remembers and not fits and exact.containers <= limits.objects:
+                raise ValueError(f"frame: {exact.values} values in many objects: must be {SLOW_VALUES} at most")
+            load = exact if remembers or not fits else load
     if load.containers > limits.objects:
         raise ValueError(f"frame: {load.containers} lists and objects: must be {limits.objects} at most")
     if load.strings > limits.strings:
@@ -83,10 +85,10 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
     return Weight(needed, remembers)
 
 
-def _is_too_much(load: Load, frame: str | bytes, limits: Limits) -> bool:
+def _is_too_much(load: Load, frame: str | bytes, limits: Limits, share: float = 1.0) -> bool:
     needed = load.decoded_bytes(frame) + NODE_BYTES * load.nodes
     too_many = load.containers > limits.objects or load.strings > limits.strings
-    return too_many or needed > limits.cost_of(len(frame))
+    return too_many or needed > share * limits.cost_of(len(frame))
 
 
 def _quick_load(text: str) -> Load:

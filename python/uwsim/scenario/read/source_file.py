@@ -32,7 +32,7 @@ class SourceFile:
 
     @property
     def file_prefix(self) -> str:
-        """Return `lake.yaml: `, or an empty string."""
+        """Return the file name as a prefix of messages, such as `lake.yaml: `, or an empty string without a file."""
         return f"{self.document.name}: " if self.document else ""
 
     @contextmanager

@@ -94,7 +94,7 @@ class TileMarks {
     return buffer.append(count, which, _mm512_srli_epi32(tile, 5), mask);
   }
 
-  /// Exchanges the bits of `low` with the bits kBy above them.
+  /// Swaps the bits selected by `low` with the bits kBy positions higher.
   template <int kBy>
   static __m512i swapped(__m512i bits, int low) {
     const __m512i apart = _mm512_xor_si512(bits, _mm512_srli_epi32(bits, kBy));
