@@ -108,7 +108,7 @@ def resistance(body: Coefficients, nu: Array, momentum: Array) -> Array:
     damping = (np.asarray(body.linear_damping) + np.asarray(body.quadratic_damping) * np.abs(nu)) * nu
     if body.crossflow_length_m > 0:
         damping -= crossflow_wrench(body, nu)
-    return damping + np.concatenate([_cross(w, p), _cross(w, angular) + _cross(v, p)])
+    return np.asarray(damping + np.concatenate([_cross(w, p), _cross(w, angular) + _cross(v, p)]))
 
 
 def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
