@@ -97,6 +97,7 @@ class Simulator(Sealed):
             sonar_frequency_khz=sonar_frequency_khz,
             modem=link,
         )
+        self._digest: tuple[Scenario, str] | None = None
         self.threads = checked_threads(threads)
         self.events = EventLog(self.scenario.step_s)
         self._world = build_world(self.scenario)
@@ -330,7 +331,9 @@ class Simulator(Sealed):
 
     @property
     def _origin(self) -> tuple[str, str]:
-        return scenario_fingerprint(self.scenario), build_fingerprint()
+        if self._digest is None or self._digest[0] is not self._scenario:  # it takes longer than saving the state
+            self._digest = self._scenario, scenario_fingerprint(self._scenario)
+        return self._digest[1], build_fingerprint()
 
     def _resume_vehicles(self) -> None:
         """After a jump in time, end all sample streams and infer from the actuators which vehicles are driven."""
