@@ -6,6 +6,7 @@ Expected values are computed here from published formulas, independently of the 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -76,15 +77,21 @@ def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]])
 
 def pattern_power(off_axis_rad: Array, width_rad: float, taper: float) -> Array:
     """Return a line array's power pattern with a raised-cosine window, by direct summation over the aperture."""
+    return _power(_half_power(taper) / np.sin(width_rad / 2) * np.sin(np.atleast_1d(off_axis_rad)), taper)
+
+
+@cache
+def _half_power(taper: float) -> float:
+    """Return the sine of the angle of half power, times the aperture in wavelengths."""
+    waves = np.linspace(0.0, 1.0, 20001)
+    return float(np.interp(0.5, _power(waves, taper)[::-1], waves[::-1]))
+
+
+def _power(waves: Array, taper: float) -> Array:
+    """Return the power at sines of angles times the aperture in wavelengths."""
     places = (np.arange(2000) + 0.5) / 2000 - 0.5
     window = (1 - taper) + taper * np.cos(2 * np.pi * places)
-
-    def power(waves: Array) -> Array:
-        return np.asarray((np.cos(2 * np.pi * np.outer(waves, places)) @ window / window.sum()) ** 2, np.float64)
-
-    waves = np.linspace(0.0, 1.0, 20001)
-    half_power = np.interp(0.5, power(waves)[::-1], waves[::-1])
-    return power(half_power / np.sin(width_rad / 2) * np.sin(np.atleast_1d(off_axis_rad)))
+    return np.asarray((np.cos(2 * np.pi * np.outer(waves, places)) @ window / window.sum()) ** 2, np.float64)
 
 
 def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, vertical: Array, per_range: Array) -> Array:

@@ -18,13 +18,16 @@ NOSE_DOWN = (0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5))
 HEIGHT_TOLERANCE = 5e-3
 
 
-def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check the table points, zero thrust in the dead band, and half the thrust halfway to the adjacent points."""
+def thrust_tables(name: str, model: VehicleModel | None = None, points: slice = slice(None)) -> Iterator[Check]:
+    """Check the table points, zero thrust in the dead band, and half the thrust halfway to the adjacent points.
+
+    points: which of these to check, in ascending order of their commands.
+    """
     probe, (thruster, mount) = Probe(name, model), next(iter(MOUNTS[name].items()))
     commands, thrusts = np.array(mount.propeller.table).T
     middles = 0.5 * (commands[1:] + commands[:-1])
     beside_dead_band = middles[(thrusts[1:] == 0) | (thrusts[:-1] == 0)]
-    for command in np.sort(np.concatenate([commands, beside_dead_band])):
+    for command in np.sort(np.concatenate([commands, beside_dead_band]))[points]:
         probe.command({thruster: float(command)}, mount.propeller)
         got, expected = probe.rov.thrusters[thruster].thrust_n, float(np.interp(command, commands, thrusts))
         label = f"thrust at command {command:.4g}"

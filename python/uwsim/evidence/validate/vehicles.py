@@ -6,6 +6,7 @@ Forces along the body axes replace thrusters and fins, whose own laws are not in
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -38,19 +39,25 @@ class Curve:
     published: Flight
 
 
-def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[Check], list[Curve]]:
-    """Return all checks of a packaged vehicle, and its curves.
+def vehicle_checks(name: str) -> tuple[list[Check], list[Curve]]:
+    """Return all checks of a packaged vehicle, and its curves."""
+    curves: list[Curve] = []
+    return list(each_check(name, load_vehicle(name), curves)), curves
 
-    model: replaces the vehicle, to show that checks can fail.
-    """
+
+def each_check(name: str, model: VehicleModel, curves: list[Curve]) -> Iterator[Check]:
+    """Yield the checks of a model against a vehicle's published values one by one; append their curves to `curves`."""
     body = PUBLISHED[name]
-    used = model or load_vehicle(name)
-    sim = deep_water(_with_body_forces(used, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
-    fall = _free_fall(name, sim)
-    curves = [*_decays(name, sim), fall]
-    turn = _turning(name, used)
-    checks = [_decay_check(curve) for curve in curves]
-    return [_mass_check(name, used), *checks, *_terminal_check(fall), *_turning_checks(turn)], [*curves, turn]
+    yield _mass_check(name, model)
+    sim = deep_water(_with_body_forces(model, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
+    for curve in _decays(name, sim):
+        curves.append(curve)
+        yield _decay_check(curve)
+    curves.append(fall := _free_fall(name, sim))
+    yield _decay_check(fall)
+    yield from _terminal_check(fall)
+    curves.append(turn := _turning(name, model))
+    yield from _turning_checks(turn)
 
 
 def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
@@ -70,11 +77,9 @@ def _published(name: str, start: tuple[float, ...], duration_s: float, wrench: t
     return integrate(PUBLISHED[name], start, times(duration_s), wrench)
 
 
-def _decays(name: str, sim: Simulator) -> list[Curve]:
-    return [
-        Curve(name, what, fly(sim, start, DECAY_S), _published(name, tuple(start), DECAY_S, (0.0,) * 6))
-        for what, start in decay_speeds(PUBLISHED[name])
-    ]
+def _decays(name: str, sim: Simulator) -> Iterator[Curve]:
+    for what, start in decay_speeds(PUBLISHED[name]):
+        yield Curve(name, what, fly(sim, start, DECAY_S), _published(name, tuple(start), DECAY_S, (0.0,) * 6))
 
 
 def _free_fall(name: str, sim: Simulator) -> Curve:
