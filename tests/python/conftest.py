@@ -1,16 +1,27 @@
 """Settings for all tests: Hypothesis uses the same examples in every run; figures are small and open no window."""
 
 import os
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
 
+from uwsim import _core
 from uwsim.figures import style, truth_and_map
+from uwsim.scenario import build_world, load
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def shared_trees() -> Iterator[None]:
+    """Keep the lake's ray trees, which take a second to build and are shared by all simulators of it, in a full run."""
+    kept = _core.RayScene(build_world(load("lake"))) if "PYTEST_XDIST_WORKER" in os.environ else None
+    yield
+    del kept
 
 
 @pytest.fixture(autouse=True)
