@@ -37,6 +37,7 @@ from uwsim.cli.parameters import parameters
 from uwsim.cli.recording import recording
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
+from uwsim.cli.ros import app as ros_app
 from uwsim.cli.run import run
 from uwsim.cli.scenario import app as scenario_app
 from uwsim.cli.serve import serve
@@ -83,7 +84,7 @@ def _add(heading: str, *commands: Callable[..., object], **groups: typer.Typer) 
 
 _add("Fly", survey, run, compare, sweep, fleet, dataset)
 _add("Look", sonar, camera, link)
-_add("Connect", serve, station, teleop, connect, nodes, doctor)
+_add("Connect", serve, station, teleop, connect, nodes, doctor, ros=ros_app)
 _add("Record", recording, replay, diff)
 _add("Scenarios and maps", parameters, decompose, scenario=scenario_app, map=map_app)
 _add("Check", validate, fingerprint, reproduce, bench=bench_app)

@@ -1,0 +1,56 @@
+"""RViz's configuration for uwsim's standard topics; RViz 1 and RViz 2 differ in the names of classes and topics."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+from ruamel.yaml import YAML
+
+from uwsim.channels.message_types import Ros
+
+FIXED_FRAME, VEHICLE_FRAME = "odom", "base_link"
+CLOUD_DECAY_S = 120.0
+
+
+def rviz_configuration(ros: Ros) -> str:
+    """Return the text of a configuration that shows transforms, odometry, scans and clouds."""
+    plugins, panels = ("rviz", "rviz") if ros == 1 else ("rviz_default_plugins", "rviz_common")
+
+    def display(kind: str, topic: str | None = None, **settings: Any) -> dict[str, Any]:
+        named = {"Class": f"{plugins}/{kind}", "Name": topic or kind, "Enabled": True, "Value": True}
+        return named | ({} if topic is None else {"Topic": topic if ros == 1 else _topic(topic)}) | settings
+
+    configuration = {
+        "Panels": [{"Class": f"{panels}/{name}", "Name": name} for name in ("Displays", "Views", "Time")],
+        "Visualization Manager": {
+            "Class": "",
+            "Global Options": {"Fixed Frame": FIXED_FRAME, "Background Color": "16; 36; 56", "Frame Rate": 30},
+            "Displays": [
+                display("Grid", None, **{"Reference Frame": FIXED_FRAME, "Cell Size": 5, "Plane Cell Count": 40}),
+                display("TF"),
+                display("Odometry", "/odom", Keep=100),
+                display("LaserScan", "/scan", **{"Size (m)": 0.1}),
+                display(
+                    "PointCloud2", "/laserPointCloud",
+                    **{"Color Transformer": "AxisColor", "Decay Time": CLOUD_DECAY_S, "Size (m)": 0.1},
+                ),
+            ],
+            "Tools": [{"Class": f"{plugins}/{name}"} for name in ("MoveCamera", "Select", "FocusCamera", "Measure")],
+            "Views": {"Current": {
+                "Class": f"{plugins}/Orbit", "Name": "Current View", "Target Frame": VEHICLE_FRAME, "Distance": 40,
+                "Pitch": 0.6, "Yaw": 3.9,
+            }},
+        },
+    }  # fmt: skip
+    text = io.StringIO()
+    YAML().dump(configuration, text)
+    return text.getvalue()
+
+
+def _topic(name: str) -> dict[str, Any]:
+    """Return RViz 2's subscription to a topic."""
+    return {
+        "Value": name, "Depth": 10, "History Policy": "Keep Last", "Reliability Policy": "Reliable",
+        "Durability Policy": "Volatile",
+    }  # fmt: skip
