@@ -64,7 +64,15 @@ Record = Annotated[
 ]
 RecordTopics = Annotated[
     list[str] | None,
-    typer.Option("--record-topic", help="Channels to record, such as scan or 'camera/*'. Default: all."),
+    typer.Option(
+        "--record-topic", help="Channels to record, such as scan or 'camera/*'. Default: all but pictures and maps."
+    ),
+]
+RecordAll = Annotated[
+    bool,
+    typer.Option(
+        "--record-all", help="Also record pictures and maps; prints first how much processor time that takes."
+    ),
 ]
 SurveyTopics = Annotated[
     list[str] | None,

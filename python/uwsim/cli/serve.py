@@ -10,7 +10,7 @@ from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
 from uwsim.cli.bounds import within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.choices import one_of
-from uwsim.cli.options import Link, Record, RecordTopics, Seed, SonarModel, Threads, need
+from uwsim.cli.options import Link, Record, RecordAll, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
 
@@ -89,6 +89,7 @@ def serve(
     ros1: Ros1 = False,
     record: Record = None,
     record_topic: RecordTopics = None,
+    record_all: RecordAll = False,
     foxglove: Foxglove = False,
     foxglove_port: FoxglovePort = None,
     threads: Threads = None,
@@ -115,7 +116,9 @@ def serve(
     if station and (prefix or tf != "truth"):
         raise ValueError("--station: its page needs --tf truth, and neither --namespace nor --frame-prefix")
     if record is None:
-        need("--record", record_topic=record_topic)
+        need("--record", record_topic=record_topic, record_all=record_all)
+    if record_topic and record_all:
+        raise ValueError("--record-all: cannot be given with --record-topic, which selects the channels")
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     origin = origin or default_origin(simulator.scenario)
@@ -126,8 +129,15 @@ def serve(
             """Start recording the channels that a table's clients see, if a recording was requested."""
             if record is not None:
                 from uwsim.recording import Recorder
+                from uwsim.recording.picture_cost import picture_cost_text
 
-                recorder = Recorder(live, record, topics=record_topic or None, shared=table, feed=feed)
+                if record_all:
+                    typer.echo(f"recording everything, which takes {picture_cost_text(simulator)}", err=True)
+                elif not record_topic:
+                    typer.echo("recording without pictures and maps, which --record-all adds", err=True)
+                recorder = Recorder(
+                    live, record, topics=record_topic or None, shared=table, feed=feed, is_light=not record_all
+                )
                 table.channels = recorder.hear(table.channels)
                 sinks.enter_context(recorder)
 

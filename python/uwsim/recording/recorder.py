@@ -19,6 +19,7 @@ from typing import Any, Self
 from uwsim.base.arguments import plain
 from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
@@ -46,8 +47,9 @@ class Recorder:
             ...
 
     path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
-    record and to omit, such as "camera/*". By default all channels are recorded; for a survey, all except pictures and
-    channels derived from the pings (FROM_PINGS, and the map), which readers can still provide, see Recording.derived.
+    record and to omit, such as "camera/*". By default all channels are recorded; if is_light, all except pictures and
+    maps, which a replay can still provide; for a survey, all except pictures and channels derived from the pings
+    (FROM_PINGS, and the map), which readers can still provide, see Recording.derived.
     shared: a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the
     feed of other sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of
     taking their own. kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values
@@ -71,6 +73,7 @@ class Recorder:
         kind: str = LIVE,
         written: Sequence[Channel] = (),
         notes: Mapping[str, Any] | None = None,
+        is_light: bool = False,
         queue_bytes: int = WAITING_BYTES,
     ) -> None:
         self._live = simulator if isinstance(simulator, LiveSimulator) else None
@@ -80,6 +83,7 @@ class Recorder:
             raise ValueError(f"recording '{path}': must end in .mcap, or in .bag for ROS 1")
         self._feed = feed
         self._kind = kind
+        self._is_light = is_light
         self._queue_bytes = queue_bytes
         self._notes = dict(notes or {})
         self.dropped: Counter[str] = Counter()
@@ -100,6 +104,8 @@ class Recorder:
         self._through_link = is_seen(self._sim, given)
         said = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
+            if self._is_light and topics is None:
+                said = [channel for channel in said if not _is_heavy(channel)]
             said += [ping_channel(pings) for pings in self._table.pings.values()]
         elif topics is None:
             said = [channel for channel in said if not self._follows(channel)]
@@ -115,7 +121,7 @@ class Recorder:
         """Return whether a survey channel can be derived from the pings or, like pictures, from the replay."""
         from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
         is_truth_again = channel.name.endswith("ground_truth/odom")
-        return channel.late or channel.type == MAP_TYPE or channel.name in from_pings or is_truth_again
+        return _is_heavy(channel) or channel.name in from_pings or is_truth_again
 
     def _is_chosen(self, channel: Channel) -> bool:
         topics, without = self._patterns
@@ -295,6 +301,11 @@ class Recorder:
             if not self.dropped:
                 logger.warning("%s: messages are left out: writing is too slow", self.path)
             self.dropped[topic] += 1
+
+
+def _is_heavy(channel: Channel) -> bool:
+    """Return whether a channel carries pictures, also of sonars, or maps, which take most of the time and space."""
+    return channel.late or channel.type in (MAP_TYPE, MAP_CHANGES)
 
 
 def _matches(channel: Channel, patterns: Sequence[str]) -> bool:

@@ -29,6 +29,7 @@ from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.capsule import pack, unpack
 from uwsim.recording.mcap_sink import McapSink
+from uwsim.recording.picture_cost import picture_cost_text
 from uwsim.recording.replay import replay
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import scenario_fingerprint
@@ -53,6 +54,26 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with Recorder(sim, path, without=NO_PICTURES):
         fly(sim)
     return path
+
+
+def test_a_light_recording_omits_pictures_and_maps_and_nothing_else(tmp_path: Path) -> None:
+    sim = Simulator("pool", seed=3)
+    kept = {}
+    for is_light in (False, True):
+        path = tmp_path / f"{is_light}.mcap"
+        with Recorder(sim, path, is_light=is_light):
+            pass
+        with path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+        assert summary is not None
+        schemas = summary.schemas
+        kept[is_light] = {channel.topic: schemas[channel.schema_id].name for channel in summary.channels.values()}
+    heavy = kept[False].items() - kept[True].items()
+    kinds = {"CompressedImage", "Image", "CameraInfo", "ProjectedSonarImage", "Octomap", "MapChanges"}
+    assert {kind.rpartition("/")[2] for _, kind in heavy} == kinds
+    assert not [kind for kind in kept[True].values() if kind.rpartition("/")[2] in kinds]
+    assert {"/sonar_ping", "/odom", "/scan", "/uwsim/commands"} <= kept[True].keys()
+    assert "5 cameras" in picture_cost_text(sim)
 
 
 def test_every_channel_is_in_it_at_its_rate_in_simulated_time(run: Path) -> None:

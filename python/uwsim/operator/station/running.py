@@ -10,7 +10,6 @@ from uwsim.base.axes import AXES
 from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.map import PLACED
-from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire
@@ -24,7 +23,6 @@ from uwsim.operator.station.helm import Helm
 from uwsim.operator.station.scene import Scene
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
-from uwsim.recording.recorder import MAP_TYPE
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
 """Name endings of the channels that the page shows: by default a modem, with its low capacity, carries only these."""
@@ -105,18 +103,10 @@ class Running:
         self.live.stop()
 
     def record(self, path: Path) -> None:
-        """Start recording everything except pictures and maps, which would differ in a replay of this recording.
-
-        Raises ValueError or OSError.
-        """
+        """Start a light recording, without pictures and maps. Raises ValueError or OSError."""
         if self.recorder is not None:
             raise ValueError(f"{self.recorder.path.name} is being recorded already")
-        kept = [
-            channel.name
-            for channel in self.table.channels
-            if channel.direction == "out" and not channel.late and channel.type not in (MAP_TYPE, MAP_CHANGES)
-        ]
-        self.recorder = Recorder(self.live, path, topics=kept, shared=self.table, feed=self.feed).start()
+        self.recorder = Recorder(self.live, path, shared=self.table, feed=self.feed, is_light=True).start()
 
     def stop_recording(self) -> Path | None:
         """Finish the recording; return its path, or None if nothing is being recorded. Raises OSError."""
