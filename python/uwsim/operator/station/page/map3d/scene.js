@@ -41,6 +41,7 @@ export class SceneView {
   #scenery = [];
   #terrain = null;
   #followed = '';
+  #hasLooked = false; // at the vehicle's first pose
 
   constructor() {
     this.canvas = el('canvas', {
@@ -94,6 +95,7 @@ export class SceneView {
 
   // Clear the map and the tracks, for example at a restart.
   clear() {
+    this.#hasLooked = false;
     this.store.clear();
     this.voxels.clear();
     for (const { group, track } of this.vessels.values()) this.scene?.remove(group, track.line);
@@ -209,9 +211,8 @@ export class SceneView {
 
   #moveWith(now, before) {
     if (!this.controls) return;
-    if (!this.hasLooked) {
-      // the first pose
-      this.hasLooked = true;
+    if (!this.#hasLooked) {
+      this.#hasLooked = true;
       this.look(false);
       return;
     }
