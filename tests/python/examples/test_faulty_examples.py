@@ -183,10 +183,12 @@ def test_the_learned_policy_holds_its_place_with_a_thruster_out_in_a_current_tha
 
 @pytest.mark.filterwarnings("ignore::uwsim.simulator.command_gate.FailsafeWarning")
 def test_a_vehicle_behind_a_rosbridge_surfaces_with_a_leak_and_a_sagging_battery():
-    scenario = scenario_of("pool", SAG, LEAK, leak_then="surface", surface_m=1.0)
+    sag, leak = {**SAG, "at_s": 2.0}, {**LEAK, "at_s": 3.0}
+    scenario = scenario_of("pool", sag, leak, leak_then="surface", surface_m=1.0)
     with LiveSimulator(Simulator(scenario, seed=3), paused=True) as live, RosbridgeServer(live) as server:
-        fly_remote(m11_over_rosbridge.mission, server.url, lockstep=True, time_limit_s=40.0)
+        fly_remote(m11_over_rosbridge.mission, server.url, lockstep=True, time_limit_s=8.0)
         sim = live.simulator
+        live.step(round(30.0 / sim.step_s))
         assert began(sim) == ["battery", "leak"]
         assert sim.rov.failsafe.state == "surface"
         assert sim.rov.pose.position_world_m[2] == pytest.approx(-1.0, abs=0.2)

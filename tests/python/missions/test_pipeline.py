@@ -41,14 +41,14 @@ def followed(start: str, *faults: dict, **options: object) -> FlightRecord:
     return flown
 
 
-BLIND_LATER = {"kind": "sonar", "at_s": 75.0}  # while on the pipe; the route there leads around an island
+BLIND_LATER = {"kind": "sonar", "at_s": 110.0}  # halfway along the pipe, found at 70 s
 BLIND, DARK = {"kind": "sonar"}, {"kind": "camera", "camera": "down"}
 
 
 @pytest.mark.parametrize(
     ("start", "faults"),
-    [("east", ()), ("west", (BLIND,)), ("east", (BLIND_LATER,)), ("west", (DARK,))],
-    ids=["both", "camera", "sonar, then camera", "sonar"],
+    [("west", (BLIND,)), ("east", (BLIND_LATER,)), ("west", (DARK,))],
+    ids=["camera", "both, then camera", "sonar"],
 )
 def test_a_pipeline_is_followed_to_its_end_by_sonar_and_camera_and_by_either_alone(start: str, faults: tuple) -> None:
     flown = followed(start, *faults)

@@ -143,26 +143,29 @@ def _reach(along_m: Floats, aside: Floats, values: Floats, edge_m: float) -> tup
 
 def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
     """Return the contrast of the bar on each line, given the line indices (n,) and values (3, n) of all points."""
-    count = np.bincount(line).astype(np.float64)
-    sums = np.array([np.bincount(line, weights=row) for row in values])
-    inner = np.arange(-HALF, HALF + 1)
-    outer = np.arange(HALF + GAP + 1, 2 * HALF + GAP + 1)
-    inside, port, starboard = (_mean(sums, count, shifts) for shifts in (inner, outer, -outer[::-1]))
+    width = 2 * HALF + GAP  # to the far edge of a side
+    count = np.pad(np.bincount(line).astype(np.float64), width)
+    sums = np.array([np.pad(np.bincount(line, weights=row), width) for row in values])
+    inside = _mean(sums, count, -HALF, HALF)
+    port, starboard = _mean(sums, count, HALF + GAP + 1, width), _mean(sums, count, -width, -HALF - GAP - 1)
     over = np.stack([inside - port, inside - starboard])
     same_sign = over[0] * over[1] > 0.0
     differs = np.where(same_sign, np.abs(over).min(axis=0), 0.0)
     return np.asarray(np.nan_to_num(np.linalg.norm(differs, axis=0)))
 
 
-def _mean(sums: Floats, count: Floats, shifts: NDArray[np.int64]) -> Floats:
-    """Return each line's means (3, lines) over the lines at these shifts from it; NaN where too little is seen."""
-    total, seen = np.zeros_like(sums), np.zeros_like(count)
-    enough = np.ones(len(count), bool)
-    for shift in shifts:
-        index = np.arange(len(count)) + shift
-        valid = (index >= 0) & (index < len(count))
-        index = np.clip(index, 0, len(count) - 1)
-        enough &= valid & (count[index] >= SHORTEST * CELLS)
-        total += sums[:, index]
-        seen += count[index]
+def _mean(sums: Floats, count: Floats, first: int, last: int) -> Floats:
+    """Return each line's means (3, lines) over the lines first to last from it; NaN where too little is seen.
+
+    sums, count: padded with zeros by the width of a bar and one of its sides.
+    """
+    width = 2 * HALF + GAP
+    lines = len(count) - 2 * width
+    shifted = [slice(width + shift, width + shift + lines) for shift in range(first, last + 1)]
+    total, seen = np.zeros((len(sums), lines)), np.zeros(lines)
+    enough = np.ones(lines, bool)
+    for part in shifted:
+        enough &= count[part] >= SHORTEST * CELLS
+        total += sums[:, part]
+        seen += count[part]
     return np.where(enough, total / np.maximum(seen, 1.0), np.nan)
