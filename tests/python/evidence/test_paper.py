@@ -20,9 +20,10 @@ from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, NEAR_M, Seen, publ
 from uwsim.scenario import load
 
 PATIENCE_S = 30.0
-CONTROL_S = 0.05
+CONTROL_S = 0.1
 BASIN = {"wall_east": (26, -156, -5), "wall_west": (-4, -156, -5), "wall_south": (10, -161, -5)}
 """Walls placed closer, so that lanes are short."""
+NEAR_THE_START_M = (7.0, -142.0, -5.3)  # the way from the dock to its first lane takes the node over a minute
 
 
 @pytest.fixture(scope="module")
@@ -174,6 +175,9 @@ def test_the_published_lawn_mower_flies_it_over_rosbridge():
         while True:
             wire.publish(key)
             wire.step(round((5.0 if key.function else CONTROL_S) / live.simulator.step_s))
+            if key.function:
+                live.rov.place(NEAR_THE_START_M)
+                wire.step(20)
             seen = wire.seen()
             if wire.newest["/depthArray"] is not ping:
                 ping = wire.newest["/depthArray"]
