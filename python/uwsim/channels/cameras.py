@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.channels import build
 from uwsim.channels.channel import COMMAND, PICTURE, Channel
-from uwsim.channels.pictures import RATE_HZ, Picture, Pictures
+from uwsim.channels.pictures import RATE_HZ, Part, Picture, Pictures
 from uwsim.channels.source import Source
 from uwsim.channels.steering import is_cut_off, log_error
 from uwsim.instruments.cameras import Camera
@@ -18,6 +20,8 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
 CameraOf = Callable[[Simulator], Camera]
+Write = Callable[[Picture, str], Any]
+"""Makes the message of a picture in a frame."""
 
 
 def station_cameras(sim: Simulator, pictures: Pictures, frame_prefix: str = "") -> list[Channel]:
@@ -105,56 +109,63 @@ def compressed_image(jpeg: bytes, time_ns: int, frame_id: str, format_text: str 
     )
 
 
-def depth_message(picture: Picture, frame_id: str) -> Any:
-    """Return a picture's depth along the optical axis as a 32FC1 Image [m]."""
-    height, width = picture.frame.depth_m.shape
+def image_message(picture: Picture, frame_id: str, pixels: NDArray[Any]) -> Any:
+    """Return pixels as an Image: (h, w, 3) uint8 as rgb8, or depth (h, w) float32 [m] as 32FC1."""
+    is_depth = pixels.ndim == 2
     return build.message(
         "sensor_msgs/msg/Image",
         header=build.header(picture.frame.time_ns, frame_id),
-        height=height,
-        width=width,
-        encoding="32FC1",
-        step=4 * width,
-        data=np.ascontiguousarray(picture.frame.depth_m, "<f4").view(np.uint8).ravel(),
+        height=pixels.shape[0],
+        width=pixels.shape[1],
+        encoding="32FC1" if is_depth else "rgb8",
+        step=pixels.shape[1] * (4 if is_depth else 3),
+        data=np.ascontiguousarray(pixels, "<f4" if is_depth else np.uint8).view(np.uint8).ravel(),
     )
 
 
-def info_message(picture: Picture, frame_id: str) -> Any:
-    """Return a picture's intrinsics, scaled to the size at which it is sent."""
-    info, stream = picture.frame.info, picture.stream
-    scale = stream.width / info.width if stream.width else 1.0
-    # Pixel centres are at integer coordinates: u' + 0.5 = scale (u + 0.5).
-    resize = np.array([[scale, 0.0, 0.5 * scale - 0.5], [0.0, scale, 0.5 * scale - 0.5], [0.0, 0.0, 1.0]])
+def info_message(picture: Picture, frame_id: str, *, is_sent: bool = True) -> Any:
+    """Return a picture's intrinsics; is_sent: at the size at which it is sent, otherwise at its full size."""
+    info, (k, p) = picture.frame.info, picture.intrinsics if is_sent else (picture.frame.info.k, picture.frame.info.p)
+    width = (picture.stream.width if is_sent else 0) or info.width
     return build.message(
         "sensor_msgs/msg/CameraInfo",
         header=build.header(picture.frame.time_ns, frame_id),
-        height=max(1, round(info.height * scale)),
-        width=stream.width or info.width,
+        height=max(1, round(info.height * width / info.width)),
+        width=width,
         distortion_model=info.distortion_model,
         d=np.array(info.d),
-        k=(resize @ info.k).ravel(),
+        k=k.ravel(),
         r=np.array(info.r).ravel(),
-        p=(resize @ info.p).ravel(),
+        p=p.ravel(),
     )
 
 
 def _channels(
     prefix: str, name: str, pictures: Pictures, frame_id: str, over_link: bool, camera_of: CameraOf
 ) -> list[Channel]:
-    def channel(topic: str, kind: str, description: str, write: Callable[[Picture, str], Any], packing: str) -> Channel:
+    def channel(topic: str, kind: str, description: str, write: Write, part: Part | None = None) -> Channel:
         def read(sim: Simulator) -> Any:
-            picture = pictures.read(sim, prefix + name, camera_of(sim))
+            picture = pictures.read(sim, prefix + name, camera_of(sim), part)
             return None if picture is None else write(picture, frame_id)
 
         return Channel(
             f"{prefix}camera/{name}/{topic}", f"sensor_msgs/msg/{kind}", "out", description, rate_hz=RATE_HZ,
-            frame_id=frame_id, over_link=over_link, priority=PICTURE, packing=packing, late=True, read=read,
+            frame_id=frame_id, over_link=over_link, priority=PICTURE,
+            packing="thumbnail" if kind == "CompressedImage" else "", late=True, on_request=part is not None, read=read,
         )  # fmt: skip
 
+    def image(topic: str, description: str, part: Part) -> Channel:
+        return channel(topic, "Image", description, lambda one, frame: image_message(one, frame, one.part(part)), part)
+
     return [
-        channel("image_raw/compressed", "CompressedImage", "pictures as JPEG", jpeg_message, "thumbnail"),
-        channel("camera_info", "CameraInfo", "intrinsics of the pictures as sent", info_message, ""),
+        channel("image_raw/compressed", "CompressedImage", "pictures as JPEG", jpeg_message),
+        image("image_raw", "pictures as sent, through the lens", "image"),
+        image("image_rect", "pictures as sent, rectified: through a pinhole, P of camera_info", "rectified"),
+        channel("camera_info", "CameraInfo", "intrinsics of the pictures as sent", info_message),
         channel(
-            "depth/image_raw", "Image", "depth along the optical axis [m], full size; inf: nothing", depth_message, ""
+            "depth/image_raw", "Image", "depth along the optical axis [m], full size, through the lens; inf: nothing",
+            lambda one, frame: image_message(one, frame, one.frame.depth_m),
         ),
-    ]
+        image("depth/image_rect", "depth through a pinhole, P of depth/camera_info [m]", "rectified_depth"),
+        channel("depth/camera_info", "CameraInfo", "intrinsics of the depth", partial(info_message, is_sent=False)),
+    ]  # fmt: skip

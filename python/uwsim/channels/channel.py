@@ -50,7 +50,8 @@ class Channel:
     name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real time,
     messages are published as soon as they are ready, and some are skipped, as with pictures; their timing, but not
     their content, then depends on the machine. pieced: whether a late picture is assembled from earlier ones, so that
-    its content also depends on the machine. catch_up: for a channel whose messages build on each other: returns one
+    its content also depends on the machine. on_request: whether it is sent and recorded only for those who name it,
+    because its messages are large. catch_up: for a channel whose messages build on each other: returns one
     message with everything since a cursor (None: since the beginning), and the next cursor; called on any thread.
     keep_up: called between two steps at rate_hz as soon as a server offers the channel, with or without subscribers,
     since the content of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the
@@ -75,6 +76,7 @@ class Channel:
     catch_up: Callable[[Any], tuple[Any, Any]] | None = None
     late: bool = False
     pieced: bool = False
+    on_request: bool = False
     keep_up: Callable[[Simulator], object] | None = None
     read: Callable[[Simulator], Any] = _no_message
     apply: Callable[[LiveSimulator, Any], object] = _no_command

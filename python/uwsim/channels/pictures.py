@@ -6,12 +6,13 @@ import io
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.instruments.cameras import Camera, Frame
+from uwsim.instruments.cameras.rectify import rectify
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
@@ -41,18 +42,60 @@ class Stream:
             if not holds:
                 raise ValueError(f"{name} = {getattr(self, name)}: {rule}")
 
+    @property
+    def pause(self) -> float:
+        """The number of periods without a reading after which reading has paused."""
+        return 1 + RATE_HZ / self.rate_hz
+
     def is_due(self, slot: int) -> bool:
         """Return whether a picture is sent in the period with this index; periods are 1 / RATE_HZ long."""
         share = self.rate_hz / RATE_HZ
         return self.enabled and int(slot * share + 1e-6) != int((slot - 1) * share + 1e-6)
 
 
-class Picture(NamedTuple):
-    """A frame, its JPEG, and the stream settings at that time."""
+Part = Literal["image", "rectified", "rectified_depth"]
+"""The parts of a picture besides its JPEG. Each takes time to make, so it is made only for readers."""
 
-    frame: Frame
-    jpeg: bytes
-    stream: Stream
+
+class Picture:
+    """A frame, its JPEG, and the stream settings at that time. capture: that of Camera.later()."""
+
+    def __init__(self, frame: Frame, stream: Stream, capture: Callable[..., Frame] | None = None) -> None:
+        self.frame, self.stream, self._capture = frame, stream, capture
+        self.jpeg = frame.jpeg(stream.quality) if not stream.width else as_jpeg(frame.rgb, stream)
+        self._parts: dict[Part, NDArray[Any]] = {}
+
+    def __contains__(self, part: Part) -> bool:
+        return part in self._parts
+
+    @property
+    def intrinsics(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """K (3, 3) and P (3, 4) at the size at which the picture is sent."""
+        info = self.frame.info
+        scale = self.stream.width / info.width if self.stream.width else 1.0
+        # Pixel centres are at integer coordinates: u' + 0.5 = scale (u + 0.5).
+        resize = np.array([[scale, 0.0, 0.5 * scale - 0.5], [0.0, scale, 0.5 * scale - 0.5], [0.0, 0.0, 1.0]])
+        return resize @ info.k, resize @ info.p
+
+    def part(self, part: Part) -> NDArray[Any]:
+        """Return a part, making it on first access.
+
+        image: (h, w, 3) uint8, at the size at which the picture is sent. rectified: the same through a pinhole.
+        rectified_depth: (H, W) float32 at full size, along the optical axis of the rectified camera [m].
+        """
+        if part not in self._parts:
+            self._parts[part] = self._made(part)
+        return self._parts[part]
+
+    def _made(self, part: Part) -> NDArray[Any]:
+        if part == "rectified_depth":
+            assert self._capture is not None
+            return self._capture(geometry_rectified=True).depth_m
+        if part == "image":
+            width = self.stream.width
+            return np.asarray(resized(self.frame.rgb, width)) if width else self.frame.rgb
+        k, p = self.intrinsics
+        return rectify(self.part("image"), k, self.frame.info.d, p)
 
 
 Begin = Callable[[Stream], Callable[[], Any]]
@@ -84,6 +127,7 @@ class Pictures:
         self._may_wait = may_wait
         self._streams: dict[str, Stream] = {}
         self._jobs: dict[str, list[_Job]] = {}
+        self._wanted: dict[tuple[str, Part], int] = {}  # period of the last reading of a camera's part
         self._last: dict[str, tuple[int, int]] = {}  # period of each camera's last reading, and its gap to the previous
         self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
 
@@ -104,26 +148,43 @@ class Pictures:
         """Start over: the next reading takes a first picture with each camera."""
         self._jobs = {}
 
-    def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
-        """Return the picture from the last period, or None if none was due."""
+    def read(self, sim: Simulator, name: str, camera: Camera, part: Part | None = None) -> Picture | None:
+        """Return the picture from the last period, or None if none was due.
+
+        part: a part that it must have. If it lacks it, because this is the part's first reading, it is made now if the
+        steps may wait, and otherwise None is returned.
+        """
+        slot = _slot(sim)
+        if part is not None:
+            self._wanted[name, part] = slot
 
         def begin(stream: Stream) -> Callable[[], Picture]:
             capture = camera.later()
+            parts = [
+                each for (whose, each), last in self._wanted.items() if whose == name and slot - last <= stream.pause
+            ]
 
             def take() -> Picture:
-                frame = capture()
-                return Picture(frame, _jpeg(frame, stream), stream)
+                picture = Picture(capture(), stream, capture)
+                for each in parts:
+                    picture.part(each)
+                return picture
 
             return take
 
         picture: Picture | None = self.read_made(sim, name, begin)
+        if picture is None or part is None or part in picture:
+            return picture
+        if not self._may_wait():
+            return None
+        self._worker.submit(picture.part, part).result()
         return picture
 
     def read_made(self, sim: Simulator, name: str, begin: Begin) -> Any:
         """Return the result of `begin` from the last period, or None if none was due."""
-        stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
+        stream, slot = self.stream(name), _slot(sim)
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
-        waits, pause = self._may_wait(), 1 + RATE_HZ / stream.rate_hz
+        waits, pause = self._may_wait(), stream.pause
         last, gap_before = self._last.get(name, (slot, 0))
         gap = slot - last
         if not waits and gap > max(pause, 2 * gap_before):  # a rare reader, such as a modem's, gets its last picture
@@ -152,18 +213,22 @@ def _is_read(job: _Job, slot: int, waits: bool) -> bool:
     return job.read_in == slot
 
 
-def _jpeg(frame: Frame, stream: Stream) -> bytes:
-    return frame.jpeg(stream.quality) if not stream.width else as_jpeg(frame.rgb, stream)
+def _slot(sim: Simulator) -> int:
+    """Return the index of the current period."""
+    return int(sim.time_ns * RATE_HZ // 1_000_000_000)
 
 
 def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
     """Encode a picture (height, width, 3) as JPEG with the stream's width and quality."""
+    data = io.BytesIO()
+    resized(rgb, stream.width).save(data, "JPEG", quality=stream.quality)
+    return data.getvalue()
+
+
+def resized(rgb: NDArray[np.uint8], width: int) -> Any:
+    """Return a picture (height, width, 3) as a PIL image of another width; 0 for its own."""
     from PIL import Image
 
+    height, own_width = rgb.shape[:2]
     picture = Image.fromarray(rgb)
-    height, width = rgb.shape[:2]
-    if stream.width:
-        picture = picture.resize((stream.width, max(1, round(height * stream.width / width))))
-    data = io.BytesIO()
-    picture.save(data, "JPEG", quality=stream.quality)
-    return data.getvalue()
+    return picture.resize((width, max(1, round(height * width / own_width)))) if width else picture

@@ -81,8 +81,9 @@ def connect(
 
             carrier = sinks.enter_context(Carrier(live, table))
             table.channels, table.services = carrier.channels, carrier.over(table.services)
+        sent = [channel for channel in table.channels if not channel.on_request]  # the server reports no readers
         named = {
-            "channels": channels_in(namespace, table.channels), "services": services_in(namespace, table.services)
+            "channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)
         }  # fmt: skip
         sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]
         run_until_interrupted(live, f"{scenario} to {url}")

@@ -23,8 +23,9 @@ class Moments:
 
     At wall-clock speed, a picture is started by the first reader after the previous one is ready, so its time depends
     on the machine and on all readers; it is known only from the recorded stamps. A command at the same tick may have
-    come before or after the picture, so pictures are rendered before and after each command. The content of a picture
-    depends only on its time, not on the topic; a CompressedImage's format depends on the topic and is copied.
+    come before or after the picture, so pictures are rendered before and after each command. The content of a
+    CompressedImage depends only on its time, not on the topic; its format depends on the topic and is copied. Other
+    types have several topics with the same frame, all of which are read if they were recorded.
     """
 
     def __init__(
@@ -33,16 +34,22 @@ class Moments:
         """channels: the channels that carry pictures. recorded: the messages to render."""
         self._sim = sim
         self._pictures = pictures
-        self._by_kind: dict[tuple[str, str], Channel] = {}
-        for channel in channels:
-            self._by_kind.setdefault((channel.type, channel.frame_id), channel)
         step_ns = round(sim.step_s * 1e9)
         self._due: dict[int, set[tuple[str, str, str | None]]] = defaultdict(set)
+        topics = set()
         for each in recorded:
+            topics.add(each.topic)
             header = each.message.header
             stamp_ns = header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
             picture_format = getattr(each.message, "format", None)
             self._due[stamp_ns // step_ns].add((each.type, header.frame_id, picture_format))
+        by_kind: dict[tuple[str, str], list[Channel]] = defaultdict(list)
+        for channel in channels:
+            by_kind[channel.type, channel.frame_id].append(channel)
+        self._by_kind = {
+            kind: [channel for channel in found if channel.name in topics] or found[:1]
+            for kind, found in by_kind.items()
+        }
         self._ticks: Sequence[int] = sorted(self._due)
         self._seen: set[bytes] = set()
         self.due_tick = NEVER
@@ -73,12 +80,12 @@ class Moments:
             return
         self._pictures.forget()  # so that pictures are rendered again for the current state
         for type_name, frame_id, picture_format in self._due[tick]:
-            channel = self._by_kind.get((type_name, frame_id))
-            message = None if channel is None else channel.read(self._sim)
-            if message is not None:
-                if picture_format is not None:
-                    message = dataclasses.replace(message, format=picture_format)
-                self._seen.add(_digest(type_name, encode(message)))
+            for channel in self._by_kind.get((type_name, frame_id), ()):
+                message = channel.read(self._sim)
+                if message is not None:
+                    if picture_format is not None:
+                        message = dataclasses.replace(message, format=picture_format)
+                    self._seen.add(_digest(type_name, encode(message)))
 
     def shows(self, recorded: Recorded) -> bool:
         """Return whether a recorded picture was rendered byte-identically."""

@@ -47,9 +47,9 @@ class Recorder:
             ...
 
     path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
-    record and to omit, such as "camera/*". By default all channels are recorded; if is_light, all except pictures and
-    maps, which a replay can still provide; for a survey, all except pictures and channels derived from the pings
-    (FROM_PINGS, and the map), which readers can still provide, see Recording.derived.
+    record and to omit, such as "camera/*". By default all channels are recorded except raw and rectified pictures; if
+    is_light, all except pictures and maps, which a replay can still provide; for a survey, all except pictures and
+    channels derived from the pings (FROM_PINGS, and the map), which readers can still provide, see Recording.derived.
     shared: a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the
     feed of other sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of
     taking their own. kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values
@@ -125,7 +125,8 @@ class Recorder:
 
     def _is_chosen(self, channel: Channel) -> bool:
         topics, without = self._patterns
-        return (topics is None or _matches(channel, topics)) and not _matches(channel, without)
+        is_wanted = not channel.on_request if topics is None else _matches(channel, topics)
+        return is_wanted and not _matches(channel, without)
 
     def _may_wait(self) -> bool:
         """Return whether steps may wait for the recording: always, except at wall-clock speed."""

@@ -27,7 +27,7 @@ from uwsim.recording.commands import COMMANDS
 from uwsim.recording.replay import replay
 
 GRID_NS = int(1e9 / RATE_HZ)
-PICTURES = ("camera/front/*", "camera/down/*", "images/compressed")
+PICTURES = ("camera/front/*", "camera/down/*compressed", "camera/down/camera_info", "images/compressed")
 DELAYS_NS = (30_000_000, 120_000_000, 60_000_000, 170_000_000, 260_000_000)
 """In simulated time, so independent of the machine's speed."""
 

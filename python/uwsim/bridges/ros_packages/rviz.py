@@ -10,11 +10,12 @@ from ruamel.yaml import YAML
 from uwsim.channels.message_types import Ros
 
 FIXED_FRAME, VEHICLE_FRAME = "odom", "base_link"
+IMAGE = "/camera/front/image_raw"
 CLOUD_DECAY_S = 120.0
 
 
 def rviz_configuration(ros: Ros) -> str:
-    """Return the text of a configuration that shows transforms, odometry, scans and clouds."""
+    """Return the text of a configuration that shows transforms, odometry, scans, clouds and the front camera."""
     plugins, panels = ("rviz", "rviz") if ros == 1 else ("rviz_default_plugins", "rviz_common")
 
     def display(kind: str, topic: str | None = None, **settings: Any) -> dict[str, Any]:
@@ -35,6 +36,7 @@ def rviz_configuration(ros: Ros) -> str:
                     "PointCloud2", "/laserPointCloud",
                     **{"Color Transformer": "AxisColor", "Decay Time": CLOUD_DECAY_S, "Size (m)": 0.1},
                 ),
+                display("Image") | ({"Image Topic": IMAGE} if ros == 1 else {"Topic": _topic(IMAGE)}),
             ],
             "Tools": [{"Class": f"{plugins}/{name}"} for name in ("MoveCamera", "Select", "FocusCamera", "Measure")],
             "Views": {"Current": {

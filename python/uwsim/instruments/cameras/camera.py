@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from copy import copy
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +14,10 @@ from uwsim.base.quaternions import about_y, about_z, heading_rad, matrix, produc
 from uwsim.base.sealed import Sealed
 from uwsim.instruments.cameras.effects import EFFECTS, effects_on
 from uwsim.instruments.cameras.frame import CameraInfo, Frame
+from uwsim.instruments.cameras.lens import Lens
 from uwsim.instruments.cameras.pan_tilt import PanTiltHead
 from uwsim.instruments.cameras.shared_scene import SharedScene, Snapshot
-from uwsim.scenario.build.camera import core_camera, intrinsic_matrix, mount_orientation_xyzw
+from uwsim.scenario.build.camera import mount_orientation_xyzw
 from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
 
@@ -26,18 +25,6 @@ Floats = NDArray[np.float64]
 CLEARANCE_M = 0.3  # minimum height above the ground of a camera that follows a vehicle's heading
 Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle's index, or a fixed pose as position (3,) and orientation x, y, z, w (4,)."""
-
-
-@dataclass(eq=False)
-class _Lens:
-    """The native camera, built on first use because computing its ray table takes time."""
-
-    name: str
-    mount: CameraMount
-
-    @cached_property
-    def core(self) -> _core.Camera:
-        return core_camera(self.name, self.mount)
 
 
 class Camera(Sealed):
@@ -93,18 +80,19 @@ class Camera(Sealed):
         measure: bool = False,
         threads: int | None = None,
         at: Snapshot | None = None,
+        dark_below_ground: bool = False,
     ) -> Frame:
         """Return a picture of the world as it is now, or as it was `at` a snapshot.
 
         effects: "on", "off" (the plain scene, dry and under the open sky), or the names of the effects to apply.
         without: names of effects to omit. geometry_only: whether to omit colour and return only depth, normals, labels
         and classes. radiance: whether to include the radiance. measure: whether to fill in task_s. A camera that is off
-        returns a black picture in which nothing is hit. Raises ValueError for unknown effects, or if the camera is
-        below the ground; a camera inside another solid shows the inside of that solid.
+        returns a black picture in which nothing is hit, as does one below the ground if dark_below_ground; otherwise
+        that raises ValueError, as unknown effects do. A camera inside another solid shows the inside of that solid.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
-        if not self.mount.on:
+        if not self.mount.on or (dark_below_ground and self._is_below_ground(at)):
             return self._dark_frame(at, with_colour=not geometry_only, with_radiance=radiance)
         picture, time_ns, world_from_camera = self._render(
             names, threads, at, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
@@ -212,14 +200,31 @@ class Camera(Sealed):
         """Return the current state, for a later `capture` or one on another thread."""
         return self._scene.snapshot(with_lamps=True)
 
-    def later(self) -> Callable[[], Frame]:
+    def rectified(self) -> Camera:
+        """Return this camera as a pinhole with the projection matrix of `info`: without distortion and without a port.
+
+        With the effects "off", the point at depth Z in pixel (u, v) is at X = (u - cx) Z / fx, Y = (v - cy) Z / fy.
+        """
+        other = copy(self)
+        other._fit(self._lens.rectified)
+        return other
+
+    def later(self) -> Callable[..., Frame]:
         """Store the current state; return a function that captures it at any later time, on any thread.
 
-        Unlike a snapshot, this also stores the parameters of the camera and of the scene.
+        Unlike a snapshot, this also stores the parameters of the camera and of the scene. Below the ground, the picture
+        is black. With geometry_rectified=True, the function returns depth, normals, labels and classes of the rectified
+        camera instead.
         """
         kept, snapshot = copy(self), self.snapshot()
         kept._scene = self._scene.kept()
-        return lambda: kept.capture(at=snapshot)
+
+        def capture(*, geometry_rectified: bool = False) -> Frame:
+            if not geometry_rectified:
+                return kept.capture(at=snapshot, dark_below_ground=True)
+            return kept.rectified().capture("off", geometry_only=True, at=snapshot, dark_below_ground=True)
+
+        return capture
 
     def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
         """Return the ray packets that are cast to render a picture, and their origin (3,), for benchmarks."""
@@ -253,8 +258,15 @@ class Camera(Sealed):
         return picture, snapshot.time_ns, world_from_camera
 
     def _refit(self, mount: CameraMount) -> None:
-        self._lens = _Lens(self.name, mount)
-        self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount, self._lens)}
+        self._fit(Lens(self.name, mount))
+
+    def _fit(self, lens: Lens) -> None:
+        self._lens = lens
+        self.__dict__ |= {"mount": lens.mount, "info": lens.info}
+
+    def _is_below_ground(self, at: Snapshot | None) -> bool:
+        position = self._pose(at or self._scene.snapshot(with_lamps=False))[0]
+        return float(position[2]) < self._scene.ground_m(position)
 
     def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
         """Return the camera's position (3,), its orientation x, y, z, w (4,), and both as a matrix (4, 4)."""
@@ -290,32 +302,6 @@ class Camera(Sealed):
         return position, heading_xyzw(orientation) if self.mount.follows == "heading" else orientation
 
 
-def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
-    """Return the K (3, 3) and k1 k2 p1 p2 k3 (5,) that fit rays in water best, as a calibration of distant points does.
-
-    A pixel's distance from the principal point, f (x' y'), is linear in f and in f times each coefficient.
-    """
-    step = max(1, max(rays.shape[:2]) // 64)
-    v, u = np.mgrid[0 : rays.shape[0] : step, 0 : rays.shape[1] : step]
-    x, y = rays[::step, ::step].reshape(-1, 2).astype(np.float64).T
-    r2 = x * x + y * y
-    across = [x, x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3]
-    down = [y, y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3]
-    from_centre = np.hstack([u.ravel() - k[0, 2], v.ravel() - k[1, 2]])
-    (focal, *scaled), *_ = np.linalg.lstsq(np.hstack([across, down]).T, from_centre, rcond=None)
-    fitted = k.copy()
-    fitted[0, 0] = fitted[1, 1] = focal
-    return fitted, np.array(scaled) / focal
-
-
 def heading_xyzw(orientation_xyzw: Floats) -> Floats:
     """Return the rotation about the vertical from east to the heading of a body x axis, x, y, z, w (4,)."""
     return about_z(heading_rad(orientation_xyzw))
-
-
-def _camera_info(name: str, mount: CameraMount, lens: _Lens) -> CameraInfo:
-    k, d = intrinsic_matrix(mount), np.array(mount.distortion)
-    if mount.port is not None:
-        k, d = _calibrated(k, lens.core.ray_table())
-    p = np.hstack([k, np.zeros((3, 1))])
-    return CameraInfo(f"{name}_optical", mount.width, mount.height, "plumb_bob", d, k, np.eye(3), p)

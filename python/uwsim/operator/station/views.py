@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from uwsim.channels.cameras import compressed_image
@@ -193,7 +194,8 @@ class Views:
         """Return a picture at the camera's full size, and the result of `also` at the same time. Blocks."""
         snapshot, read = self._live.read(lambda sim: (view.camera.snapshot(), also(sim))).result()
         camera = view.camera.resized(view.camera.mount.width)
-        return self._pictures.submit(lambda: camera.capture(at=snapshot, threads=THREADS)).result(), read
+        capture = partial(camera.capture, at=snapshot, threads=THREADS, dark_below_ground=True)
+        return self._pictures.submit(capture).result(), read
 
     def _streams(self) -> Iterable[Stream]:
         return [stream for view in self._made for stream in (view.large, view.small)]
@@ -207,7 +209,7 @@ class Views:
 
         def make(snapshot: Any) -> None:
             begun_s = time.monotonic()
-            frame = camera.capture(at=snapshot, threads=THREADS)
+            frame = camera.capture(at=snapshot, threads=THREADS, dark_below_ground=True)
             message = compressed_image(frame.jpeg(quality), frame.time_ns, stream.frame_id)
             self._node.publish(stream.topic, message, frame.time_ns)
             if fit is not None:

@@ -1,0 +1,63 @@
+"""A camera's lens: its native ray table, its intrinsics, and the lens of its rectified pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.instruments.cameras.frame import CameraInfo
+from uwsim.scenario.build.camera import core_camera, intrinsic_matrix
+from uwsim.scenario.spec.camera import CameraMount
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Lens:
+    """The lens of a mount. The native camera is built on first use because computing its ray table takes time."""
+
+    name: str
+    mount: CameraMount
+
+    @cached_property
+    def core(self) -> _core.Camera:
+        """The native camera."""
+        return core_camera(self.name, self.mount)
+
+    @cached_property
+    def info(self) -> CameraInfo:
+        """The intrinsics. Those of a flat port are fitted, because no lens without one has them exactly."""
+        k, d = intrinsic_matrix(self.mount), np.array(self.mount.distortion)
+        if self.mount.port is not None:
+            k, d = _calibrated(k, self.core.ray_table())
+        p = np.hstack([k, np.zeros((3, 1))])
+        return CameraInfo(f"{self.name}_optical", self.mount.width, self.mount.height, "plumb_bob", d, k, np.eye(3), p)
+
+    @cached_property
+    def rectified(self) -> Lens:
+        """The pinhole with the projection matrix of `info`: without distortion and without a port."""
+        angle_rad = 2.0 * np.arctan(0.5 * self.mount.width / self.info.p[0, 0])
+        pinhole = {"horizontal_fov_deg": float(np.degrees(angle_rad)), "distortion": (0.0,) * 5, "port": None}
+        return Lens(self.name, self.mount.model_copy(update=pinhole))
+
+
+def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
+    """Return the K (3, 3) and k1 k2 p1 p2 k3 (5,) that fit rays in water best, as a calibration of distant points does.
+
+    A pixel's distance from the principal point, f (x' y'), is linear in f and in f times each coefficient.
+    """
+    step = max(1, max(rays.shape[:2]) // 64)
+    v, u = np.mgrid[0 : rays.shape[0] : step, 0 : rays.shape[1] : step]
+    x, y = rays[::step, ::step].reshape(-1, 2).astype(np.float64).T
+    r2 = x * x + y * y
+    across = [x, x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3]
+    down = [y, y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3]
+    from_centre = np.hstack([u.ravel() - k[0, 2], v.ravel() - k[1, 2]])
+    (focal, *scaled), *_ = np.linalg.lstsq(np.hstack([across, down]).T, from_centre, rcond=None)
+    fitted = k.copy()
+    fitted[0, 0] = fitted[1, 1] = focal
+    return fitted, np.array(scaled) / focal

@@ -1,0 +1,44 @@
+"""Rectification: the picture that a pinhole camera would have taken, from a distorted one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[np.uint8]:
+    """Return a picture (h, w, 3) through the pinhole with the projection matrix p (3, 4).
+
+    As ROS's image_proc and OpenCV's initUndistortRectifyMap do: each pixel of the result is interpolated linearly at
+    the place to which k (3, 3) and d (k1 k2 p1 p2 k3, Brown and Conrady) project its ray; black beyond the picture.
+    """
+    if not d.any() and np.array_equal(k, p[:, :3]):
+        return rgb
+    height, width = rgb.shape[:2]
+    u, v = project(*np.meshgrid(np.arange(width), np.arange(height)), k, d, p)
+    left, top = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
+    right_share, lower_share = (u - left)[..., None], (v - top)[..., None]
+    # A border of one black pixel stands for everything beyond the picture.
+    padded = np.pad(rgb.astype(np.float32), ((1, 1), (1, 1), (0, 0)))
+
+    def at(column: NDArray[np.int32], row: NDArray[np.int32]) -> NDArray[np.float32]:
+        return padded[np.clip(row + 1, 0, height + 1), np.clip(column + 1, 0, width + 1)]
+
+    upper = at(left, top) * (1 - right_share) + at(left + 1, top) * right_share
+    lower = at(left, top + 1) * (1 - right_share) + at(left + 1, top + 1) * right_share
+    return np.asarray(np.rint(upper * (1 - lower_share) + lower * lower_share), np.uint8)
+
+
+def project(
+    u: NDArray[np.int64], v: NDArray[np.int64], k: Floats, d: Floats, p: Floats
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return where rays through pixels (u, v) of the pinhole p are in the picture of a lens with k and d."""
+    k1, k2, p1, p2, k3 = d
+    x, y = (u - p[0, 2]) / p[0, 0], (v - p[1, 2]) / p[1, 1]
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+    bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+    return (k[0, 0] * bent_x + k[0, 2]).astype(np.float32), (k[1, 1] * bent_y + k[1, 2]).astype(np.float32)
