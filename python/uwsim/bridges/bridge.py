@@ -29,6 +29,9 @@ class Bridge:
     open_calls: maximum number of unanswered calls; None if the subclass limits them.
     """
 
+    peer = "a client"
+    """The kind of peer, as shown to a station's pilots."""
+
     def __init__(
         self,
         name: str,
@@ -116,9 +119,11 @@ class Bridge:
     def apply(self, channel: Channel, message: Any) -> None:
         """Apply a command. Raises ValueError or RuntimeError."""
         live = require_live(self.live)
+        if channel.rights is not None:
+            channel.rights.require(channel.name)
         channel.apply(live, message)
         if channel.watch is not None:
-            channel.watch.commanded(live, channel)
+            channel.watch.commanded(live, channel, self.peer)
 
     def receive(self, channel: Channel, data: bytes, decode: Callable[[bytes, str], Any]) -> None:
         """Decode a command and apply it, or call `refuse` with the error."""
@@ -152,5 +157,16 @@ class Bridge:
 
         Vital services have their own thread, so that no other call delays them. Raises ValueError or RuntimeError.
         """
+        require_live(self.live)
         lane = self._vital if service.is_vital else self._usual
-        lane.submit(partial(service.call, require_live(self.live), request), answer)
+        lane.submit(partial(self.respond, service, request), answer)
+
+    def respond(self, service: Service, request: dict[str, Any]) -> dict[str, Any]:
+        """Call a service on this thread, unless its caller has no right to command the vehicle; return the response."""
+        live = require_live(self.live)
+        try:
+            if service.rights is not None:
+                service.rights.require(service.name, request)
+        except ValueError as error:
+            return {"success": False, "message": str(error)}
+        return service.call(live, request)

@@ -11,6 +11,7 @@ from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
+    from uwsim.channels.rights import Rights
     from uwsim.channels.watchdog import Watchdog
 
 COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
@@ -59,7 +60,8 @@ class Channel:
     none. apply: for "in": called on any thread; must not block; raises ValueError for impossible commands. abandoned:
     for "in": called like `apply` when the last publisher has gone. idle: for "in": the message that stands for no
     command; `abandoned` applies it, and a channel with one is also abandoned after a time without a command. watch: the
-    vehicle's watchdog, for channels that steer. drops: counted by the sinks; /diagnostics reports it.
+    vehicle's watchdog, for channels that steer. rights: for channels that command a vehicle; bridges apply only what
+    they admit. drops: counted by the sinks; /diagnostics reports it.
     """
 
     name: str
@@ -83,6 +85,7 @@ class Channel:
     abandoned: Callable[[LiveSimulator], object] | None = None
     idle: Any = None
     watch: Watchdog | None = None
+    rights: Rights | None = None
     drops: Drops = field(default_factory=Drops, compare=False, repr=False)
 
     @property
@@ -97,6 +100,7 @@ class Service:
 
     call: receives the request as a dict of plain values and returns the response; may wait for steps. Raises
     ValueError, whose text is sent to the caller. is_vital: whether it must not wait for calls of other services.
+    rights: for services that command a vehicle; bridges make only the calls that they admit.
     """
 
     name: str
@@ -104,6 +108,7 @@ class Service:
     call: Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]
     description: str = ""
     is_vital: bool = False
+    rights: Rights | None = None
 
 
 def require_live(live: LiveSimulator | None) -> LiveSimulator:

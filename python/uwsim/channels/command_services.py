@@ -19,7 +19,7 @@ def command_services(source: Source, steering: Steering) -> list[Service]:
     return [
         Service(
             source.topic(command.name), command.service, answered(_given(source.name, command, steering)),
-            command.description, is_vital=command.is_vital,
+            command.description, is_vital=command.is_vital, rights=steering.rights,
         )
         for command in COMMANDS.values()
         if command.service

@@ -111,5 +111,7 @@ string[] member_ids
 string[] member_names
 string[] asking                # ids of members who request control
 string recording               # file being written; empty: none
+string driver                  # kind of client, other than the pilot, whose command is in effect; empty: none
+string lost_by                 # name of the pilot whose connection was lost, until control is taken; empty: none
 """,
 }

@@ -46,7 +46,12 @@ def vehicle_services(
     name, vehicle = source.name, source.of(sim)
     found = command_services(source, steering)
     for lamp in vehicle.lamps:
-        found.append(Service(source.topic(f"lights/{lamp}"), SET_BOOL, answered(_lamp(name, lamp)), "switch the lamps"))
+        found.append(
+            Service(
+                source.topic(f"lights/{lamp}"), SET_BOOL, answered(_lamp(name, lamp)), "switch the lamps",
+                rights=steering.rights,
+            )
+        )  # fmt: skip
     for camera in vehicle.cameras:
         found.append(stream_service(source.topic(f"camera/{camera}"), source.topic(camera), pictures))
     for sonar in vehicle.imaging_sonars:

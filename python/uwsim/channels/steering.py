@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.channels.rights import Rights
 from uwsim.channels.source import Source
 from uwsim.channels.watchdog import Watchdog
 from uwsim.live import LiveSimulator, Subscription
@@ -27,11 +28,13 @@ class Steering:
     """Applies the last effort, wrench or thruster command to a vehicle, or holds a velocity until the next command.
 
     Commands do not wait for the step at which they take effect; failures are logged. by_keys: whether the current
-    efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent.
+    efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent. rights: of clients
+    other than the station's pilot, shared by all vehicles.
     """
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, rights: Rights) -> None:
         self._source = source
+        self.rights = rights
         self._lock = threading.Lock()
         self._loop: Subscription | None = None
         self._stops = 0  # the gate's count of all stops when the loop began

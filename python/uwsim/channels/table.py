@@ -24,6 +24,7 @@ from uwsim.channels.pictures import Pictures
 from uwsim.channels.pings import Pings
 from uwsim.channels.plain_link import plain_link_channels
 from uwsim.channels.published import published_channels, station_picture
+from uwsim.channels.rights import Rights
 from uwsim.channels.scans import scan_channels
 from uwsim.channels.services import simulation_services, stream_service, vehicle_services
 from uwsim.channels.source import Source
@@ -78,7 +79,8 @@ class Table:
         self.maps = {
             source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
         }
-        self.steering = {source.name: Steering(source) for source in self.sources}
+        self.rights = Rights()
+        self.steering = {source.name: Steering(source, self.rights) for source in self.sources}
         self.channels: list[Channel] = self._published(sim) if wire != "standard" else []
         self.channels += self._standard(sim) if wire != "published" else []
         self.services: list[Service] = self._services(sim)
@@ -99,7 +101,7 @@ class Table:
         found = station_picture(self.pictures, sim, self.frame_prefix)
         for source in self.sources:
             pings, steering = self.pings.get(source.name), self.steering[source.name]
-            found += over_link(source, published_channels(source, sim, pings, self.pictures, steering))
+            found += self._vehicles(source, published_channels(source, sim, pings, self.pictures, steering))
         return found
 
     def _standard(self, sim: Simulator) -> list[Channel]:
@@ -107,8 +109,15 @@ class Table:
         found = frames.common_channels(self.sources, self.tf, self.frame_prefix)
         found += station_cameras(sim, self.pictures, self.frame_prefix)
         for source in self.sources:
-            found += over_link(source, self._standard_of(source, sim))
+            found += self._vehicles(source, self._standard_of(source, sim))
         return found
+
+    def _vehicles(self, source: Source, channels: list[Channel]) -> list[Channel]:
+        """Return a vehicle's channels such that they respect its link, and who may command it."""
+        return [
+            replace(channel, rights=self.rights) if channel.direction == "in" else channel
+            for channel in over_link(source, channels)
+        ]
 
     def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
         found = frames.vehicle_channels(source, self.tf) + estimate_channels(source, self.tf)

@@ -23,18 +23,25 @@ class Watchdog:
     A channel's command is in effect until a command of another kind replaces it. If the channel receives no further
     command for timeout_s simulated seconds, or loses its last publisher, its `abandoned` is called. timeout_s: returns
     the limit; 0: commands are held in both cases. Commands of channels without a limit, such as the published wire's,
-    are never ended by silence.
+    are never ended by silence. driver: the kind of client whose command is in effect, such as "a rosbridge client".
     """
 
     def __init__(self, timeout_s: Callable[[Simulator], float]) -> None:
         self._timeout_s = timeout_s
         self._lock = threading.Lock()
         self._since_ns: dict[str, tuple[Channel, int]] = {}  # time of the last command, by channel in effect
+        self._driver = ""
         self._checks: Subscription | None = None
 
-    def commanded(self, live: LiveSimulator, channel: Channel) -> None:
-        """Note that a channel's command has been applied, on any thread."""
+    @property
+    def driver(self) -> str:
+        """The kind of client whose command is in effect; "" if none is."""
+        return self._driver if self._since_ns else ""
+
+    def commanded(self, live: LiveSimulator, channel: Channel, driver: str = "a client") -> None:
+        """Note that a channel's command, from this kind of client, has been applied, on any thread."""
         with self._lock:
+            self._driver = driver
             together = channel.name.endswith(TOGETHER)
             self._since_ns = {
                 name: entry for name, entry in self._since_ns.items() if together and name.endswith(TOGETHER)

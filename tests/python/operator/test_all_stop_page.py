@@ -21,15 +21,17 @@ def browser():
 
 def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(browser, tmp_path):
     with desk(browser, tmp_path, "pool") as here, connect(here.url.replace("http", "ws", 1)) as other:
-        page = here.fly()
-        when(page, "station.station.isPilot")
-        page.click("#dock")
-        until(lambda: here.rov.released, "the release")
-        assert page.is_hidden("#stopped")
+        other.send(json.dumps({"op": "call_service", "service": "/release"}))
         other.send(json.dumps({"op": "publish", "topic": "/key", "msg": AHEAD}))
-        until(lambda: here.effort("surge") == 1.0, "the other client's effort")
+        until(lambda: here.rov.released and here.effort("surge") == 1.0, "the other client's effort")
+        page = here.open()
+        when(page, "globalThis.station?.telemetry.message")
+        assert page.inner_text("#lease") == "A rosbridge client drives: take the controls"
+        judge(page, "another client drives")
+        assert page.is_hidden("#stopped")
         page.keyboard.press("x")
         until(lambda: here.rov.all_stopped and not here.rov.effort.any(), "all stop")
+        page.click("#lease")
         page.wait_for_selector("#end-stop:not([disabled])")
         page.wait_for_selector("#all-stop[aria-pressed=true]")
         assert "nothing moves the vehicle" in page.inner_text("#stopped")
@@ -38,8 +40,9 @@ def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(browser,
         page.screenshot(path=tmp_path / "stopped.png")
 
         other.send(json.dumps({"op": "publish", "topic": "/key", "msg": AHEAD}))
-        status = json.loads(other.recv(timeout=10))
-        assert status["op"] == "status" and "all stop is set" in status["msg"]
+        while (status := json.loads(other.recv(timeout=10)))["op"] != "status":
+            pass
+        assert "has the controls" in status["msg"]
         page.keyboard.down("w")
         page.keyboard.press("x")  # a second press does not release it
         page.wait_for_timeout(500)

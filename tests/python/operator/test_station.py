@@ -81,6 +81,42 @@ def test_one_flies_and_the_other_watches_until_the_controls_are_handed_over(pool
         assert not ada.call("drive", vehicle="rov", surge=1.0)["success"]
 
 
+def test_one_hand_at_a_time_and_all_see_whose_it_is():
+    """While a pilot has the controls, other clients of the same server command no vehicle; all may stop it."""
+    ahead = {"position": {"x": 1.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0}}
+    with serving() as (station, server), page(server, "Ada") as ada, page(server, "a program") as other:
+        station.start({"scenario": "pool"})
+        live = station.running.live
+
+        def ask(service, **args):
+            other.send("call_service", service=service, args=args, id=service)
+            return other.next(lambda o: o.get("id") == service)["values"]
+
+        other.subscribe("/station/state")
+        other.send("publish", topic="/key", msg=ahead)
+        assert other.message("/station/state", lambda s: s["driver"])["driver"] == "a rosbridge client"
+        assert live.rov.effort[0] == 1.0
+        assert ada.call("take_control")["success"]
+        other.message("/station/state", lambda s: s["pilot"] == ada.id and s["driver"] == "")
+        live.read(lambda sim: None).result()
+        assert not live.rov.effort.any()
+
+        commands = [entry for entry in live.log if entry.name != "start_navigation"]
+        for topic, msg in (("/key", ahead), ("/cmd_vel", {"linear": {"x": 1.0}}), ("/cmd_tilt", {"data": 0.1})):
+            other.send("publish", topic=topic, msg=msg)
+            assert "Ada has the controls" in other.next(lambda o: o["op"] == "status")["msg"]
+        for service, args in (("/release", {}), ("/lights/front", {"data": True}), ("/all_stop", {"data": False})):
+            answer = ask(service, **args)
+            assert not answer["success"] and "Ada has the controls" in answer["message"], service
+        assert [entry for entry in live.log if entry.name != "start_navigation"] == commands
+        assert ask("/simulation/pause")["success"] and ask("/simulation/resume")["success"]
+        assert ask("/all_stop", data=True)["success"] and live.rov.all_stopped
+
+        ada.socket.close()
+        assert other.message("/station/state", lambda s: not s["pilot"])["lost_by"] == "Ada"
+        assert ask("/all_stop", data=False)["success"] and ask("/release")["success"] and live.rov.released
+
+
 def test_a_lost_connection_ends_the_efforts_and_frees_the_controls(pool):
     station, server = pool
     live = station.running.live

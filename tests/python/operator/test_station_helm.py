@@ -13,9 +13,9 @@ def test_one_has_the_controls_and_hands_them_over():
     lease = Lease()
     for client in "abc":
         lease.join(client, f"pilot {client}")
-    lease.take("a")
+    lease.take("a", 0.0)
     with pytest.raises(ValueError, match="pilot a has the controls"):
-        lease.take("b")
+        lease.take("b", 0.0)
     assert (lease.pilot, lease.asking) == ("a", ["b"])
     with pytest.raises(ValueError, match="pilot a"):
         lease.hand_over("b", "c")
@@ -28,10 +28,26 @@ def test_one_has_the_controls_and_hands_them_over():
     with pytest.raises(ValueError, match="nobody has the controls"):
         lease.require_pilot("c")
     with pytest.raises(ValueError, match="join first"):
-        lease.take("a")
+        lease.take("a", 0.0)
     for name in ("", " ", "x" * 41, "a\nb", None):
         with pytest.raises(ValueError, match="printable"):
             lease.join("a", name)
+
+
+def test_a_name_asks_the_pilot_no_more_than_twice_a_minute_whatever_its_connections():
+    lease = Lease()
+    lease.join("a", "Ada")
+    lease.take("a", 0.0)
+    for k in range(5):
+        lease.join(f"b{k}", "Bob")
+        with pytest.raises(ValueError, match="your wish is shown there" if k == 0 else f"ask again in {30 - k} s"):
+            lease.take(f"b{k}", float(k))
+        assert lease.asking == (["b0"] if k == 0 else [])
+        lease.leave(f"b{k}")
+    lease.join("b9", "Bob")
+    with pytest.raises(ValueError, match="your wish is shown there"):
+        lease.take("b9", 30.0)
+    assert lease.asking == ["b9"]
 
 
 def test_age_is_what_a_message_lost_on_its_way_whatever_the_clocks():

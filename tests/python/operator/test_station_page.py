@@ -11,6 +11,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from browser import chromium, desk, until, when
+from relay import Relay
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
@@ -115,18 +116,31 @@ def test_nothing_overflows_a_phone(running):
         assert box and box["x"] >= 0 and box["x"] + box["width"] <= 400, part
 
 
-def test_one_flies_and_hands_over(running):
+def test_one_flies_and_hands_over(running, tmp_path):
     first = running.fly()
     when(first, "station.station.isPilot")
     second = running.fly()
     assert "flies" in second.inner_text("#lease")
     second.keyboard.down("w")
+    second.wait_for_selector("#hint:not([hidden])")
+    assert "flies" in second.inner_text("#hint")
     second.wait_for_timeout(400)
     assert running.effort("surge") == 0.0  # viewers cannot control the vehicle
     second.keyboard.up("w")
+
+    first.keyboard.down("w")
+    until(lambda: running.effort("surge") == 0.5, "the pilot's effort")
+    assert "Docked" in first.inner_text("#hint") and "(R)" in first.inner_text("#hint")
+    when(first, "station.telemetry.message.efforts[0] === 0.5")
+    shown = first.locator(".bars").first.locator("output").all_inner_texts()
+    assert set(shown) == {"0"}  # the thrusters are off
     second.click("#lease")
-    first.wait_for_selector("#handover-dialog[open]")
-    first.click("text=Hand over >> nth=-1")
+    first.wait_for_selector("#offer:not([hidden])")
+    judge(first, "a request")
+    first.screenshot(path=tmp_path / "asked.png")
+    assert first.locator("dialog[open]").count() == 0 and running.effort("surge") == 0.5  # the keys still act
+    first.keyboard.up("w")
+    first.click("#offer >> text=Hand over")
     when(second, "station.station.isPilot")
     when(first, "!station.station.isPilot")
     second.keyboard.down("w")
@@ -148,6 +162,36 @@ def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkey
     second.click("#lease")
     when(second, "station.station.isPilot")
     second.wait_for_selector("#banner", state="hidden")
+
+
+def test_a_pilot_whose_network_freezes_sees_it_and_may_take_the_controls_back(running, tmp_path):
+    port = int(running.url.rpartition(":")[2])
+    with Relay(port) as relay:
+        direct, running.url = running.url, relay.url
+        page = running.fly()
+        when(page, "station.station.isPilot")
+        page.evaluate("() => { AudioContext.prototype.createOscillator = () => { window.beeped = true; throw 0; }; }")
+        page.keyboard.down("w")
+        until(lambda: running.effort("surge") == 0.5, "an effort")
+        relay.is_frozen = True
+        page.wait_for_selector("#banner:not([hidden])")
+        until(lambda: re.search(r"Nothing has arrived for [2-9] s", page.inner_text("#banner")), "the seconds")
+        assert page.inner_text("#lease") == "Controls lost"
+        assert not page.evaluate("station.station.isPilot || station.pilot.isHeld")
+        page.wait_for_selector(".panel .is-stale dd")
+        when(page, "getComputedStyle(document.querySelector('#views')).filter === 'grayscale(1)' && window.beeped")
+        judge(page, "frozen")
+        page.screenshot(path=tmp_path / "frozen.png")
+        until(lambda: running.effort("surge") == 0.0, "the vehicle's own stop")
+        relay.cut()
+        until(lambda: not running.station.lease.pilot, "the lost connection")
+        relay.is_frozen = False
+        page.wait_for_selector("#offer:not([hidden])")
+        assert "You had the controls" in page.inner_text("#offer")
+        running.url = direct
+        assert "lost the connection" in running.open().wait_for_selector("#lease:has-text('take')").inner_text()
+        page.click("#offer >> text=Take them back")
+        when(page, "station.station.isPilot && !document.querySelector('.is-blind, #offer:not([hidden])')")
 
 
 @pytest.mark.parametrize(
@@ -271,10 +315,12 @@ def test_buttons_act_and_values_grey(running, tmp_path):
     assert files[".png"].startswith(b"\x89PNG") and json.loads(files[".json"])
     assert files[".webm"].startswith(b"\x1a\x45\xdf\xa3") and files[".csv"].startswith(b"time_s,east_m")
     session = page.evaluate("station.station.state.session")
+    page.evaluate("station.scene.camera.position.set(500, 500, 500), station.scene.controls.target.set(400, 400, 400)")
     page.keyboard.press("Escape")
     page.click("text=Restart from the beginning")
     when(page, f"station.station.state.session > {session} && station.telemetry.message?.released === false")
     when(page, "!document.querySelector('.panel .is-stale')")
+    when(page, "station.scene.controls.target.distanceTo(station.scene.vessels.get('rov').group.position) < 1")
     page.evaluate("station.station.bridge.close()")
     when(page, "document.querySelector('.panel .is-stale dd')")
     assert "trying again" in page.inner_text("#banner")

@@ -54,6 +54,8 @@ class FoxgloveServer(Bridge):
     other machines can connect.
     """
 
+    peer = "a Foxglove client"
+
     def __init__(
         self,
         live: LiveSimulator | None,

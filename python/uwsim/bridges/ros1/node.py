@@ -37,6 +37,8 @@ class Ros1Node(Bridge):
     recording, which accepts no commands. Raises ValueError without rospy or a master.
     """
 
+    peer = "a ROS 1 node"
+
     def __init__(
         self,
         live: LiveSimulator | None,

@@ -11,7 +11,7 @@ from typing import Any
 from uwsim.bridges.answers import outcome
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros1.raw_types import raw_type
-from uwsim.channels import Service, require_live
+from uwsim.channels import Service
 
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 CHECKSUMS = {TRIGGER: "937c9679a518e3a18d831e57125ea522", SET_BOOL: "09fb03525b03e7ea1fd3992bafd87e16"}
@@ -20,16 +20,16 @@ ANSWER_TEXT = "bool success\nstring message\n"
 
 def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
     """Register a ROS service handled on rospy's threads; return the rospy.Service or Subscriber that owns it."""
-    name, live = f"/{service.name}", require_live(bridge.live)
+    name = f"/{service.name}"
 
     def answer(request: Any) -> Any:
         arguments = {"data": request.on} if service.type == SET_BOOL else {}
-        succeeded, found = outcome(lambda: service.call(live, arguments), bridge.log)
+        succeeded, found = outcome(lambda: bridge.respond(service, arguments), bridge.log)
         values = found if succeeded else {"success": False, "message": found}
         return _parts(service.type)[2](bool(values["success"]), str(values.get("message", "")))
 
     def report(received: Any) -> None:
-        succeeded, found = outcome(lambda: service.call(live, _request(received.data)), bridge.log)
+        succeeded, found = outcome(lambda: bridge.respond(service, _request(received.data)), bridge.log)
         if succeeded:
             rospy.loginfo(f"{name}: {json.dumps(found, default=str)}")
         else:

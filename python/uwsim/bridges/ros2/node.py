@@ -50,6 +50,8 @@ class Ros2Node(Bridge):
     not allow, and OSError if the domain cannot be joined.
     """
 
+    peer = "a ROS 2 node"
+
     def __init__(
         self,
         live: LiveSimulator | None,

@@ -45,6 +45,8 @@ class RosbridgeClient(Bridge):
     ValueError.
     """
 
+    peer = "a client of the rosbridge server"
+
     def __init__(
         self,
         live: LiveSimulator,

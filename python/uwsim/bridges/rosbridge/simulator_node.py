@@ -30,6 +30,8 @@ WAITING = 10  # times a topic's usual queue, since one client may keep the netwo
 class SimulatorNode(Bridge):
     """Connects a live simulator's channels and services, or a recording's channels, to a graph on its event loop."""
 
+    peer = "a rosbridge client"
+
     def __init__(
         self,
         live: LiveSimulator | None,

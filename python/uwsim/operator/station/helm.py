@@ -20,6 +20,7 @@ SILENCE_S = 0.5
 RETRY_S = 0.05  # delay before setting efforts to zero is attempted again
 WINDOW_S = 30.0
 ZERO = dict.fromkeys(AXES, 0.0)
+UNKNOWN: dict[str, float] = {}  # set by another client
 
 
 class LeastDelay:
@@ -101,9 +102,15 @@ class Helm:
             return max(left_s, RETRY_S) if is_held else math.inf
 
     def let_go(self) -> None:
-        """Set efforts to zero now, and reset the delay estimate, since another pilot has another clock."""
+        """Set efforts to zero now, including those of clients other than the pilot, because the pilot changes.
+
+        The delay estimate is reset, too, since another pilot has another clock.
+        """
         with self._lock:
             self._delay = LeastDelay()
+            for vehicle, steering in self._steering.items():
+                if steering.watch.driver:
+                    self._efforts[vehicle] = UNKNOWN
             self._zero()
 
     def _zero(self) -> None:

@@ -160,6 +160,7 @@ class Station:
         try:
             self._enter("starting")
             running = Running(make(), self.node, self._pulse.stir, feed=feed, **self._options)
+            running.table.rights.pilot = lambda: self.lease.pilot_name
             prepare(running)
             self._leave_present()
             self.node.offer_topics(self._topics(running))

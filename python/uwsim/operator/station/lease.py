@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 NAME_MAX = 40
+ASK_AGAIN_S = 30.0
+"""How often a name may request the controls, on whatever connections, so that a watcher cannot disturb the pilot."""
 
 
 class Lease:
     """The members of a station, by connection, and which of them is the pilot. pilot: "" for none.
 
-    asking: members who have requested the controls, in order.
+    asking: members who have requested the controls, in order. lost_by: name of the pilot whose connection was lost,
+    until control is taken; "" otherwise.
     """
 
     def __init__(self) -> None:
         self.members: dict[str, str] = {}
         self.pilot = ""
         self.asking: list[str] = []
+        self.lost_by = ""
+        self._asked_s: dict[str, float] = {}  # by name
+
+    @property
+    def pilot_name(self) -> str:
+        """The pilot's name, or "" for none."""
+        return self.members.get(self.pilot, "")
 
     def join(self, client: str, name: object) -> None:
         """Register a connection as a named member. Raises ValueError."""
@@ -24,24 +34,24 @@ class Lease:
 
     def leave(self, client: str) -> bool:
         """Remove a closed connection; return whether it was the pilot's."""
-        self.members.pop(client, None)
+        name = self.members.pop(client, "")
         if client in self.asking:
             self.asking.remove(client)
         was_pilot = client == self.pilot
         if was_pilot:
-            self.pilot = ""
+            self.pilot, self.lost_by = "", name
         return was_pilot
 
-    def take(self, client: str, *, is_silent: bool = False) -> None:
+    def take(self, client: str, now_s: float, *, is_silent: bool = False) -> None:
         """Give the controls to a member if they are free, or if the pilot's connection seems dead (is_silent).
 
         Otherwise record the request and raise ValueError.
         """
         self._require_member(client)
         if self.pilot not in ("", client) and not is_silent:
-            if client not in self.asking:
-                self.asking.append(client)
-            raise ValueError(f"{self.members[self.pilot]} has the controls; your wish is shown there")
+            wait_s = self._ask(client, now_s)
+            note = f"you may ask again in {wait_s:.0f} s" if wait_s > 0 else "your wish is shown there"
+            raise ValueError(f"{self.pilot_name} has the controls; {note}")
         self._give(client)
 
     def hand_over(self, client: str, to: object) -> None:
@@ -54,11 +64,23 @@ class Lease:
     def require_pilot(self, client: str) -> None:
         """Raise ValueError unless this connection has the controls."""
         if client != self.pilot or not client:
-            who = f"{self.members[self.pilot]} has the controls" if self.pilot else "nobody has the controls: take them"
+            who = f"{self.pilot_name} has the controls" if self.pilot else "nobody has the controls: take them"
             raise ValueError(who)
 
+    def _ask(self, client: str, now_s: float) -> float:
+        """Record a request, unless its name has made one recently; return the time [s] until it may."""
+        if client in self.asking:
+            return 0.0
+        self._asked_s = {name: at_s for name, at_s in self._asked_s.items() if now_s - at_s < ASK_AGAIN_S}
+        name = self.members[client]
+        if name in self._asked_s:
+            return self._asked_s[name] + ASK_AGAIN_S - now_s
+        self._asked_s[name] = now_s
+        self.asking.append(client)
+        return 0.0
+
     def _give(self, client: str) -> None:
-        self.pilot = client
+        self.pilot, self.lost_by = client, ""
         if client in self.asking:
             self.asking.remove(client)
 

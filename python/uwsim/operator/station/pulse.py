@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
 
 STATE = "station/state"
-STATE_S = 0.5
+STATE_S = 0.5  # even if nothing has changed: a page that receives nothing for 1.5 s suspects its network
 SILENT_S = 1.5  # silence of the pilot, who is pinged every second, from which it is reported
 LOGGER = logging.getLogger("uwsim.operator.station")
 
@@ -31,7 +31,6 @@ class Pulse:
         self._stirred = threading.Event()
         self._is_changed = self._is_closing = False
         self._told_s = -math.inf
-        self._said: Values = {}
         self._thread = threading.Thread(target=self._run, name="uwsim-station", daemon=True)
 
     def start(self) -> None:
@@ -81,11 +80,8 @@ class Pulse:
     def _tell_state(self, running: Running | None) -> None:
         if running is not None:
             running.notice_changes()
-        state = self._state(running)
-        if state != self._said:
-            self._said = state
-            time_ns = 0 if running is None else running.live.time_ns
-            self._station.node.publish(STATE, message(STATION_STATE, **state), time_ns)
+        time_ns = 0 if running is None else running.live.time_ns
+        self._station.node.publish(STATE, message(STATION_STATE, **self._state(running)), time_ns)
 
     def _state(self, running: Running | None) -> Values:
         station, lease = self._station, self._station.lease
@@ -98,6 +94,8 @@ class Pulse:
             "member_ids": list(lease.members),
             "member_names": list(lease.members.values()),
             "asking": list(lease.asking),
+            "driver": "" if running is None else running.driver,
+            "lost_by": lease.lost_by,
             "recording": "" if running is None or running.recorder is None else running.recorder.path.name,
         }
         return state if running is None else state | _progress(running)

@@ -75,6 +75,11 @@ class Running:
         self._described = sim.parameters.scenario
         self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of each view
 
+    @property
+    def driver(self) -> str:
+        """The kind of client, other than the pilot, whose command is in effect; "" for none."""
+        return next((name for each in self.table.steering.values() if (name := each.watch.driver)), "")
+
     def start(self) -> None:
         """Start stepping the simulator and building the map."""
         if not self.live.running:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
@@ -54,7 +55,8 @@ class Services:
     def _take_control(self, caller: str, request: Values) -> Values:
         self._station.tell()
         if self._station.lease.pilot != caller:
-            self._station.lease.take(caller, is_silent=self._station.node.silence_s(self._station.lease.pilot) > DEAD_S)
+            is_silent = self._station.node.silence_s(self._station.lease.pilot) > DEAD_S
+            self._station.lease.take(caller, time.monotonic(), is_silent=is_silent)
             self._station.let_go()
         return {"success": True, "message": ""}
 

@@ -6,6 +6,7 @@ import { showKeys } from './dialogs/keys.js';
 import { showMenu } from './dialogs/menu.js';
 import { byId, toast, write } from './dom.js';
 import { Bindings } from './drive/bindings.js';
+import { explainIdleKeys } from './drive/hint.js';
 import { Lease } from './drive/lease.js';
 import { Pilot } from './drive/pilot.js';
 import { Panel } from './panel/panel.js';
@@ -39,6 +40,7 @@ const panel = new Panel(byId('panel'), station, telemetry, pilot);
 panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
 const recorder = new Recorder(station, telemetry, views);
 const lease = new Lease(station);
+explainIdleKeys(station, telemetry, pilot, bindings);
 const start = new StartScreen(station);
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
@@ -84,6 +86,7 @@ station.addEventListener('state', () => {
 });
 station.addEventListener('close', showBanner);
 station.addEventListener('open', showBanner);
+setInterval(() => station.isBlind && showBanner(), 500);
 station.addEventListener('trouble', (event) => toast(event.detail, 'error'));
 station.addEventListener('session', begin);
 station.addEventListener('description', describe);
@@ -213,17 +216,22 @@ function openMenu() {
 }
 
 function showBanner() {
-  const { connected, state } = station;
+  const { connected, state, isSilent, isBlind } = station;
+  const seconds = Number.isFinite(station.silence_s) ? ` for ${Math.floor(station.silence_s)} s` : '';
+  const left = station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.';
+  byId('station').classList.toggle('is-blind', isBlind);
   const text = !connected
-    ? `Not connected to ${new URL(station.bridge.url, location.href).host}; trying again.${station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.'}`
-    : state.error
-      ? `The simulation stopped: ${state.error}`
-      : station.pilotSilence > 0
-        ? `${station.nameOf(state.pilot)} has been silent for ${Math.round(station.pilotSilence)} s: efforts are zero.`
-        : '';
+    ? `Not connected to ${new URL(station.bridge.url, location.href).host}${seconds}; trying again.${left}`
+    : isSilent
+      ? `Nothing has arrived${seconds}: what you see is old.${station.flew ? ' Your keys do nothing.' : ''}${left}`
+      : state.error
+        ? `The simulation stopped: ${state.error}`
+        : station.pilotSilence > 0
+          ? `${station.nameOf(state.pilot)} has been silent for ${Math.round(station.pilotSilence)} s: efforts are zero.`
+          : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';
-  byId('banner').dataset.kind = connected && !state.error ? 'silence' : '';
+  byId('banner').dataset.kind = isBlind || state.error ? '' : 'silence';
 }
 
 globalThis.station = { station, telemetry, pilot, views, scene, panel, bindings, recorder }; // for the browser's console and tests

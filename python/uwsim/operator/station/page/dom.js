@@ -47,6 +47,9 @@ export async function attempt(promise, done = '') {
   }
 }
 
+// 'a rosbridge client' as the beginning of a sentence.
+export const capital = (text) => text.replace(/^./, (letter) => letter.toUpperCase());
+
 export const fixed = (value, digits) =>
   Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1') : '–';
 

@@ -42,8 +42,8 @@ export class Telemetry extends EventTarget {
 
   // Whether the values are older than they should be.
   get isStale() {
-    const { state, connected } = this.station;
-    if (!this.message || !connected) return true;
+    const { state, isBlind } = this.station;
+    if (!this.message || isBlind) return true;
     if (state.paused) return false;
     const slow = state.factor > 0 && state.factor < 1 ? 1 / state.factor : 1;
     return (

@@ -1,57 +1,96 @@
-// Shows who has the controls, with a button that takes them, requests them or hands them over.
-import { attempt, byId, el, write } from '../dom.js';
+// Shows who drives, with a button that takes the controls, requests them or hands them over, and a chip for offers.
+import { attempt, byId, capital, el, write } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
 
 export class Lease {
-  #offered = -1; // the session whose controls this page has tried to take by itself
-  #refused = new Set(); // requests that the pilot has seen
+  #tried = -1; // the session whose controls this page has tried to take by itself
+  #dismissed = new Set(); // offers that the pilot has put away
+  #offered = ''; // the key of the displayed offer
 
   constructor(station) {
     this.station = station;
     this.button = byId('lease');
+    this.offer = byId('offer');
     this.button.addEventListener('click', () => this.#press());
     station.addEventListener('state', () => this.show());
     station.addEventListener('close', () => this.show());
   }
 
   show() {
-    const {
-      station: { state, id, isPilot, connected },
-    } = this;
-    const asks = state.asking.filter((member) => member !== id);
-    const text = !connected
-      ? 'Not connected'
-      : isPilot
-        ? asks.length
-          ? `${this.station.nameOf(asks[0])} asks for the controls`
-          : 'You fly'
-        : state.pilot === ''
-          ? 'Take the controls'
-          : this.station.pilotSilence > 0
-            ? `${this.station.nameOf(state.pilot)} is silent: take over`
-            : state.asking.includes(id)
-              ? `Asked ${this.station.nameOf(state.pilot)}`
-              : `${this.station.nameOf(state.pilot)} flies`;
-    write(this.button, text);
-    this.button.dataset.mine = isPilot
-      ? asks.length
-        ? 'asked'
-        : 'yes'
-      : this.station.pilotSilence > 0
-        ? 'silent'
-        : 'no';
-    this.button.disabled = !connected;
-    const wish = asks.find((member) => !this.#refused.has(member));
-    if (isPilot && wish && !document.querySelector('dialog[open]')) this.#offer(wish);
-    for (const member of this.#refused) if (!state.asking.includes(member)) this.#refused.delete(member);
+    const { station } = this;
+    write(this.button, this.#text());
+    this.button.dataset.mine = station.isPilot ? 'yes' : station.isSilent || this.#isUnsettled ? 'silent' : 'no';
+    this.button.disabled = station.isBlind;
+    this.#showOffer();
   }
 
-  // The first page of a session flies it; a page that gives the controls away does not get them back by itself.
+  // The first page of a session flies it, unless another client drives or a pilot has just lost the connection. A page
+  // that gives the controls away does not get them back by itself.
   takeOnce() {
-    const { state, id, description } = this.station;
-    if (id === '' || this.#offered === description.session) return;
-    this.#offered = description.session;
-    if (state.pilot === '') this.station.takeControl().catch(() => null);
+    const { state, id, description, isBlind } = this.station;
+    if (id === '' || isBlind || this.#tried === description.session) return;
+    this.#tried = description.session;
+    const isFree = state.pilot === '' && !state.driver && (!state.lost_by || state.lost_by === this.station.name);
+    if (isFree) this.station.takeControl().catch(() => null);
+  }
+
+  get #isUnsettled() {
+    const { state, pilotSilence } = this.station;
+    return pilotSilence > 0 || (state.pilot === '' && Boolean(state.driver || state.lost_by));
+  }
+
+  #text() {
+    const { station } = this;
+    const { state } = station;
+    const pilot = station.nameOf(state.pilot);
+    if (!station.connected) return 'Not connected';
+    if (station.isSilent) return station.flew ? 'Controls lost' : 'No data';
+    if (station.isPilot) return 'You fly';
+    if (state.pilot === '') {
+      if (state.driver) return `${capital(state.driver)} drives: take the controls`;
+      return state.lost_by ? `${state.lost_by} lost the connection: take the controls` : 'Take the controls';
+    }
+    if (station.pilotSilence > 0) return `${pilot} is silent: take over`;
+    return state.asking.includes(station.id) ? `Asked ${pilot}` : `${pilot} flies`;
+  }
+
+  // The offer to be shown: what is offered, and by which button. It takes no focus and releases no key.
+  #wanted() {
+    const { station } = this;
+    const { asking } = station.state;
+    for (const key of this.#dismissed) if (key && !asking.includes(key)) this.#dismissed.delete(key);
+    if (!station.flew) this.#dismissed.delete('');
+    const asks = asking.find((member) => member !== station.id && !this.#dismissed.has(member));
+    if (station.isPilot && asks)
+      return { key: asks, text: `${station.nameOf(asks)} asks for the controls`, button: this.#to(asks, 'Hand over') };
+    if (!station.mayTakeBack || this.#dismissed.has('')) return null;
+    const take = () => attempt(station.takeControl());
+    return {
+      key: '',
+      text: 'You had the controls',
+      button: el('button', { type: 'button', className: 'primary', onclick: take }, 'Take them back'),
+    };
+  }
+
+  #showOffer() {
+    const wanted = this.#wanted();
+    this.offer.hidden = wanted === null;
+    const text = wanted?.text ?? '';
+    if (text === this.#offered) return;
+    this.#offered = text;
+    if (!wanted) {
+      this.offer.replaceChildren();
+      return;
+    }
+    const dismiss = () => {
+      this.#dismissed.add(wanted.key);
+      this.show();
+    };
+    this.offer.replaceChildren(
+      el('span', {}, text),
+      wanted.button,
+      el('button', { type: 'button', 'aria-label': 'Dismiss', onclick: dismiss }, '✕'),
+    );
   }
 
   async #press() {
@@ -61,18 +100,18 @@ export class Lease {
       return;
     }
     const others = state.member_ids.filter((member) => member !== id);
-    this.#open('Hand over the controls', others.length ? 'To whom?' : 'Nobody else watches.', [
-      ...others.map((member) => this.#to(member, this.station.nameOf(member))),
-      this.#to('', 'Nobody: let the vehicle rest'),
-    ]);
-  }
-
-  #offer(member) {
-    this.#refused.add(member);
-    this.#open(`${this.station.nameOf(member)} asks for the controls`, 'Your keys are let go while you decide.', [
-      this.#to(member, 'Hand over'),
-      el('button', { type: 'button', onclick: (event) => event.target.closest('dialog').close() }, 'Keep flying'),
-    ]);
+    openDialog(
+      byId('handover-dialog'),
+      'Hand over the controls',
+      el('p', {}, others.length ? 'To whom?' : 'Nobody else watches.'),
+      el('hr'),
+      el(
+        'div',
+        { className: 'stack' },
+        ...others.map((member) => this.#to(member, this.station.nameOf(member))),
+        this.#to('', 'Nobody: let the vehicle rest'),
+      ),
+    );
   }
 
   #to(member, text) {
@@ -81,21 +120,11 @@ export class Lease {
       {
         type: 'button',
         onclick: (event) => {
-          event.target.closest('dialog').close();
+          event.target.closest('dialog')?.close();
           attempt(this.station.handOver(member));
         },
       },
       text,
-    );
-  }
-
-  #open(title, text, buttons) {
-    openDialog(
-      byId('handover-dialog'),
-      title,
-      el('p', {}, text),
-      el('hr'),
-      el('div', { className: 'stack' }, ...buttons),
     );
   }
 }

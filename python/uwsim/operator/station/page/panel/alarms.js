@@ -9,10 +9,13 @@ const LAMPS = {
   collision: { title: 'Collision', level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
+const SILENCE = { beep: [300, 0.4], period_ms: 1000 }; // nothing arrives from the simulator
+
 export class Alarms {
   #audio = null;
   #beepedMs = {};
   #lamps = {};
+  #isMuted = false;
 
   constructor() {
     for (const [name, { title }] of Object.entries(LAMPS)) {
@@ -36,14 +39,24 @@ export class Alarms {
       el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
     );
     this.isLoud = false;
-    this.setSound(localStorage.getItem(STORED) === 'on');
+    this.#showSound(localStorage.getItem(STORED));
   }
 
   setSound(isLoud) {
-    this.isLoud = isLoud;
     localStorage.setItem(STORED, isLoud ? 'on' : 'off');
-    this.button.setAttribute('aria-pressed', String(isLoud));
-    write(this.button, isLoud ? 'Sound on' : 'Sound off');
+    this.#showSound(isLoud ? 'on' : 'off');
+  }
+
+  // Warn a pilot that nothing arrives any more: also with the sound as it is by default, but not if it was switched off.
+  warnOfSilence() {
+    if (!this.#isMuted) this.#beep('silence', SILENCE.beep, SILENCE.period_ms);
+  }
+
+  #showSound(stored) {
+    this.isLoud = stored === 'on';
+    this.#isMuted = stored === 'off';
+    this.button.setAttribute('aria-pressed', String(this.isLoud));
+    write(this.button, this.isLoud ? 'Sound on' : 'Sound off');
   }
 
   show(message, isStale) {

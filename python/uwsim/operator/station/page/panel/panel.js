@@ -152,11 +152,12 @@ export class Panel {
     const { message, isStale, lag_s } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
     this.alarms.show(message, isStale);
+    if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
     this.allStop.show(message, isStale);
     this.failsafe.show(message, isStale);
     write(
       this.age,
-      !message ? 'waiting' : !this.station.connected ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
+      !message ? 'waiting' : this.station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
     );
     if (!message) return;
     for (const [element, read, tip] of this.#values) {
@@ -164,7 +165,8 @@ export class Panel {
       if (tip) element.title = tip(message);
     }
     write(this.kind, estimateText(message));
-    this.thrusters.show(this.hasThrusters ? message.thrusters : message.efforts);
+    const isOff = !message.released || message.battery <= 0; // then a commanded effort moves nothing
+    this.thrusters.show(isOff ? [] : this.hasThrusters ? message.thrusters : message.efforts);
     const percent = Math.max(0, Math.min(100, message.battery));
     this.battery.style.width = `${percent}%`;
     this.meter.dataset.level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';

@@ -187,7 +187,7 @@ export class Views extends EventTarget {
   }
 
   #look() {
-    const { connected, state } = this.station;
+    const { isBlind, state } = this.station;
     for (const [name, { element, view, picture, lost, over }] of this.#views) {
       if (!picture) continue;
       const isLinked = Boolean(view.link) && !this.#isFull(view);
@@ -195,7 +195,7 @@ export class Views extends EventTarget {
       if (isLinked) write(over, linkText(view.link));
       const periodMs = isLinked ? LATE_PERIODS * 1000 * (view.link.period_s ?? 0) : 0;
       const lateMs = Math.max(name === this.#large ? LATE_MS : SMALL_LATE_MS, periodMs);
-      const isLate = !connected || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
+      const isLate = isBlind || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
       element.classList.toggle('is-stale', isLate || picture.drawn === 0);
       write(lost, picture.drawn > 0 ? 'Old picture' : this.#whyNone(name, isLinked && view.link));
     }

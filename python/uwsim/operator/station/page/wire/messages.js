@@ -47,6 +47,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string[]} member_names
  * @property {string[]} asking
  * @property {string} recording
+ * @property {string} driver
+ * @property {string} lost_by
  */
 
 /** @typedef {object} Telemetry

@@ -20,6 +20,7 @@ export class Rosbridge extends EventTarget {
   #waitMs = FIRST_WAIT_MS;
   #timer = 0;
   #closed = false;
+  heardMs = -Infinity; // when anything was last received
 
   constructor(url) {
     super();
@@ -39,6 +40,12 @@ export class Rosbridge extends EventTarget {
   // Bytes in this browser that wait to be sent.
   get backlog() {
     return this.#socket?.bufferedAmount ?? 0;
+  }
+
+  // Give up a connection over which nothing arrives any more, and connect again.
+  drop() {
+    this.#forsake();
+    this.#lost();
   }
 
   close() {
@@ -103,12 +110,20 @@ export class Rosbridge extends EventTarget {
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => {
       this.#waitMs = FIRST_WAIT_MS;
+      this.heardMs = performance.now();
       for (const [topic, entry] of this.#topics) this.#sendSubscription(topic, entry);
       this.dispatchEvent(new Event('open'));
     };
     socket.onmessage = (event) => this.#receive(event.data);
     socket.onclose = () => this.#lost();
     this.#socket = socket;
+  }
+
+  #forsake() {
+    const socket = this.#socket;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    this.#socket = null;
+    socket.close();
   }
 
   #lost() {
@@ -134,6 +149,7 @@ export class Rosbridge extends EventTarget {
   }
 
   #receive(data) {
+    this.heardMs = performance.now();
     this.bytes += data.byteLength ?? data.length;
     const operation = typeof data === 'string' ? JSON.parse(data) : this.#decoder.decode(new Uint8Array(data));
     if (operation.op === 'publish') {

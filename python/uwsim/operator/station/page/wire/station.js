@@ -14,14 +14,23 @@ export function bridgeUrl(location) {
   return `${scheme}://${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ''}`;
 }
 
+const SILENT_MS = 1500; // the state comes twice a second
+const DEAD_MS = 10000; // then another connection is tried
+const WATCH_MS = 250;
+const FREE_S = 3; // silence of a pilot after which the server lets others take the controls
+
 // Events: 'open', 'close', 'state', 'session' (another simulator, or a restart of the same), 'description' (its
 // parameters have changed), 'trouble' (detail: a sentence).
 export class Station extends EventTarget {
-  state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [] };
+  state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [], driver: '', lost_by: '' };
   description = null;
   id = '';
+  flew = false; // whether this page had the controls when it last knew who has them
+  isSilent = false; // whether nothing arrives, although the connection seems open
   #backend;
   #isAsking = false;
+  #formerId = '';
+  #watchedMs = performance.now();
 
   constructor(url, name) {
     super();
@@ -34,6 +43,7 @@ export class Station extends EventTarget {
       this.dispatchEvent(new Event('close'));
     });
     this.bridge.addEventListener('refused', (event) => this.#complain(event.detail));
+    setInterval(() => this.#watch(), WATCH_MS);
   }
 
   get connected() {
@@ -41,7 +51,7 @@ export class Station extends EventTarget {
   }
 
   get isPilot() {
-    return this.connected && this.id !== '' && this.state.pilot === this.id;
+    return this.connected && !this.isSilent && this.id !== '' && this.state.pilot === this.id;
   }
 
   get isRunning() {
@@ -51,6 +61,23 @@ export class Station extends EventTarget {
   // Seconds without a message from the pilot, if that is another page whose connection seems dead, else 0.
   get pilotSilence() {
     return this.isPilot || this.state.pilot === '' ? 0 : (this.state.pilot_silence ?? 0);
+  }
+
+  // Seconds for which nothing has been received.
+  get silence_s() {
+    return (performance.now() - this.bridge.heardMs) / 1000;
+  }
+
+  // True if nothing arrives, so that all that this page shows is old.
+  get isBlind() {
+    return !this.connected || this.isSilent;
+  }
+
+  // True if this page lost the controls with its connection, and may take them back.
+  get mayTakeBack() {
+    const { state } = this;
+    const isFree = state.pilot === '' || (state.pilot === this.#formerId && this.pilotSilence > FREE_S);
+    return this.flew && !this.isBlind && this.id !== '' && !this.isPilot && isFree;
   }
 
   // Whether this is a rosbridge without a station: see PlainBackend.
@@ -87,6 +114,7 @@ export class Station extends EventTarget {
   }
 
   handOver(to) {
+    this.flew = to === this.id;
     return messages.handOver(this.bridge, { to });
   }
 
@@ -135,12 +163,25 @@ export class Station extends EventTarget {
     this.dispatchEvent(new Event('state'));
   }
 
+  // Notice that nothing arrives. A page that was itself at a standstill cannot know, and waits again.
+  #watch() {
+    const now = performance.now();
+    if (now - this.#watchedMs > 3 * WATCH_MS) this.bridge.heardMs = now;
+    this.#watchedMs = now;
+    const was = this.isSilent;
+    this.isSilent = this.connected && now - this.bridge.heardMs > SILENT_MS;
+    if (this.isSilent && now - this.bridge.heardMs > DEAD_MS) this.bridge.drop();
+    else if (this.isSilent || was) this.dispatchEvent(new Event('state'));
+  }
+
   #complain(sentence) {
     this.dispatchEvent(new CustomEvent('trouble', { detail: sentence }));
   }
 
   async #learn(state) {
     this.state = state;
+    if (this.id !== '' && state.pilot === this.id) [this.flew, this.#formerId] = [true, this.id];
+    else if (state.pilot !== '' && state.pilot !== this.#formerId) this.flew = false;
     if (state.phase === 'running' && !isOf(state, this.description)) await this.#describe();
     if (state.phase !== 'running') this.description = null;
     this.dispatchEvent(new Event('state'));
