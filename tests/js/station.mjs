@@ -88,4 +88,11 @@ await pass(500, { pilot: station.id });
 station.handOver('').catch(() => null);
 await pass(500, { pilot: '' });
 assert(!station.mayTakeBack);
+
+// A gauge states how old its measurement is; telemetry over a modem does not carry ages.
+const { ageOf, ageText } = await import('../../python/uwsim/operator/station/page/panel/panel.js');
+const message = { gauges: ['depth', 'distance_to_seabed'], gauge_ages: [3, Infinity] };
+assert.equal(ageText(ageOf('depth', message)), 'measured 3.0 s ago');
+assert.equal(ageText(ageOf('distance_to_seabed', message)), 'no valid measurement');
+assert.equal(ageText(ageOf('depth', {})), '');
 process.exit(0);

@@ -46,8 +46,8 @@ def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "
     ]  # fmt: skip
 
 
-def vehicle_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
-    """Return a vehicle's true motion and joint-state channels."""
+def vehicle_channels(source: Source, tf: Tf = "truth", *, truth: bool = True) -> list[Channel]:
+    """Return a vehicle's joint-state channel, and those of its true motion if the truth may be published."""
     found = [
         Channel(
             source.topic(name), "nav_msgs/msg/Odometry", "out", "the true pose and velocity; covariances are 0",
@@ -55,6 +55,7 @@ def vehicle_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
             read=lambda sim: _odometry(source, sim),
         )
         for name, packing in (("ground_truth/odom", ""), *((("odom", "deflate"),) if tf == "truth" else ()))
+        if truth
     ]  # fmt: skip
     turning = any(camera.pan_tilt is not None for camera in source.entry.model.cameras.values())
     if source.has_sonar or source.entry.model.fins or turning:

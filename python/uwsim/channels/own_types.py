@@ -46,6 +46,8 @@ string failsafe_cause          # silence, battery, leak, thruster, sensor
 string[] alarms                # failures detected aboard; "all stop" while that is set
 float32[3] linear_acceleration # m/s2, along the body's axes, without gravity
 float32[3] angular_acceleration # rad/s2, about them
+string[] gauges                # fields above that are measured aboard, and nan if they cannot be; not over a modem
+float32[] gauge_ages           # s since each was measured; inf: no valid measurement
 """,
     MAP_CHANGES: """\
 std_msgs/Header header

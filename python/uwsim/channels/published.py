@@ -29,6 +29,8 @@ PANEL_HZ = 10.0
 SLOW_HZ = 1.0
 TEXT, JPEG = "std_msgs/msg/String", "sensor_msgs/msg/CompressedImage"
 CAMERA_FRAME = "camera"
+TRUE_TOPICS = ("propPos", "stateData")
+"""Name endings of topics that have the truth, as in the published simulator."""
 TILT_LIMIT_RAD = 0.5 * math.pi
 
 

@@ -23,7 +23,7 @@ from uwsim.channels.parameters import parameter_services
 from uwsim.channels.pictures import Pictures
 from uwsim.channels.pings import Pings
 from uwsim.channels.plain_link import plain_link_channels
-from uwsim.channels.published import published_channels, station_picture
+from uwsim.channels.published import TRUE_TOPICS, published_channels, station_picture
 from uwsim.channels.rights import Rights
 from uwsim.channels.scans import scan_channels
 from uwsim.channels.services import simulation_services, stream_service, vehicle_services
@@ -45,8 +45,9 @@ class Table:
     frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. tf: the
     motion on /tf and /odom, see `frames.Tf`; the truth is on /ground_truth/odom in any case. frame_prefix: prefix of
     all frames except world, such as "auv/".
-    may_wait: whether the steps may wait for pictures; if not, late ones are skipped. truth: whether /telemetry carries
-    the true position. Raises ValueError.
+    may_wait: whether the steps may wait for pictures; if not, late ones are skipped. truth: whether the true motion is
+    published, on /telemetry, /ground_truth/odom, /odom, /tf and the paper's /propPos and /stateData; if not, /odom and
+    /tf have the estimate, and the others are left out. Raises ValueError.
 
     channels, services: those visible to clients. A link replaces them with those that cross it, a recorder with those
     that it listens to.
@@ -64,7 +65,6 @@ class Table:
         frame_prefix: str = "",
     ) -> None:
         self.truth = truth
-        self.tf: Tf = tf
         self.frame_prefix = frame_prefix
         self.origin_m = checked_wire(wire, origin)
         alone = len(sim.scenario.vehicles) == 1
@@ -73,7 +73,8 @@ class Table:
             Source(entry, prefix, self.origin_m, frame_prefix + prefix)
             for entry, prefix in zip(sim.scenario.vehicles, prefixes, strict=True)
         ]
-        check_tf(tf, self.sources)
+        self.tf: Tf = tf if truth else _without_truth(tf, self.sources)
+        check_tf(self.tf, self.sources)
         self.pictures = Pictures(may_wait)
         self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
         self.maps = {
@@ -101,7 +102,8 @@ class Table:
         found = station_picture(self.pictures, sim, self.frame_prefix)
         for source in self.sources:
             pings, steering = self.pings.get(source.name), self.steering[source.name]
-            found += self._vehicles(source, published_channels(source, sim, pings, self.pictures, steering))
+            said = published_channels(source, sim, pings, self.pictures, steering)
+            found += self._vehicles(source, [c for c in said if self.truth or not c.name.endswith(TRUE_TOPICS)])
         return found
 
     def _standard(self, sim: Simulator) -> list[Channel]:
@@ -120,7 +122,7 @@ class Table:
         ]
 
     def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
-        found = frames.vehicle_channels(source, self.tf) + estimate_channels(source, self.tf)
+        found = frames.vehicle_channels(source, self.tf, truth=self.truth) + estimate_channels(source, self.tf)
         found.append(telemetry_channel(source, truth=self.truth))
         found += plain_link_channels(source, sim)
         found += sensor_channels(source, sim)
@@ -138,6 +140,13 @@ class Table:
         for source in self.sources:
             found += vehicle_services(source, sim, self.pictures, self.maps, self.steering[source.name])
         return found
+
+
+def _without_truth(tf: Tf, sources: Sequence[Source]) -> Tf:
+    """Return the motion on /tf where the truth is hidden: the estimate, or none if a vehicle cannot make one."""
+    if tf != "truth":
+        return tf
+    return "odom" if all(map(has_estimate, sources)) else "none"
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:

@@ -1,4 +1,4 @@
-"""/telemetry: all values on a vehicle's panel in one message, for operators."""
+"""/telemetry: all values on a vehicle's panel in one message, for operators: measured aboard, see `gauges`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim.channels import build
 from uwsim.channels.channel import PANEL, Channel
 from uwsim.channels.estimate import has_estimate
+from uwsim.channels.gauges import gauges
 from uwsim.channels.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.channels.source import Source
 from uwsim.navigation.estimation import Navigator
@@ -34,8 +35,10 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
     """Return the current telemetry message."""
     vehicle = source.of(sim)
     failsafe = vehicle.failsafe
-    panel, sensors, water = vehicle.telemetry(), vehicle.sensors, sim.world.water
+    panel, warnings = vehicle.telemetry(), sim.parameters.scenario.warnings
     estimate = vehicle.estimate if has_estimate(source) else None
+    measured = gauges(sim, source, estimate)
+    values = measured.values
     return build.message(
         TELEMETRY,
         header=build.header(sim.time_ns, source.frame("odom")),
@@ -46,30 +49,22 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
         true_position=source.position_odom_m(sim) if truth else np.full(3, NAN),
         orientation=_orientation(vehicle, estimate, truth=truth),
         is_truth=truth,
-        speed=panel.speed_m_s,
-        angular_speed=panel.angular_speed_rad_s,
-        linear_acceleration=panel.linear_acceleration_body_m_s2.astype(np.float32),
-        angular_acceleration=panel.angular_acceleration_body_rad_s2.astype(np.float32),
-        temperature=panel.temperature_deg_c,
-        pressure=panel.pressure_pa,
-        depth=panel.depth_m,
-        distance_to_station=panel.distance_to_station_m,
-        distance_to_seabed=panel.distance_to_seabed_m,
-        distance_to_port=float(sensors["proximity_port"].read()) if "proximity_port" in sensors else NAN,
+        **{name: np.asarray(value, np.float32) if np.ndim(value) else float(value) for name, value in values.items()},
         mission_time=panel.mission_time_s,
         battery=panel.battery_percent,
-        link_delay=panel.distance_to_station_m / water.sound_speed_m_s(min(-0.5 * panel.depth_m, 0.0)),
         tilt=vehicle.sonar.elevation_rad if vehicle.sonars else NAN,
         thrusters=np.array([thruster.command for thruster in vehicle.thrusters.values()], np.float32),
         efforts=np.asarray(vehicle.effort, np.float32),
         lamps=np.array([lamp.on for lamp in vehicle.lamps.values()], bool),
         released=vehicle.released,
-        range_warning=panel.range_warning,
-        proximity_warning=panel.proximity_warning,
+        range_warning=bool(values["distance_to_station"] > warnings.range_m),
+        proximity_warning=bool(values["distance_to_seabed"] < warnings.proximity_m),
         collision_warning=panel.collision_warning,
         collisions=vehicle.collisions,
         failsafe="" if failsafe is None else failsafe.state,
         failsafe_cause="" if failsafe is None else failsafe.cause,
+        gauges=list(measured.ages_s),
+        gauge_ages=np.array(list(measured.ages_s.values()), np.float32),
         alarms=[*([ALL_STOPPED] if vehicle.all_stopped else []), *(() if failsafe is None else failsafe.alarms)],
     )
 

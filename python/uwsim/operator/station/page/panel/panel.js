@@ -9,6 +9,23 @@ import { Link } from './link.js';
 
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
+const OLD_S = 1.5; // age of a measurement from which it greys, plus the interval of slow instruments
+// The field of the telemetry that each value shows, where it is measured aboard.
+const GAUGES = {
+  Depth: 'depth',
+  Altitude: 'distance_to_seabed',
+  Speed: 'speed',
+  Turning: 'angular_speed',
+  'Accel.': 'linear_acceleration',
+  'Angular accel.': 'angular_acceleration',
+  East: 'position',
+  North: 'position',
+  Up: 'position',
+  Station: 'distance_to_station',
+  'Port side': 'distance_to_port',
+  Water: 'temperature',
+  Pressure: 'pressure',
+};
 const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
 const RANGE = (value, digits = 1) => (value === Infinity ? 'none' : fixed(value, digits));
 
@@ -58,6 +75,18 @@ const AROUND = [
   ['Collisions', '', (m) => String(m.collisions)],
 ];
 
+// The age of a measured value [s]; 0 if the telemetry does not carry it.
+export function ageOf(field, { gauges = [], gauge_ages: ages = [] }) {
+  const k = gauges.indexOf(field);
+  return k < 0 ? 0 : ages[k];
+}
+
+// "measured 3.0 s ago", for a value that is old.
+export function ageText(age_s) {
+  if (age_s <= OLD_S) return '';
+  return Number.isFinite(age_s) ? `measured ${age_s.toFixed(1)} s ago` : 'no valid measurement';
+}
+
 // The accuracy of the estimated position, and its true error where that may be shown.
 function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
   if (!Number.isFinite(position[0])) return '';
@@ -72,7 +101,7 @@ function sided(value, positive, negative) {
 }
 
 export class Panel {
-  #values = []; // [element, text of m, tip of m]
+  #values = []; // [element, text of m, tip of m, measured field]
   alarms = new Alarms();
   thrusters = new Bars();
   efforts = new Bars();
@@ -160,9 +189,11 @@ export class Panel {
       !message ? 'waiting' : this.station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
     );
     if (!message) return;
-    for (const [element, read, tip] of this.#values) {
+    for (const [element, read, tip, field] of this.#values) {
       write(element, read(message));
-      if (tip) element.title = tip(message);
+      const age = ageText(ageOf(field, message));
+      element.parentElement.classList.toggle('is-stale', age !== '');
+      element.title = age || (tip?.(message) ?? '');
     }
     write(this.kind, estimateText(message));
     const isOff = !message.released || message.battery <= 0; // then a commanded effort moves nothing
@@ -183,7 +214,7 @@ export class Panel {
     const list = el('dl', { className });
     for (const [name, unit, read, tip] of rows) {
       const value = el('span', {}, '–');
-      this.#values.push([value, read, tip]);
+      this.#values.push([value, read, tip, GAUGES[name]]);
       const parts = [el('dt', {}, name), el('dd', {}, value, unit ? el('span', { className: 'unit' }, unit) : null)];
       list.append(el('div', {}, ...parts));
     }

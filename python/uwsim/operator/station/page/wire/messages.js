@@ -83,6 +83,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string[]} alarms
  * @property {ArrayLike<number>} linear_acceleration
  * @property {ArrayLike<number>} angular_acceleration
+ * @property {string[]} gauges
+ * @property {ArrayLike<number>} gauge_ages
  */
 
 /** @typedef {object} MapChanges
