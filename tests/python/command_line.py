@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from unittest import mock
 
@@ -20,6 +20,14 @@ import typer
 from uwsim.cli import main
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
+BLANK = [
+    sys.executable,
+    "-c",
+    "from uwsim.figures import style; style._fit = lambda figure, canvas: figure.clear()\n"
+    "from uwsim.figures import truth_and_map; truth_and_map.PANEL_PIXELS = 160\n"
+    "from uwsim.cli import main; main()",
+]
+"""The command with blank figures, which otherwise take most of a short survey's time."""
 get_command_once = functools.cache(typer.main.get_command)
 """Typer rebuilds the whole command tree on each call, which takes longer than running most commands."""
 
@@ -58,9 +66,11 @@ def left_as_found() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def uwsim_process(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+def uwsim_process(
+    *arguments: str, command: Sequence[str] = UWSIM, **options: object
+) -> subprocess.CompletedProcess[str]:
     """Run the command to completion in a separate process. options: arguments of subprocess.run."""
-    return subprocess.run([*UWSIM, *arguments], capture_output=True, text=True, timeout=600, check=False, **options)
+    return subprocess.run([*command, *arguments], capture_output=True, text=True, timeout=600, check=False, **options)
 
 
 def error_line(result: subprocess.CompletedProcess[str]) -> str:

@@ -1,14 +1,24 @@
 """`uwsim survey` as a user runs it: files written, interruptions, and one-line errors."""
 
+import shlex
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
-from command_line import UWSIM, error_line, files_limited_to, hears_ctrl_c, uwsim, uwsim_process
+from command_line import (
+    BLANK,
+    UWSIM,
+    error_line,
+    files_limited_to,
+    hears_ctrl_c,
+    start_survey,
+    uwsim,
+    uwsim_process,
+    wait_for,
+)
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
 
@@ -31,16 +41,11 @@ def test_a_survey_writes_a_map_a_report_and_figures(tmp_path: Path) -> None:
 
 
 def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
-    process = subprocess.Popen(
-        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out"), "--report", "json"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    while not (tmp_path / "out").exists():  # created when the flight begins
-        assert process.poll() is None
-        time.sleep(0.05)
-    time.sleep(1.0)  # the whole survey takes ten times longer
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    slow = text.replace("line_spacing_m: 2", "line_spacing_m: 0.5").replace("speed_m_s: 0.5", "speed_m_s: 0.05")
+    (tmp_path / "slow.yaml").write_text(slow.replace("mission_time_s: 600", "mission_time_s: 36000"))
+    process = start_survey(tmp_path / "out", str(tmp_path / "slow.yaml"), "--report", "json")
+    wait_for(tmp_path / "out" / "checkpoint" / "flight.json", process)
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=90)
     assert process.returncode == 130, errors
@@ -66,11 +71,12 @@ def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_p
 
 
 def test_a_reader_that_stops_reading_does_not_prevent_the_report(tmp_path: Path) -> None:
-    command = f"{sys.executable} -c 'from uwsim.cli import main; main()' survey pool --out {tmp_path} --mission-time 5"
+    command = shlex.join([*BLANK, "survey", "pool", "--out", str(tmp_path), "--mission-time", "5"])
     subprocess.run(f"{command} | true", shell=True, timeout=600, check=True)
     assert {"map.bt", "report.html"} <= {path.name for path in tmp_path.iterdir()}
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_simulation_that_diverges_leaves_the_map_so_far(tmp_path: Path) -> None:
     vehicle = (assets_folder() / "vehicles" / "rov.yaml").read_text()
     start = vehicle.index("linear_damping:")
@@ -93,14 +99,14 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_the_flight(tm
 
 def test_a_full_disk_gives_one_line_and_no_partial_file(tmp_path: Path) -> None:
     arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "5")
-    line = error_line(uwsim_process(*arguments, preexec_fn=files_limited_to(100)))
+    line = error_line(uwsim_process(*arguments, command=BLANK, preexec_fn=files_limited_to(100)))
     assert "map.bt" in line
     assert not any(tmp_path.iterdir())
 
 
 def test_a_disk_that_is_full_after_the_map_gives_the_summary_and_says_so(tmp_path: Path) -> None:
     arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "5")
-    result = uwsim_process(*arguments, preexec_fn=files_limited_to(20_000))
+    result = uwsim_process(*arguments, command=BLANK, preexec_fn=files_limited_to(20_000))
     assert "is complete" in error_line(result)
     assert "coverage" in result.stdout
     assert {path.name for path in tmp_path.iterdir()} >= {"map.bt", "track.npz", "summary.json", "checkpoint"}
