@@ -25,11 +25,22 @@ from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.commands import COMMANDS
 from uwsim.recording.replay import replay
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.dump import plain, write_scenario
+from uwsim.scenario.read.validated import validated
 
 GRID_NS = int(1e9 / RATE_HZ)
 PICTURES = ("camera/front/*", "camera/down/*compressed", "camera/down/camera_info", "images/compressed")
 DELAYS_NS = (30_000_000, 120_000_000, 60_000_000, 170_000_000, 260_000_000)
 """In simulated time, so independent of the machine's speed."""
+
+
+def small() -> Scenario:
+    """Return the pool with cameras of few pixels: when they are read matters here, not what they see."""
+    values = plain(load("pool"))
+    for camera in values["vehicles"][0]["model"]["cameras"].values():
+        camera |= {"width": 96, "height": 54}
+    return validated(Scenario, values)
 
 
 class Slow(NamedTuple):
@@ -95,7 +106,7 @@ def stamps_ns(path: Path) -> list[int]:
 
 def test_pictures_that_came_late_are_rendered_at_their_stamps(slow: Slow, tmp_path: Path) -> None:
     path = tmp_path / "live.mcap"
-    with LiveSimulator("pool", speed=1.0) as live, recorder(live, path):
+    with LiveSimulator(small(), speed=1.0) as live, recorder(live, path):
         live.rov.undock()
         live.rov.set_effort(surge=0.5)
         slow.wait(live)
@@ -112,7 +123,7 @@ def test_pictures_that_came_late_are_rendered_at_their_stamps(slow: Slow, tmp_pa
 def test_what_is_commanded_while_a_picture_is_rendered_is_not_in_it(slow: Slow, tmp_path: Path) -> None:
     """A command in the same tick as the start of a picture does not affect it either, whichever came first."""
     path = tmp_path / "live.mcap"
-    with LiveSimulator("pool", speed=1.0) as live:
+    with LiveSimulator(small(), speed=1.0) as live:
         offered = served_table(live)
         set_stream = next(each for each in offered.services if each.name == "camera/front/set_stream")
         with Recorder(live, path, topics=PICTURES, shared=offered):
@@ -134,7 +145,7 @@ def test_what_is_commanded_while_a_picture_is_rendered_is_not_in_it(slow: Slow, 
 
 def test_a_run_flat_out_that_is_slowed_to_the_wall_clock_replays(slow: Slow, tmp_path: Path) -> None:
     path = tmp_path / "live.mcap"
-    with LiveSimulator("pool", speed="max", paused=True) as live, recorder(live, path):
+    with LiveSimulator(small(), speed="max", paused=True) as live, recorder(live, path):
         live.step(20)
         live.speed = 1.0
         live.resume()
@@ -147,7 +158,7 @@ def test_a_run_flat_out_that_is_slowed_to_the_wall_clock_replays(slow: Slow, tmp
 
 def test_another_picture_is_found(slow: Slow, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "live.mcap"
-    with LiveSimulator("pool", speed=1.0) as live, recorder(live, path):
+    with LiveSimulator(small(), speed=1.0) as live, recorder(live, path):
         live.command("set_lamp", vehicle="rov", lamp="front", on=True).result()
         slow.wait(live)
     slow.end()
@@ -165,12 +176,17 @@ def test_uwsim_serve_with_a_slow_renderer_records_what_uwsim_replay_finds_again(
     options: tuple[str, ...], tmp_path: Path
 ) -> None:
     path = tmp_path / "served.mcap"
+    write_scenario(tmp_path / "small.yaml", small())
     program = "from test_recording_pictures import make_slow; make_slow()\nfrom uwsim.cli import main; main()"
     places = os.pathsep.join(str(folder) for folder in Path(__file__).parents[:2])
     topics = [word for topic in PICTURES[1:] for word in ("--record-topic", topic)]
-    command = [sys.executable, "-c", program, "serve", "pool", "--port", "0", "--record", str(path), *topics, *options]
+    served = ["serve", str(tmp_path / "small.yaml"), "--port", "0", "--record", str(path), *topics, *options]
     serving = subprocess.Popen(
-        command, stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": places}, preexec_fn=hears_ctrl_c
+        [sys.executable, "-c", program, *served],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": places},
+        preexec_fn=hears_ctrl_c,
     )
     assert serving.stdout is not None
     url = re.search(r"ws://[\d.]+:\d+", serving.stdout.readline())
