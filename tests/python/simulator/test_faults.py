@@ -252,7 +252,7 @@ def begins(sim):
 
 
 def test_faults_by_chance_come_at_their_rate_and_follow_from_the_seed():
-    rate_per_h, long_s, short_s = 3600.0, 200.0, 40.0
+    rate_per_h, long_s, short_s = 18_000.0, 40.0, 8.0
     fault = {"kind": "sensor", "sensor": "depth", "rate_per_h": rate_per_h, "for_s": 0.01}
     runs = []
     for seed, duration_s in ((2, short_s), (1, short_s), (1, long_s)):
