@@ -99,14 +99,7 @@ def test_at_the_station_anybody_stops_and_the_pilot_releases() -> None:
         ada.call("start", scenario="pool", speed=5)
         ada.call("take_control")
         live = station.present().live
-        other = {"op": "publish", "topic": "/key", "msg": AHEAD}
-        ada.call("drive", vehicle="rov")  # the helm's own last command is zero
-        bob.socket.send(json.dumps(other))
-        until(lambda: live.rov.effort[0] == 1.0)
-        assert ada.call("drive", vehicle="rov")["success"]
-        until(lambda: not live.rov.effort.any())
-        bob.socket.send(json.dumps(other))
-        until(lambda: live.rov.effort[0] == 1.0)
+        assert ada.call("drive", vehicle="rov", surge=1.0)["success"]
         assert bob.call("all_stop", vehicle="rov")["success"]
         assert live.rov.all_stopped and not live.rov.effort.any()
         assert ada.call("all_stop", vehicle="rov")["success"], "once more is no release"
