@@ -5,6 +5,7 @@ A writer is composed for each type on first use, so that types need not be inspe
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from functools import cache
 from operator import attrgetter
@@ -20,6 +21,7 @@ from uwsim.channels.message_types import (
     Field,
     Kind,
     Ros,
+    begins_with_header,
     fields,
     ros1_typestore,
     typestore,
@@ -57,12 +59,21 @@ def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
     return _writer(message.__msgtype__, ros, form)(message)  # type: ignore[no-any-return]
 
 
-def to_bytes(message: Any, ros: Ros = 2) -> bytes:
-    """Serialise a message for ROS 1, or for ROS 2 (little-endian CDR with a four-byte header)."""
+def to_bytes(message: Any, ros: Ros = 2, sequence: int = 0) -> bytes:
+    """Serialise a message for ROS 1, or for ROS 2 (little-endian CDR with a four-byte header).
+
+    sequence: number of messages on the topic before this one, the header.seq of ROS 1.
+    """
     name = message.__msgtype__
     if ros == 2:
         return bytes(typestore().serialize_cdr(message, name))
-    return bytes(ros1_typestore().serialize_ros1(_ros1_maker(name)(message), name))
+    data = bytes(ros1_typestore().serialize_ros1(_ros1_maker(name)(message), name))
+    return numbered(data, name, sequence) if sequence else data
+
+
+def numbered(data: bytes | memoryview, name: str, sequence: int) -> bytes:
+    """Return a message serialised for ROS 1 with its header.seq, the first field, if it begins with a header."""
+    return struct.pack("<I", sequence & 0xFFFFFFFF) + bytes(data[4:]) if begins_with_header(name) else bytes(data)
 
 
 def from_bytes(data: bytes, name: str) -> Any:

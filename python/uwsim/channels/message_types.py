@@ -176,6 +176,12 @@ def fields(name: str, ros: Ros) -> tuple[Field, ...]:
     return tuple(found)
 
 
+@cache
+def begins_with_header(name: str) -> bool:
+    """Return whether a type's first field is a header."""
+    return any(field.kind.base == "std_msgs/msg/Header" for field in fields(name, 1)[:1])
+
+
 def _folded(field: str) -> str:
     return field.lower()
 

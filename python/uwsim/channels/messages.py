@@ -6,7 +6,7 @@ and returns the message.
 """
 
 from uwsim.channels.message_in import from_plain, typed_array
-from uwsim.channels.message_out import default_message, from_bytes, to_bytes, to_plain
+from uwsim.channels.message_out import default_message, from_bytes, numbered, to_bytes, to_plain
 from uwsim.channels.message_types import Ros, resolve, spelled, typestore
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "default_message",
     "from_bytes",
     "from_plain",
+    "numbered",
     "resolve",
     "spelled",
     "to_bytes",

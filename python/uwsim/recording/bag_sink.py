@@ -12,7 +12,7 @@ from rosbags.rosbag1 import Writer
 from uwsim.channels import Channel
 from uwsim.channels.feed import Reading
 from uwsim.channels.message_types import ros1_typestore
-from uwsim.channels.messages import to_bytes
+from uwsim.channels.messages import numbered, to_bytes
 
 
 class BagSink:
@@ -42,8 +42,12 @@ class BagSink:
         )
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message. Time 0 is written as 1 ns, since ROS 1 takes time 0 to mean that the time is missing."""
-        self._writer.write(self._connections[topic], max(time_ns, 1), data)
+        """Append a message, with its number as header.seq.
+
+        Time 0 is written as 1 ns, since ROS 1 takes time 0 to mean that the time is missing.
+        """
+        connection = self._connections[topic]
+        self._writer.write(connection, max(time_ns, 1), numbered(data, connection.msgtype, sequence))
 
     def flush(self) -> None:
         """Do nothing, since chunks are written as they fill up."""

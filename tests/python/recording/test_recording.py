@@ -263,6 +263,7 @@ def test_debian_s_rosbag_reads_a_bag_of_ros_1(tmp_path: Path) -> None:
         "with rosbag.Bag(sys.argv[1]) as bag:\n"
         "    found = [(topic, m) for topic, m, _ in bag.read_messages()]\n"
         "scans = [m for topic, m in found if topic == '/scan']\n"
+        "assert [m.header.seq for m in scans] == list(range(len(scans)))\n"
         "print(sum(topic == '/odom' for topic, _ in found), len(scans[-1].ranges))\n"
     )
     python = "/usr/bin/python3"

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import struct
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.ros1.raw_types import begins_with_header, raw_type, read_message
+from uwsim.bridges.ros1.raw_types import raw_type, read_message
 from uwsim.bridges.ros1.rospy_module import load_rospy, require_master
 from uwsim.bridges.ros1.services import offer_service
 from uwsim.channels import Channel, Service
@@ -116,10 +115,8 @@ class Ros1Node(Bridge):
 
     def _publish(self, reading: Reading) -> bool:
         channel = reading.channel
-        data = to_bytes(reading.message, ros=1)
-        if begins_with_header(channel.type):  # whose first field counts the topic's messages
-            data = struct.pack("<I", self._sequences[channel.name]) + data[4:]
-            self._sequences[channel.name] += 1
+        data = to_bytes(reading.message, 1, self._sequences[channel.name])
+        self._sequences[channel.name] += 1
         self._publishers[channel.name].publish(raw_type(channel.type)(data))
         return True
 

@@ -42,12 +42,6 @@ def raw_type(name: str) -> type:
     return Raw
 
 
-@cache
-def begins_with_header(name: str) -> bool:
-    """Return whether a type's first field is a header."""
-    return any(field.kind.base == "std_msgs/msg/Header" for field in fields(name, 1)[:1])
-
-
 def read_message(data: bytes, name: str) -> Any:
     """Deserialise a message of a type from ROS 1's format. Raises ValueError."""
     try:

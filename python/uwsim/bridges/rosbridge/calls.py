@@ -6,6 +6,7 @@ import itertools
 from typing import Any
 
 from uwsim.bridges.rosbridge.encoding import to_json
+from uwsim.bridges.rosbridge.fragments import read_fragment_size
 from uwsim.bridges.rosbridge.graph import Graph, Reply, plain_name
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
@@ -16,12 +17,18 @@ from uwsim.channels.message_types import is_unicode, shortened
 CALL_BYTES = 1000  # bytes taken by an open call, excluding its arguments
 
 
+def echoed(name: Any) -> str:
+    """Return a name as a client sent it, shortened if an answer cannot carry it."""
+    return name if isinstance(name, str) and len(name) <= 256 and is_unicode(name) else shortened(name)
+
+
 class Call:
     """A call by a client. calls: the client's Calls, or None once the call is answered or the client has left."""
 
-    __slots__ = ("calls", "response", "size")
+    __slots__ = ("calls", "fragment_size", "response", "size")
 
-    def __init__(self, calls: Calls, response: dict[str, Any], size: int) -> None:
+    def __init__(self, calls: Calls, response: dict[str, Any], size: int, fragment_size: int | None) -> None:
+        self.fragment_size = fragment_size
         self.calls: Calls | None = calls
         self.response = response
         self.size = size
@@ -56,9 +63,8 @@ class Calls:
         response: dict[str, Any] = {"op": "service_response"}
         if identity is not None:
             response["id"] = identity
-        fits = isinstance(name, str) and len(name) <= 256 and is_unicode(name)
-        response["service"] = name if fits else shortened(name)
-        reply = self._open(response)
+        response["service"] = echoed(name)
+        reply = self._open(response, read_fragment_size(operation))
         arguments = operation.get("args")
         try:
             self._graph.call(name, {} if arguments in (None, []) else arguments, reply, self._name)  # type: ignore[arg-type]
@@ -98,11 +104,11 @@ class Calls:
         self._account.give(CALL_BYTES)
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
-    def _open(self, response: dict[str, Any]) -> Reply:
+    def _open(self, response: dict[str, Any], fragment_size: int | None) -> Reply:
         """Register a client's call; return the function that answers it. Raises ValueError if too many are waiting."""
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls are waiting for responses, the maximum")
-        call = Call(self, response, CALL_BYTES + self.spent_bytes)
+        call = Call(self, response, CALL_BYTES + self.spent_bytes, fragment_size)
         if not self._account.has_room(call.size):
             raise ValueError("no room to keep the call: too much waits for you, or for all clients")
         self._account.take(call.size)
@@ -118,7 +124,7 @@ class Calls:
             frame = to_json(response)
         except ValueError as error:
             frame = to_json(response | {"values": f"values: {error}", "result": False})
-        self._outbox.reply(frame)
+        self._outbox.reply(frame, call.fragment_size)
 
     def _receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
         """Pass a service call to the client that offers the service. Raises ValueError if too many are waiting."""

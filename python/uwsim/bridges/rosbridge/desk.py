@@ -74,8 +74,11 @@ class Seat:
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
         """Return the next frame to send, or None and the seconds until one is due (None: not before a wake-up)."""
-        found, delay_s = self.session.outbox.pick()
-        return (await self._desk.encode(found) if isinstance(found, Parcel) else found), delay_s
+        outbox = self.session.outbox
+        found, delay_s = outbox.pick()
+        if isinstance(found, Parcel):
+            return outbox.begun(await self._desk.encode(found), found.fragment_size), delay_s
+        return found, delay_s
 
     def close(self) -> None:
         """Leave the graph."""

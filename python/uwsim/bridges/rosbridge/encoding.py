@@ -17,6 +17,7 @@ from PIL import Image
 from uwsim.bridges.conversation import Frame
 from uwsim.channels.base64_text import to_base64
 from uwsim.channels.message_cost import held_bytes
+from uwsim.channels.message_types import begins_with_header
 from uwsim.channels.messages import Ros, to_bytes, to_plain
 
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
@@ -111,15 +112,17 @@ def publication(message: Any, topic: str, ros: Ros) -> str:
 class Sample:
     """A message on a topic, and the frames that encode it. time_ns: time of receipt, for cbor-raw.
 
-    size: its size in memory [bytes], if known. holders: see Account.hold.
+    size: its size in memory [bytes], if known. holders: see Account.hold. sequence: its header.seq in ROS 1, the number
+    of messages on the topic before it.
     """
 
-    __slots__ = ("_frames", "_size", "holders", "message", "time_ns")
+    __slots__ = ("_frames", "_size", "holders", "message", "sequence", "time_ns")
     builds_up = False
 
     def __init__(self, message: Any, time_ns: int = 0, size: int | None = None) -> None:
         self.message = message
         self.time_ns = time_ns
+        self.sequence = 0
         self.holders = 0
         self._size = size
         self._frames: dict[Any, Any] = {}
@@ -175,15 +178,22 @@ class Sample:
 
     def _encode_body(self, ros: Ros, compression: Compression) -> bytes:
         if compression == "none":
+            plain = self._plain(ros, "json")
             if self.is_large:
-                return orjson.dumps(to_plain(self.message, ros), default=_in_slices)
-            text = orjson.dumps(to_plain(self.message, ros), option=JSON_OPTIONS)
+                return orjson.dumps(plain, default=_in_slices)
+            text = orjson.dumps(plain, option=JSON_OPTIONS)
             return bytes(memoryview(text))  # a copy, since orjson's result keeps a buffer up to ten times as large
         if compression == "cbor":
-            plain = to_plain(self.message, ros, "cbor")
+            plain = self._plain(ros, "cbor")
             return _cbor_in_pieces(plain) if self.is_large else cbor2.dumps(plain)
         secs, nsecs = divmod(self.time_ns, 10**9)
-        return cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": to_bytes(self.message, ros)})
+        return cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": to_bytes(self.message, ros, self.sequence)})
+
+    def _plain(self, ros: Ros, form: Literal["json", "cbor"]) -> dict[str, Any]:
+        plain = to_plain(self.message, ros, form)
+        if ros == 1 and begins_with_header(self.message.__msgtype__):
+            plain[next(iter(plain))]["seq"] = self.sequence
+        return plain
 
 
 class Growing(Sample):
@@ -202,7 +212,9 @@ class Growing(Sample):
     def after(self, cursor: Any) -> tuple[Sample, Any]:
         """Combine all changes made since the cursor."""
         message, following = self._catch_up(cursor)
-        return Sample(message, self.time_ns), following
+        sample = Sample(message, self.time_ns)
+        sample.sequence = self.sequence
+        return sample, following
 
 
 def to_json_string(text: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from typing import Any
 
+from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.message_types import shortened
@@ -53,6 +55,23 @@ class Fragments:
         if parts is not None:
             self._account.give(_size(parts))
         return parts
+
+
+def read_fragment_size(operation: dict[str, Any]) -> int | None:
+    """Read the largest size [characters] of what is sent in one piece; None for any. Raises ValueError."""
+    size = operation.get("fragment_size")
+    if size is not None and (type(size) is not int or size < 1):
+        raise ValueError(f"fragment_size = {shortened(size)}: must be a positive whole number of characters")
+    return size
+
+
+def split(text: str, size: int, identity: str, most: int) -> Iterator[str]:
+    """Yield "fragment" operations with up to `size` characters of a text each; longer, if `most` would not do."""
+    size = max(size, -(-len(text) // most))
+    total = -(-len(text) // size)
+    for number in range(total):
+        part = {"id": identity, "data": text[number * size : (number + 1) * size], "num": number, "total": total}
+        yield to_json({"op": "fragment", **part})
 
 
 def _size(parts: list[str | None]) -> int:

@@ -9,7 +9,7 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.ledger import Account, Ledger
@@ -41,7 +41,8 @@ def plain_name(name: object, what: str = "topic") -> str:
 class Topic:
     """One topic. publishers: whether each owner latches. sinks: the subscribers' sinks, keyed by owner and key.
 
-    latched: the latest latched message; latched_by: its owner, whose account is charged for it.
+    latched: the latest latched message; latched_by: its owner, whose account is charged for it. count: number of
+    messages published, which is the next one's header.seq in ROS 1.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Topic:
     sinks: dict[tuple[str, Any], Sink] = field(default_factory=dict)
     latched: Sample | None = None
     latched_by: tuple[str, Account] | None = None
+    count: int = 0
 
     def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
         """Keep a sample for later subscribers, replacing the previous one. owner: None for this process's samples."""
@@ -70,8 +72,38 @@ class Service:
     handler: Handler
 
 
+class ActionHandler(Protocol):
+    """The end of an action at the client that offers it."""
+
+    def begin(self, goal: ActionGoal, arguments: Any) -> None:
+        """Pass a goal on. Raises ValueError if too many are in progress."""
+
+    def cancel(self, goal: ActionGoal) -> None:
+        """Ask for a goal in progress to be cancelled."""
+
+
+class ActionGoal(Protocol):
+    """A goal in progress, on the side of the client that sent it."""
+
+    def feed_back(self, values: Any) -> None:
+        """Pass on feedback."""
+
+    def finish(self, succeeded: bool, status: int, values: Any) -> None:
+        """Pass on the result. status: of action_msgs/GoalStatus."""
+
+
+@dataclass(eq=False)
+class Action:
+    """One action that a client offers."""
+
+    name: str
+    type: str
+    owner: str
+    handler: ActionHandler
+
+
 class Graph:
-    """Topics, services and owners. All methods raise ValueError with a message that names the problem.
+    """Topics, services, actions and owners. All methods raise ValueError with a message that names the problem.
 
     on_demand: functions called with a topic name and whether the topic has subscribers, whenever that changes.
     on_leave: functions called with an owner that has left. on_abandoned: functions called with a topic name when the
@@ -83,6 +115,7 @@ class Graph:
         self.ledger = ledger or Ledger()
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
+        self.actions: dict[str, Action] = {}
         self.nodes: dict[str, None] = {}
         self.on_demand: list[Callable[[str, bool], None]] = []
         self.on_leave: list[Callable[[str], None]] = []
@@ -122,6 +155,7 @@ class Graph:
         self, topic: Topic, sample: Sample, latch: bool = False, owner: tuple[str, Account] | None = None
     ) -> None:
         """Pass a sample to a topic's subscribers. owner: the publisher that is charged for a latched sample."""
+        sample.sequence, topic.count = topic.count, topic.count + 1
         if latch:
             topic.latch(sample, owner)
         for sink in list(topic.sinks.values()):
@@ -182,8 +216,23 @@ class Graph:
         except ValueError as error:
             reply(False, str(error))
 
+    def advertise_action(self, owner: str, name: str, type_name: str, handler: ActionHandler) -> None:
+        """Offer an action. Another owner's action cannot be replaced."""
+        plain = plain_name(name, "action")
+        present = self.actions.get(plain)
+        if present is not None and present.owner != owner:
+            raise ValueError(f"action '{name}': {present.owner} offers it already")
+        self.actions[plain] = Action(plain, type_name, owner, handler)
+
+    def unadvertise_action(self, owner: str, name: str) -> None:
+        """Stop offering an action."""
+        action = self.actions.get(plain_name(name, "action"))
+        if action is None or action.owner != owner:
+            raise ValueError(f"action '{name}': you do not offer it")
+        del self.actions[action.name]
+
     def leave(self, owner: str) -> None:
-        """Remove an owner with all its topics, subscriptions and services."""
+        """Remove an owner with all its topics, subscriptions, services and actions."""
         for topic in list(self.topics.values()):
             for key in [key for key in topic.sinks if key[0] == owner]:
                 self.unsubscribe(owner, key[1], topic.name)
@@ -191,6 +240,8 @@ class Graph:
                 self.unadvertise(owner, topic.name)
         for service in [service for service in self.services.values() if service.owner == owner]:
             del self.services[service.name]
+        for action in [action for action in self.actions.values() if action.owner == owner]:
+            del self.actions[action.name]
         self.nodes.pop(owner, None)
         for notify in self.on_leave:
             notify(owner)

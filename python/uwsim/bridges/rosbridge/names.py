@@ -8,7 +8,10 @@ from uwsim.bridges.rosbridge.subscription import Subscription
 
 
 class Names:
-    """A client's names. advertised: whether each topic is latched, by plain name. subscriptions: by name as sent."""
+    """A client's names. advertised: whether each topic is latched, by plain name. subscriptions: by name as sent.
+
+    actions: names as sent, by plain name.
+    """
 
     def __init__(self, graph: Graph, limits: Limits) -> None:
         self._graph = graph
@@ -16,10 +19,12 @@ class Names:
         self.advertised: dict[str, bool] = {}
         self.subscriptions: dict[str, Subscription] = {}
         self.services: set[str] = set()
+        self.actions: dict[str, str] = {}
 
     def check_room(self) -> None:
         """Raise ValueError if this client, or all clients together, may not use any more names."""
-        if len(self.advertised) + len(self.subscriptions) + len(self.services) >= self._limits.names:
-            raise ValueError(f"names: you have {self._limits.names} topics and services, the maximum")
-        if len(self._graph.topics) + len(self._graph.services) >= self._limits.all_names:
-            raise ValueError(f"names: there are {self._limits.all_names} topics and services, the maximum")
+        own = len(self.advertised) + len(self.subscriptions) + len(self.services) + len(self.actions)
+        if own >= self._limits.names:
+            raise ValueError(f"names: you have {self._limits.names} topics, services and actions, the maximum")
+        if len(self._graph.topics) + len(self._graph.services) + len(self._graph.actions) >= self._limits.all_names:
+            raise ValueError(f"names: there are {self._limits.all_names} topics, services and actions, the maximum")

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from uwsim.bridges.conversation import Frame
 from uwsim.bridges.rosbridge.encoding import Compression, Sample
+from uwsim.bridges.rosbridge.fragments import split
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.messages import Ros
@@ -28,6 +29,7 @@ class Parcel(NamedTuple):
     topic: str
     ros: Ros
     compression: Compression
+    fragment_size: int | None
 
     def encode(self) -> Frame:
         """Return the encoded frame."""
@@ -38,7 +40,8 @@ class Mailbox:
     """One subscription's queue. throttle_s: minimum wall time between messages. length: 0 for the default.
 
     As in rosbridge, a throttled subscription without a queue loses messages that come too early; with a queue, it
-    receives them later. credit: maximum number of unacknowledged messages; None for no limit.
+    receives them later. credit: maximum number of unacknowledged messages; None for no limit. fragment_size: maximum
+    number of characters in a frame of JSON; None for no limit.
     """
 
     def __init__(
@@ -51,8 +54,10 @@ class Mailbox:
         length: int,
         large: bool,
         credit: int | None = None,
+        fragment_size: int | None = None,
     ) -> None:
         self.topic = topic
+        self._fragment_size = fragment_size
         self.ros: Ros = ros
         self.compression: Compression = compression
         self.throttle_s = throttle_s
@@ -95,7 +100,7 @@ class Mailbox:
         self.next_s = now_s + self.throttle_s
         self._unacknowledged += 1
         sample, self._cursor = self._pop(account).after(self._cursor)
-        return Parcel(sample, self.topic, self.ros, self.compression)
+        return Parcel(sample, self.topic, self.ros, self.compression, self._fragment_size)
 
     def clear(self, account: Account) -> None:
         """Drop everything in the queue."""
@@ -116,20 +121,26 @@ class Outbox:
         self._limits = limits
         self._account = account
         self._clock = clock
-        self._replies: deque[Frame] = deque()
+        self._replies: deque[tuple[Frame, int | None]] = deque()
+        self._rest: Iterator[str] = iter(())  # of a frame that is sent in fragments
+        self._rest_bytes = 0
+        self._fragmented = 0
         self._mailboxes: dict[Any, Mailbox] = {}
         self._order = 0
         self._wake = wake
         self._is_shut = False
 
-    def reply(self, frame: Frame) -> None:
-        """Queue an answer. A client with too many unread answers is disconnected."""
+    def reply(self, frame: Frame, fragment_size: int | None = None) -> None:
+        """Queue an answer, to be sent in fragments if it is JSON longer than fragment_size.
+
+        A client with too many unread answers is disconnected.
+        """
         if self._is_shut:
             return
         if len(self._replies) >= self._limits.replies:
             self._account.give_up(f"{len(self._replies)} answers are waiting to be read, the maximum")
             return
-        self._replies.append(frame)
+        self._replies.append((frame, fragment_size))
         self._account.take(sys.getsizeof(frame))
         if self._account.is_over:
             self._check_bytes()
@@ -159,6 +170,7 @@ class Outbox:
         for key in list(self._mailboxes):
             self.close(key)
         self._replies.clear()
+        self._rest = iter(())
 
     def acknowledge(self, key: Any, count: int) -> None:
         """Record that the client has processed messages from a subscription."""
@@ -183,11 +195,19 @@ class Outbox:
         return sum(mailbox.lost for mailbox in self._mailboxes.values())
 
     def pick(self) -> tuple[Frame | Parcel | None, float | None]:
-        """Return what to send next, or None and the seconds until a throttled message is due (None: there is none)."""
+        """Return what to send next, or None and the seconds until a throttled message is due (None: there is none).
+
+        The frame of a parcel must be passed to `begun`.
+        """
+        fragment = next(self._rest, None)
+        if fragment is not None:
+            return fragment, None
+        self._account.give(self._rest_bytes)
+        self._rest_bytes = 0
         if self._replies:
-            frame = self._replies.popleft()
+            frame, fragment_size = self._replies.popleft()
             self._account.give(sys.getsizeof(frame))
-            return frame, None
+            return self.begun(frame, fragment_size), None
         now_s = self._clock()
         waiting = [mailbox for mailbox in self._mailboxes.values() if mailbox.samples and not mailbox.is_blocked]
         due = [mailbox for mailbox in waiting if mailbox.next_s <= now_s]
@@ -195,10 +215,20 @@ class Outbox:
             return min(due, key=_age).take(now_s, self._account), None
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
 
+    def begun(self, frame: Frame, fragment_size: int | None) -> Frame:
+        """Return a frame, or its first fragment if it is text longer than fragment_size; `pick` returns the rest."""
+        if fragment_size is None or isinstance(frame, bytes) or len(frame) <= fragment_size:
+            return frame
+        self._fragmented += 1
+        self._rest = split(frame, fragment_size, str(self._fragmented), self._limits.fragments)
+        self._rest_bytes = sys.getsizeof(frame)
+        self._account.take(self._rest_bytes)
+        return next(self._rest)
+
     def take(self) -> tuple[Frame | None, float | None]:
         """Do the same as `pick`, but return the encoded frame."""
         found, delay_s = self.pick()
-        return found.encode() if isinstance(found, Parcel) else found, delay_s
+        return self.begun(found.encode(), found.fragment_size) if isinstance(found, Parcel) else found, delay_s
 
 
 def _age(mailbox: Mailbox) -> int:

@@ -104,6 +104,9 @@ def _graph_queries(graph: Graph, ros: Ros) -> dict[str, Query]:
         found = [service.name for service in services.values() if service.type.replace("/srv/", "/") == wanted]
         return {"services": [f"/{name}" for name in found]}
 
+    def action_servers(args: Args) -> Args:
+        return {"action_servers": [f"/{name}" for name in graph.actions]}
+
     def node_details(args: Args) -> Args:
         node = _text(args, "node")
         return {
@@ -141,7 +144,7 @@ def _graph_queries(graph: Graph, ros: Ros) -> dict[str, Query]:
         "node_details": (
             "string node\n", "string[] subscribing\nstring[] publishing\nstring[] services\n", node_details
         ),
-        "action_servers": ("", "string[] action_servers\n", lambda args: {"action_servers": []}),
+        "action_servers": ("", "string[] action_servers\n", action_servers),
     }  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 from uwsim.bridges.conversation import Frame
+from uwsim.bridges.rosbridge.actions import Actions
 from uwsim.bridges.rosbridge.calls import Calls
 from uwsim.bridges.rosbridge.encoding import from_png, to_json
 from uwsim.bridges.rosbridge.fragments import Fragments
@@ -50,6 +51,7 @@ class Session:
     neither status (unless requested by set_level) nor png, so neither is sent to it.
     """
 
+    _actions: Actions
     _calls: Calls
     _topics: Topics
 
@@ -64,6 +66,12 @@ class Session:
         "advertise_service": lambda session: session._calls.advertise_service,
         "unadvertise_service": lambda session: session._calls.unadvertise_service,
         "service_response": lambda session: session._calls.respond,
+        "advertise_action": lambda session: session._actions.advertise,
+        "unadvertise_action": lambda session: session._actions.unadvertise,
+        "send_action_goal": lambda session: session._actions.send_goal,
+        "cancel_action_goal": lambda session: session._actions.cancel_goal,
+        "action_feedback": lambda session: session._actions.feed_back,
+        "action_result": lambda session: session._actions.finish,
         "fragment": lambda session: session._fragment,
         "png": lambda session: session._png,
         "set_level": lambda session: session._set_level,
@@ -95,6 +103,7 @@ class Session:
         shared = self.limits, self._account, self.outbox
         names = Names(graph, self.limits)
         self._calls = Calls(graph, name, names, *shared)
+        self._actions = Actions(graph, name, names, *shared)
         self._topics = Topics(graph, name, names, *shared, ros=ros, png=not is_roslibpy)
         self._whole: str | None = None  # a message assembled from fragments
         self._is_over = False
@@ -139,7 +148,7 @@ class Session:
         try:
             if prepared.error is not None:
                 raise ValueError(prepared.error)
-            self._calls.spent_bytes = prepared.spent_bytes
+            self._calls.spent_bytes = self._actions.spent_bytes = prepared.spent_bytes
             self._perform(prepared.operation)
         except ValueError as error:
             self._complain(str(error), prepared.operation)
@@ -154,6 +163,7 @@ class Session:
         self._is_over = True
         self.graph.leave(self.name)
         self._calls.close()
+        self._actions.close()
         self.outbox.shut()
         self._account.close()
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
 
 from uwsim.bridges.rosbridge.encoding import Compression
+from uwsim.bridges.rosbridge.fragments import read_fragment_size
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.outbox import Mailbox
 from uwsim.channels.message_types import NEWEST_ONLY, shortened
@@ -22,12 +23,14 @@ class Options(NamedTuple):
     """The options of one id. throttle_s: minimum time between messages. queue_length: 0 for the default.
 
     credit: maximum number of unacknowledged messages; None for no limit. This is an extension to rosbridge.
+    fragment_size: maximum number of characters in a frame of JSON; None for no limit.
     """
 
     throttle_s: float
     queue_length: int
     compression: Compression
     credit: int | None = None
+    fragment_size: int | None = None
 
 
 def read_options(operation: dict[str, Any], limits: Limits) -> Options:
@@ -44,7 +47,8 @@ def read_options(operation: dict[str, Any], limits: Limits) -> Options:
     credit = operation.get("credit")
     if credit is not None and (type(credit) is not int or not 1 <= credit <= CREDIT_MAX):
         raise ValueError(f"credit = {shortened(credit)}: must be in [1, {CREDIT_MAX}]")
-    return Options(throttle_ms / 1000.0, int(min(length, limits.queue_length)), compression, credit)
+    length = int(min(length, limits.queue_length))
+    return Options(throttle_ms / 1000.0, length, compression, credit, read_fragment_size(operation))
 
 
 def _is_number(value: Any) -> bool:
@@ -72,4 +76,5 @@ class Subscription:
             length=max(option.queue_length for option in options),
             large=type_name in NEWEST_ONLY,
             credit=min((option.credit for option in options if option.credit is not None), default=None),
+            fragment_size=min((one.fragment_size for one in options if one.fragment_size is not None), default=None),
         )
