@@ -15,7 +15,7 @@ import foxglove
 import pytest
 from foxglove.channels import SceneUpdateChannel
 from foxglove.messages import SceneUpdate
-from foxglove.websocket import Capability, MessageSchema, ServiceSchema
+from foxglove.websocket import Capability, MessageSchema, Parameter, ServiceSchema
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -24,6 +24,7 @@ from foxglove_client import FoxgloveClient
 from ros2_tools import PATIENCE_S, until
 from uwsim.bridges.foxglove import FoxgloveServer, outbox, protocol, session
 from uwsim.bridges.foxglove.outbox import Outbox, Room
+from uwsim.bridges.foxglove.parameters import described as described_parameter
 from uwsim.bridges.foxglove.protocol import Call, Offer
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.played_feed import PlayedFeed
@@ -79,10 +80,18 @@ def test_the_conversation_is_that_of_the_sdk() -> None:
     request = MessageSchema(
         encoding="json", schema=foxglove.Schema(name=kind, encoding="jsonschema", data=b'{"type":"object"}')
     )
+    values = [Parameter("rov.friction", value=0.5), Parameter("gain", value=[1.0, 2.0]), Parameter("on", value=True)]
+
+    class Listener(foxglove.websocket.ServerListener):  # type: ignore[misc]
+        def on_get_parameters(self, client: Any, names: list[str], request_id: str | None = None) -> Any:
+            assert names == ["rov.friction", "gain", "on"]
+            return values
+
     described = ServiceSchema(kind, request=request, response=request)
     peer = foxglove.start_server(
         name="uwsim", port=0, context=context, supported_encodings=["cdr", "json"],
-        capabilities=[Capability.ClientPublish, Capability.Services, Capability.Time], session_id="1",
+        capabilities=[Capability.ClientPublish, Capability.Services, Capability.Time, Capability.Parameters],
+        session_id="1", server_listener=Listener(),
         services=[
             foxglove.Service("/a", schema=described, handler=lambda request: b'{"success":true}'),
             foxglove.Service("/b", schema=described, handler=fail),
@@ -93,7 +102,9 @@ def test_the_conversation_is_that_of_the_sdk() -> None:
         info = theirs.next("serverInfo")
         info["metadata"].pop("fg-library")
         info.pop("metadata")
-        assert info == json.loads(protocol.server_info("uwsim", "1"))
+        ours = json.loads(protocol.server_info("uwsim", "1", has_parameters=True))
+        assert set(ours["capabilities"]) - set(info["capabilities"]) <= {"parametersSubscribe"}
+        assert info | {"capabilities": ours["capabilities"]} == ours
         update = SceneUpdate.get_schema()
         offers = [
             Offer(text.id(), "t", "cdr", TEXT, "ros2msg", b"string data", {"k": "v"}),
@@ -117,6 +128,9 @@ def test_the_conversation_is_that_of_the_sdk() -> None:
         assert theirs.next(protocol.TIME) == protocol.time(7)
         peer.publish_status("hm", foxglove.StatusLevel.Warning)
         assert theirs.next("status") == json.loads(protocol.status(protocol.WARNING, "hm"))
+        theirs.send({"op": "getParameters", "parameterNames": ["rov.friction", "gain", "on"], "id": "r1"})
+        plain = [described_parameter(*one) for one in (("rov.friction", 0.5), ("gain", [1.0, 2.0]), ("on", True))]
+        assert theirs.next("parameterValues") == json.loads(protocol.parameter_values(plain, "r1"))
         for name in ("a", "b"):
             frame = struct.pack("<BIII", protocol.CALL, numbers[name], 9, 4) + b"json{}"
             call = protocol.read_binary(frame)
@@ -139,6 +153,43 @@ def test_no_page_of_another_site_commands(live: LiveSimulator, server: FoxgloveS
         pass
     assert refused.value.response.status_code == 403
     assert len(live.log) == before
+
+
+def test_parameters_are_listed_set_and_reported(live: LiveSimulator, server: FoxgloveServer) -> None:
+    client, other = Plain(server.url), Plain(server.url)
+    assert {"parameters", "parametersSubscribe"} <= set(client.next("serverInfo")["capabilities"])
+
+    def request(op: str, **fields: Any) -> dict[str, Any]:
+        client.send({"op": op, "id": "r", **fields})
+        answer = client.next("parameterValues")
+        assert answer["id"] == "r"
+        return {entry["name"]: entry.get("value") for entry in answer["parameters"]}
+
+    own = live.simulator.parameters
+    everything = request("getParameters", parameterNames=[])
+    assert everything.keys() == set(own) and everything["rov.friction"] == own["rov.friction"] == 0.5
+    surge = "rov.drag.linear.surge"
+    before = own[surge]
+    other.send({"op": "subscribeParameterUpdates", "parameterNames": [surge, "rov.friction"]})
+    other.send({"op": "getParameters", "parameterNames": [surge], "id": "has subscribed"})
+    assert other.next("parameterValues")["parameters"] == [{"name": surge, "value": before, "type": "float64"}]
+    changes = [{"name": surge, "value": 60}, {"name": "optics.jerlov", "value": "5C"}]
+    assert request("setParameters", parameters=changes) == {surge: 60.0, "optics.jerlov": "5C"}
+    assert (own[surge], own["optics.jerlov"]) == (60.0, "5C")
+    assert other.next("parameterValues") == {
+        "op": "parameterValues", "parameters": [{"name": surge, "value": 60.0, "type": "float64"}]
+    }  # fmt: skip
+    live.command("set_parameter", name="rov.friction", value=0.7).result()
+    assert [entry["value"] for entry in other.next("parameterValues")["parameters"]] == [0.7], "set by anything else"
+    wrong = [{"name": "rov.friction", "value": 0.2}, {"name": surge, "value": -1.0}]
+    client.send({"op": "setParameters", "id": "w", "parameters": wrong})
+    assert surge in client.next("status")["message"]
+    assert [entry["value"] for entry in client.next("parameterValues")["parameters"]] == [0.7, 60.0], "all or none"
+    back = [{"name": name} for name in (surge, "optics.jerlov", "rov.friction")]
+    assert request("setParameters", parameters=back)[surge] == before and own["rov.friction"] == 0.5
+    client.send({"op": "getParameters", "parameterNames": ["rov.nothing"]})
+    assert client.next("parameterValues") == {"op": "parameterValues", "parameters": []}
+    assert "rov.nothing" in client.next("status")["message"]
 
 
 def test_a_token_a_page_and_encryption(live: LiveSimulator, tmp_path: Path) -> None:

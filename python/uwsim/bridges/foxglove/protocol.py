@@ -16,6 +16,7 @@ import orjson
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 CAPABILITIES = ("clientPublish", "services", "time")
+OF_PARAMETERS = ("parameters", "parametersSubscribe")  # further capabilities of a live simulator
 ENCODINGS = ("cdr", "json")
 WARNING, ERROR = 1, 2
 MESSAGE, TIME, ANSWER = 1, 2, 3  # binary frames of the server
@@ -54,9 +55,10 @@ class Call:
     data: bytes
 
 
-def server_info(name: str, session: str) -> str:
+def server_info(name: str, session: str, *, has_parameters: bool = False) -> str:
     """Return the first frame of a conversation. session: an ID; if it changes, the app discards its data."""
-    return _text("serverInfo", name=name, capabilities=CAPABILITIES, supportedEncodings=ENCODINGS, sessionId=session)
+    offered = (*CAPABILITIES, *(OF_PARAMETERS if has_parameters else ()))
+    return _text("serverInfo", name=name, capabilities=offered, supportedEncodings=ENCODINGS, sessionId=session)
 
 
 def advertisement(offers: Sequence[Offer]) -> str:
@@ -90,6 +92,11 @@ def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
 def status(level: int, text: str) -> str:
     """Return the frame that reports a problem for the app to display."""
     return _text("status", level=level, message=text)
+
+
+def parameter_values(parameters: Sequence[dict[str, Any]], request: str | None = None) -> str:
+    """Return the frame with parameters, each {name, value, type}. request: the id of the request that it answers."""
+    return _text("parameterValues", parameters=parameters, **({} if request is None else {"id": request}))
 
 
 def call_failure(call: Call, why: str) -> str:

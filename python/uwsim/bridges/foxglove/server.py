@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from uwsim.bridges.conversation import Allowance, Rates
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.offers import Offers
 from uwsim.bridges.foxglove.outbox import Outbox, Room
+from uwsim.bridges.foxglove.parameters import Parameters
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.foxglove.shows import shows_of
@@ -46,7 +48,8 @@ class FoxgloveServer(Bridge):
                 ...
 
     Topics carry CDR with ROS 2 schemas, so that panels treat them like a robot's topics; the /scene/* topics are for
-    the 3D panel. Clients may publish on command topics, in CDR or JSON, and call services in JSON. A topic is read only
+    the 3D panel. Clients may publish on command topics, in CDR or JSON, call services in JSON, and read and set the
+    simulator's parameters. A topic is read only
     while clients subscribe to it. live: None if the feed plays a recording, which accepts no commands and whose only
     scenes are the maps. port: 0 chooses a free one; see `port`. feed: shared with other sinks. origin: the world's
     origin in odom, as in the Table that the channels come from. origins, token, certfile, keyfile: access control and
@@ -91,10 +94,15 @@ class FoxgloveServer(Bridge):
         self._offers.complete(shows_of(live, channels, self.feed, self._outgoing, self._offers.send, origin_m))
         self._greeting = self._greet()
         self._end_clock: Callable[[], None] = lambda: None
+        self._parameters: Parameters | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
         try:
             self._listener.start()
             self.keep_up()
             self._end_clock = self.feed.tell_time(TIME_S, self._tell_time)
+            if live is not None:
+                self._parameters = Parameters(live, self._notice_parameters)
+                self._parameters.open()
         except (OSError, RuntimeError):
             self.close()
             raise
@@ -114,6 +122,8 @@ class FoxgloveServer(Bridge):
         was_open = super().close()
         if was_open:
             self._end_clock()
+            if self._parameters is not None:
+                self._parameters.close()
             self._listener.stop()
             self._offers.close()
             self._outgoing.close()
@@ -167,13 +177,33 @@ class FoxgloveServer(Bridge):
 
         self.call(service, protocol.read_json(call.data), done)
 
+    @property
+    def parameters(self) -> Parameters:
+        """The simulator's parameters. Raises ValueError if there is only a recording."""
+        if self._parameters is None:
+            raise ValueError("parameters: there is no simulator, only a recording")
+        return self._parameters
+
+    def set_parameters(self, changes: Mapping[str, Any], done: Callable[[str | None], object]) -> None:
+        """Set parameters; `done` is called later with the error, if any. Raises ValueError or NotRunningError."""
+        self.parameters.set(changes, partial(post, asyncio.get_running_loop(), done))
+
+    def _notice_parameters(self) -> None:
+        """Have each session report changes, from the simulator's thread."""
+        if self._loop is not None:
+            post(self._loop, self._tell_parameters)
+
+    def _tell_parameters(self) -> None:
+        for session in list(self._listener.sessions.values()):
+            session.tell_parameters()
+
     # Setup of sessions:
 
     def _greet(self) -> list[str]:
         """Return the frames that open every conversation."""
         services = [(number, service.name, service.type) for number, service in self._numbered.items()]
         frames = [
-            protocol.server_info("uwsim", str(time.time_ns() // 1_000_000)),
+            protocol.server_info("uwsim", str(time.time_ns() // 1_000_000), has_parameters=self.live is not None),
             protocol.advertisement(self._offers.offers),
         ]
         return [*frames, protocol.services_advertisement(services)] if services else frames
@@ -181,6 +211,7 @@ class FoxgloveServer(Bridge):
     def _open_session(
         self, connection: HeardConnection, wake: Callable[[], None], give_up: Callable[[str], None]
     ) -> Session:
+        self._loop = asyncio.get_running_loop()
         session = Session(self, Outbox(self._room, wake, give_up))
         for frame in self._greeting:
             session.outbox.reply(frame)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.outbox import Outbox
+from uwsim.bridges.foxglove.parameters import UNSET, described
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.channels import Channel
 
@@ -36,6 +37,7 @@ class Session:
         # None: advertised with an error that has been reported
         self.advertised: dict[int, tuple[Channel, str] | None] = {}
         self._open_calls = 0
+        self._watched: dict[str, Any] = {}  # the latest value sent of each parameter that the client subscribes to
 
     async def take(self, frame: Frame) -> float:
         """Handle a frame; return the CPU time [s] spent."""
@@ -78,8 +80,11 @@ class Session:
 
     def _perform(self, operation: dict[str, Any]) -> None:
         name = operation.get("op")
+        if isinstance(name, str) and name in self._requests:
+            self._requests[name](self, operation)
+            return
         if not isinstance(name, str) or name not in self._operations:
-            raise ValueError(f"op = {name!r:.40}: must be one of {', '.join(self._operations)}")
+            raise ValueError(f"op = {name!r:.40}: must be one of {', '.join((*self._operations, *self._requests))}")
         key, kind, perform = self._operations[name]
         entries = operation.get(key)
         if not isinstance(entries, list) or len(entries) > LISTS_MAX or {type(entry) for entry in entries} - {kind}:
@@ -166,6 +171,57 @@ class Session:
         except (ValueError, RuntimeError) as error:
             self.outbox.reply(protocol.call_failure(call, str(error)))
 
+    def _get_parameters(self, operation: dict[str, Any]) -> None:
+        names = _names(operation)
+        self._send_parameters(names, _request_id(operation))
+        for name in self._server.parameters.unknown(names)[:MISTAKES_SHOWN]:
+            self.complain(f"parameter '{name}': no parameter has this name")
+
+    def _set_parameters(self, operation: dict[str, Any]) -> None:
+        entries, request = operation.get("parameters"), _request_id(operation)
+        if not isinstance(entries, list) or len(entries) > LISTS_MAX or {type(entry) for entry in entries} - {dict}:
+            raise ValueError(f"setParameters.parameters: must be a list of up to {LISTS_MAX} objects")
+        changes = {_text(entry, "name"): entry.get("value", UNSET) for entry in entries}
+
+        def done(error: str | None) -> None:
+            self._open_calls -= 1
+            if error is not None:
+                self.complain(error)
+            if request is not None:
+                self._send_parameters(list(changes), request)
+
+        if self._open_calls >= CALLS_MAX:
+            raise ValueError(f"{CALLS_MAX} calls are still unanswered, the maximum")
+        self._server.set_parameters(changes, done)
+        self._open_calls += 1
+
+    def _subscribe_parameters(self, operation: dict[str, Any]) -> None:
+        self._watched |= self._server.parameters.values(_names(operation))
+
+    def _unsubscribe_parameters(self, operation: dict[str, Any]) -> None:
+        names = _names(operation)
+        self._watched = {name: value for name, value in self._watched.items() if names and name not in names}
+
+    def tell_parameters(self) -> None:
+        """Send the parameters that the client subscribes to and that have changed."""
+        if not self._watched:
+            return
+        now = self._server.parameters.values(self._watched)
+        changed = {name: value for name, value in now.items() if value != self._watched[name]}
+        if changed:
+            self._watched |= changed
+            self.outbox.reply(protocol.parameter_values([described(*one) for one in changed.items()]))
+
+    def _send_parameters(self, names: list[str], request: str | None) -> None:
+        values = self._server.parameters.values(names)
+        self.outbox.reply(protocol.parameter_values([described(*one) for one in values.items()], request))
+
+    _requests: ClassVar[dict[str, Callable[[Session, dict[str, Any]], None]]] = {
+        "getParameters": _get_parameters,
+        "setParameters": _set_parameters,
+        "subscribeParameterUpdates": _subscribe_parameters,
+        "unsubscribeParameterUpdates": _unsubscribe_parameters,
+    }
     _operations: ClassVar[dict[str, tuple[str, type, Callable[[Session, Any], None]]]] = {
         "subscribe": ("subscriptions", dict, _subscribe),
         "unsubscribe": ("subscriptionIds", int, _unsubscribe),
@@ -186,6 +242,18 @@ def _text(entry: dict[str, Any], key: str) -> str:
     if not isinstance(found, str) or len(found) > NAME_MAX:
         raise ValueError(f"{key} = {found!r:.40}: must be a string of up to {NAME_MAX} characters")
     return found
+
+
+def _names(operation: dict[str, Any]) -> list[str]:
+    """Return the names in a request; none stands for all parameters."""
+    names = operation.get("parameterNames", [])
+    if not isinstance(names, list) or len(names) > LISTS_MAX or {type(name) for name in names} - {str}:
+        raise ValueError(f"{operation['op']}.parameterNames: must be a list of up to {LISTS_MAX} strings")
+    return names
+
+
+def _request_id(operation: dict[str, Any]) -> str | None:
+    return None if operation.get("id") is None else _text(operation, "id")
 
 
 def _check_size(data: bytes) -> None:

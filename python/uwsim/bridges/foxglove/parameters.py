@@ -1,0 +1,78 @@
+"""The simulator's parameters for the app: their values in Foxglove's form, and changes from either side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future
+from contextlib import suppress
+from typing import Any
+
+from uwsim.base.journal import JUMPS
+from uwsim.live import LiveSimulator, NotRunningError
+from uwsim.simulator.simulator import Simulator
+
+CHANGES = ("set_parameter", "set_parameters", "reset_parameters", "set_lamp", *JUMPS)
+"""The commands after which parameters may have other values."""
+UNSET = object()
+"""The value in place of one that a client leaves out: the parameter returns to the scenario's."""
+
+
+class Parameters:
+    """A live simulator's parameters. changed: called on the simulator's thread when values may have changed."""
+
+    def __init__(self, live: LiveSimulator, changed: Callable[[], object]) -> None:
+        self._live = live
+        self._changed = changed
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Notice a command that has taken effect."""
+        if name in CHANGES:
+            self._changed()
+
+    def open(self) -> None:
+        """Start noticing changes. Raises NotRunningError."""
+        self._live.read(self._listen)
+
+    def close(self) -> None:
+        """Stop noticing changes."""
+        with suppress(NotRunningError):
+            self._live.read(lambda sim: sim.journal.detach(self))
+
+    def _listen(self, sim: Simulator) -> None:
+        sim.journal.listen(self, efforts=False)
+
+    def unknown(self, names: Iterable[str]) -> list[str]:
+        """Return the names that no parameter has."""
+        own = self._live.simulator.parameters
+        return [name for name in names if name not in own]
+
+    def values(self, names: Iterable[str]) -> dict[str, Any]:
+        """Return the values of those parameters that exist; of all, without names."""
+        own = self._live.simulator.parameters
+        return {name: own[name] for name in list(names) or list(own) if name in own}
+
+    def set(self, changes: Mapping[str, Any], done: Callable[[str | None], object]) -> None:
+        """Set all or none of the parameters; UNSET is the scenario's value. `done` receives the error, if any.
+
+        Raises ValueError for an unknown name without a value, and NotRunningError.
+        """
+        own = self._live.simulator.parameters
+        full = {name: own.describe(name).default if value is UNSET else value for name, value in changes.items()}
+
+        def finish(order: Future[Any]) -> None:
+            error = None if order.cancelled() else order.exception()
+            done(None if error is None else str(error))
+
+        self._live.command("set_parameters", changes=full).add_done_callback(finish)
+
+
+def described(name: str, value: Any) -> dict[str, Any]:
+    """Return a parameter as the protocol has it; one without a value has none."""
+    if value is None:
+        return {"name": name}
+    kind: dict[str, str] = {}
+    if isinstance(value, float):
+        kind = {"type": "float64"}
+    elif isinstance(value, list | tuple) and value and all(isinstance(part, float) for part in value):
+        kind = {"type": "float64_array"}
+    return {"name": name, "value": value, **kind}
