@@ -70,7 +70,8 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
         load = _quick_load(frame)
         if _is_too_much(load, frame, limits, ROUGH_SHARE):
             exact, fits = exact_load(frame), not _is_too_much(load, frame, limits)
-            remembers = exact.values <= SLOW_VALUES
+            shares = exact.members > exact.values // 2  # keys, rather than elements of lists
+            remembers = exact.values <= SLOW_VALUES and (shares or not fits)
             if not remembers and not fits and exact.containers <= limits.objects:
                 raise ValueError(f"frame: {exact.values} values in many objects: must be {SLOW_VALUES} at most")
             load = exact if remembers or not fits else load
