@@ -10,7 +10,7 @@ namespace {
 constexpr double kFinestBlock_m = 1;      // about the width of a vehicle
 constexpr double kMaxBlocksAlong = 4096;  // larger worlds have coarser blocks
 
-struct Box {
+struct Extent {
   Eigen::Vector3d low_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high_m = -low_m;
   void add(const Eigen::Vector3d& point_m) {
@@ -19,8 +19,8 @@ struct Box {
   }
 };
 
-Box bounds(const Solid& solid) {
-  Box box;
+Extent bounds(const Solid& solid) {
+  Extent box;
   for (const Eigen::Vector3d& v : solid.mesh_world.vertices_m) box.add(v);
   return box;
 }
@@ -45,7 +45,7 @@ BroadPhase::BroadPhase(const World& world) {
     }
   }
   for (const auto& solid : world.solids()) {
-    const Box box = bounds(*solid);
+    const Extent box = bounds(*solid);
     raise_blocks(box.low_m, box.high_m);
   }
   while (levels_.back().nx > 1 || levels_.back().ny > 1) {
@@ -63,7 +63,7 @@ BroadPhase::BroadPhase(const World& world) {
 }
 
 void BroadPhase::set_grid(const World& world) {
-  Box all;
+  Extent all;
   if (const auto& terrain = world.terrain()) {
     all.add({terrain->origin_m().x(), terrain->origin_m().y(), 0});
     all.add({terrain->far_corner_m().x(), terrain->far_corner_m().y(), 0});

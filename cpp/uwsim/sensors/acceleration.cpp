@@ -15,16 +15,17 @@ class Acceleration final : public MountedSensor {
   }
 };
 
-constexpr Field kFields[] = {{"linear_acceleration_m_s2", 3, "m/s2"}, {"angular_acceleration_rad_s2", 3, "rad/s2"}};
-constexpr Channel kChannels[] = {{"linear_acceleration", 3, "m/s2"}, {"angular_acceleration", 3, "rad/s2"}};
+constexpr Field kAccelerationFields[] = {{"linear_acceleration_m_s2", 3, "m/s2"},
+                                         {"angular_acceleration_rad_s2", 3, "rad/s2"}};
+constexpr Channel kAccelerationChannels[] = {{"linear_acceleration", 3, "m/s2"}, {"angular_acceleration", 3, "rad/s2"}};
 
 }  // namespace
 
 extern const SensorKind kAcceleration;
 constinit const SensorKind kAcceleration = {"acceleration",
                                             "acceleration without gravity and angular acceleration, sensor axes",
-                                            kFields,
-                                            kChannels,
+                                            kAccelerationFields,
+                                            kAccelerationChannels,
                                             0,
                                             {},
                                             make_sensor<Acceleration>};

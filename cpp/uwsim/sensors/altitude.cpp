@@ -28,9 +28,9 @@ class Altitude final : public MountedSensor {
   double range_min_m_, range_max_m_;
 };
 
-constexpr Field kFields[] = {{"altitude_m", 1, "m"}};
-constexpr Channel kChannels[] = {{"altitude", 1, "m"}};
-constexpr Parameter kParameters[] = {
+constexpr Field kAltitudeFields[] = {{"altitude_m", 1, "m"}};
+constexpr Channel kAltitudeChannels[] = {{"altitude", 1, "m"}};
+constexpr Parameter kAltitudeParameters[] = {
     {"range_min_m", 1, 0, 0, 1000, "m", "smaller distances are invalid"},
     {"range_max_m", 1, 1000, 0.1, 1000, "m", "larger distances are infinite and invalid"}};
 
@@ -39,10 +39,10 @@ constexpr Parameter kParameters[] = {
 extern const SensorKind kAltitude;
 constinit const SensorKind kAltitude = {"altitude",
                                         "vertical distance to the surface below; infinity beyond its range",
-                                        kFields,
-                                        kChannels,
+                                        kAltitudeFields,
+                                        kAltitudeChannels,
                                         0,
-                                        kParameters,
+                                        kAltitudeParameters,
                                         make_sensor<Altitude>};
 
 }  // namespace uwsim

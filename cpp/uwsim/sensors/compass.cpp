@@ -7,7 +7,6 @@ namespace uwsim {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The sum of the earth's field
 /// (strength, inclination below the horizon, declination east of the world's north, +y) and the vehicle's own field in
@@ -17,8 +16,9 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 class Compass final : public MountedSensor {
  public:
   explicit Compass(const SensorSpec& spec) : MountedSensor(spec), hard_iron_ut_(spec.vector3("hard_iron_ut")) {
-    const double declination = spec.number("declination_deg") * kRadPerDeg;
-    const double inclination = spec.number("inclination_deg") * kRadPerDeg;
+    constexpr double kDegree = std::numbers::pi / 180;
+    const double declination = spec.number("declination_deg") * kDegree;
+    const double inclination = spec.number("inclination_deg") * kDegree;
     field_world_ut_ = spec.number("field_ut") * Eigen::Vector3d(std::sin(declination) * std::cos(inclination),
                                                                 std::cos(declination) * std::cos(inclination),
                                                                 -std::sin(inclination));
@@ -45,9 +45,9 @@ class Compass final : public MountedSensor {
   Eigen::Vector3d field_world_ut_;
 };
 
-constexpr Field kFields[] = {{"heading_rad", 1, "rad"}};
-constexpr Channel kChannels[] = {{"heading", 1, "rad"}};
-constexpr Parameter kParameters[] = {
+constexpr Field kCompassFields[] = {{"heading_rad", 1, "rad"}};
+constexpr Channel kCompassChannels[] = {{"heading", 1, "rad"}};
+constexpr Parameter kCompassParameters[] = {
     {"hard_iron_ut", 3, 0, -1000, 1000, "uT", "the vehicle's own field, sensor axes"},
     {"declination_deg", 1, 0, -180, 180, "deg", "magnetic north east of true north"},
     {"inclination_deg", 1, 60, -89, 89, "deg", "of the field below the horizon (assumed: middle latitudes)"},
@@ -56,8 +56,12 @@ constexpr Parameter kParameters[] = {
 }  // namespace
 
 extern const SensorKind kCompass;
-constinit const SensorKind kCompass = {
-    "compass",           "magnetic heading, clockwise from magnetic north", kFields, kChannels, 0, kParameters,
-    make_sensor<Compass>};
+constinit const SensorKind kCompass = {"compass",
+                                       "magnetic heading, clockwise from magnetic north",
+                                       kCompassFields,
+                                       kCompassChannels,
+                                       0,
+                                       kCompassParameters,
+                                       make_sensor<Compass>};
 
 }  // namespace uwsim

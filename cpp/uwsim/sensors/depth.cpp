@@ -21,9 +21,9 @@ class Depth final : public MountedSensor {
   double density_kg_m3_;
 };
 
-constexpr Field kFields[] = {{"depth_m", 1, "m"}};
-constexpr Channel kChannels[] = {{"depth", 1, "m"}};
-constexpr Parameter kParameters[] = {
+constexpr Field kDepthFields[] = {{"depth_m", 1, "m"}};
+constexpr Channel kDepthChannels[] = {{"depth", 1, "m"}};
+constexpr Parameter kDepthParameters[] = {
     {"density_kg_m3", 1, 0, 0, 1300, "kg/m3", "nominal density; 0: the water's own at the surface"}};
 
 }  // namespace
@@ -31,10 +31,10 @@ constexpr Parameter kParameters[] = {
 extern const SensorKind kDepth;
 constinit const SensorKind kDepth = {"depth",
                                      "depth below the surface inferred from pressure with a nominal density",
-                                     kFields,
-                                     kChannels,
+                                     kDepthFields,
+                                     kDepthChannels,
                                      0,
-                                     kParameters,
+                                     kDepthParameters,
                                      make_sensor<Depth>};
 
 }  // namespace uwsim

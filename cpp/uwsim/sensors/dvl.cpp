@@ -9,7 +9,6 @@ namespace uwsim {
 namespace {
 
 constexpr int kBeams = 4;
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Doppler velocity log with four beams in Janus configuration (Brokloff 1994, "Matrix algorithm for Doppler sonar
 /// navigation"): beam k points down, at the angle `beam_slant_deg` to the sensor's -z axis and the azimuth
@@ -21,9 +20,10 @@ class Dvl final : public MountedSensor {
  public:
   explicit Dvl(const SensorSpec& spec)
       : MountedSensor(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {
-    const double slant = spec.number("beam_slant_deg") * kRadPerDeg;
+    constexpr double kDegree = std::numbers::pi / 180;
+    const double slant = spec.number("beam_slant_deg") * kDegree;
     for (int k = 0; k < kBeams; ++k) {
-      const double azimuth = (spec.number("beam_azimuth_deg") + 90 * k) * kRadPerDeg;
+      const double azimuth = (spec.number("beam_azimuth_deg") + 90 * k) * kDegree;
       beams_.row(k) << std::sin(slant) * std::cos(azimuth), std::sin(slant) * std::sin(azimuth), -std::cos(slant);
     }
   }
@@ -70,12 +70,12 @@ class Dvl final : public MountedSensor {
   Eigen::Matrix<double, kBeams, 3> beams_;  ///< unit, sensor axes
 };
 
-constexpr Field kFields[] = {{"velocity_m_s", 3, "m/s"},
-                             {"beam_ranges_m", kBeams, "m"},
-                             {"beam_velocities_m_s", kBeams, "m/s"},
-                             {"bottom_lock", 1, "1"}};
-constexpr Channel kChannels[] = {{"beam_velocity", kBeams, "m/s"}, {"beam_range", kBeams, "m"}};
-constexpr Parameter kParameters[] = {
+constexpr Field kDvlFields[] = {{"velocity_m_s", 3, "m/s"},
+                                {"beam_ranges_m", kBeams, "m"},
+                                {"beam_velocities_m_s", kBeams, "m/s"},
+                                {"bottom_lock", 1, "1"}};
+constexpr Channel kDvlChannels[] = {{"beam_velocity", kBeams, "m/s"}, {"beam_range", kBeams, "m"}};
+constexpr Parameter kDvlParameters[] = {
     {"beam_slant_deg", 1, 30, 5, 60, "deg", "from the sensor's -z"},
     {"beam_azimuth_deg", 1, 45, -360, 360, "deg", "of the first beam about the sensor's +z, from its x"},
     {"range_min_m", 1, 0, 0, 1000, "m", "along a beam; closer beams are lost"},
@@ -87,10 +87,10 @@ extern const SensorKind kDvl;
 constinit const SensorKind kDvl = {
     "dvl",
     "velocity over the bottom (sensor axes), range and velocity along each of four beams, bottom lock (1 or 0)",
-    kFields,
-    kChannels,
+    kDvlFields,
+    kDvlChannels,
     0,
-    kParameters,
+    kDvlParameters,
     make_sensor<Dvl>};
 
 }  // namespace uwsim

@@ -70,11 +70,11 @@ class Imu final : public MountedSensor {
   bool is_exact_;
 };
 
-constexpr Field kFields[] = {
+constexpr Field kImuFields[] = {
     {"angular_velocity_rad_s", 3, "rad/s"}, {"linear_acceleration_m_s2", 3, "m/s2"}, {"orientation_xyzw", 4, "1"}};
-constexpr Channel kChannels[] = {
+constexpr Channel kImuChannels[] = {
     {"angular_velocity", 3, "rad/s"}, {"linear_acceleration", 3, "m/s2"}, {"orientation", 3, "rad"}};
-constexpr Parameter kParameters[] = {
+constexpr Parameter kImuParameters[] = {
     {"gyro_scale", 3, 0, -0.5, 0.5, "1", "relative error of the gyroscope's scale, by axis"},
     {"gyro_misalignment_rad", 6, 0, -0.2, 0.2, "rad", "what x senses of y and z, y of x and z, z of x and y"},
     {"gyro_g_sensitivity", 9, 0, -0.1, 0.1, "rad s/m",
@@ -87,10 +87,10 @@ constexpr Parameter kParameters[] = {
 extern const SensorKind kImu;
 constinit const SensorKind kImu = {"imu",
                                    "angular velocity, specific force (sensor axes) and orientation (world from sensor)",
-                                   kFields,
-                                   kChannels,
+                                   kImuFields,
+                                   kImuChannels,
                                    4,
-                                   kParameters,
+                                   kImuParameters,
                                    make_sensor<Imu>};
 
 }  // namespace uwsim

@@ -13,13 +13,13 @@ class Pressure final : public MountedSensor {
   }
 };
 
-constexpr Field kFields[] = {{"pressure_pa", 1, "Pa"}};
-constexpr Channel kChannels[] = {{"pressure", 1, "Pa"}};
+constexpr Field kPressureFields[] = {{"pressure_pa", 1, "Pa"}};
+constexpr Channel kPressureChannels[] = {{"pressure", 1, "Pa"}};
 
 }  // namespace
 
 extern const SensorKind kPressure;
-constinit const SensorKind kPressure = {"pressure", "absolute pressure",  kFields, kChannels, 0,
+constinit const SensorKind kPressure = {"pressure", "absolute pressure",  kPressureFields, kPressureChannels, 0,
                                         {},         make_sensor<Pressure>};
 
 }  // namespace uwsim

@@ -31,10 +31,11 @@ class Proximity final : public MountedSensor {
   double range_min_m_, range_max_m_;
 };
 
-constexpr Field kFields[] = {{"range_m", 1, "m"}};
-constexpr Channel kChannels[] = {{"range", 1, "m"}};
-constexpr Parameter kParameters[] = {{"range_min_m", 1, 0, 0, 1000, "m", "smaller distances read as this"},
-                                     {"range_max_m", 1, kRequired, 0.1, 1000, "m", "larger distances read as this"}};
+constexpr Field kProximityFields[] = {{"range_m", 1, "m"}};
+constexpr Channel kProximityChannels[] = {{"range", 1, "m"}};
+constexpr Parameter kProximityParameters[] = {
+    {"range_min_m", 1, 0, 0, 1000, "m", "smaller distances read as this"},
+    {"range_max_m", 1, kRequired, 0.1, 1000, "m", "larger distances read as this"}};
 
 }  // namespace
 
@@ -42,10 +43,10 @@ extern const SensorKind kProximity;
 constinit const SensorKind kProximity = {
     "proximity",
     "distance along the sensor's x to the nearest surface; the maximum range without one",
-    kFields,
-    kChannels,
+    kProximityFields,
+    kProximityChannels,
     0,
-    kParameters,
+    kProximityParameters,
     make_sensor<Proximity>};
 
 }  // namespace uwsim

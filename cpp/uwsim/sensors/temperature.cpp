@@ -13,13 +13,13 @@ class Temperature final : public MountedSensor {
   }
 };
 
-constexpr Field kFields[] = {{"temperature_deg_c", 1, "deg C"}};
-constexpr Channel kChannels[] = {{"temperature", 1, "deg C"}};
+constexpr Field kTemperatureFields[] = {{"temperature_deg_c", 1, "deg C"}};
+constexpr Channel kTemperatureChannels[] = {{"temperature", 1, "deg C"}};
 
 }  // namespace
 
 extern const SensorKind kTemperature;
-constinit const SensorKind kTemperature = {"temperature",           "water temperature", kFields, kChannels, 0, {},
-                                           make_sensor<Temperature>};
+constinit const SensorKind kTemperature = {
+    "temperature", "water temperature", kTemperatureFields, kTemperatureChannels, 0, {}, make_sensor<Temperature>};
 
 }  // namespace uwsim

@@ -77,10 +77,10 @@ class Usbl final : public MountedSensor {
   bool shares_modem_;
 };
 
-constexpr Field kFields[] = {
+constexpr Field kUsblFields[] = {
     {"position_m", 3, "m"}, {"range_m", 1, "m"}, {"azimuth_rad", 1, "rad"}, {"elevation_rad", 1, "rad"}};
-constexpr Channel kChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}};
-constexpr Parameter kParameters[] = {
+constexpr Channel kUsblChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}};
+constexpr Parameter kUsblParameters[] = {
     {"range_max_m", 1, 1000, 1, 10000, "m", "from the station; no fix beyond"},
     {"shares_modem", 1, 1, 0, 1, "", "whether pings and fixes are packets of the link, where that has modems",
      ParameterType::kFlag}};
@@ -91,10 +91,10 @@ extern const SensorKind kUsbl;
 constinit const SensorKind kUsbl = {
     "usbl",
     "position from the station (world axes), range, azimuth from east to north, elevation (up is positive)",
-    kFields,
-    kChannels,
+    kUsblFields,
+    kUsblChannels,
     4,
-    kParameters,
+    kUsblParameters,
     make_sensor<Usbl>};
 
 }  // namespace uwsim

@@ -15,14 +15,18 @@ class Velocity final : public MountedSensor {
   }
 };
 
-constexpr Field kFields[] = {{"linear_velocity_m_s", 3, "m/s"}, {"angular_velocity_rad_s", 3, "rad/s"}};
-constexpr Channel kChannels[] = {{"linear_velocity", 3, "m/s"}, {"angular_velocity", 3, "rad/s"}};
+constexpr Field kVelocityFields[] = {{"linear_velocity_m_s", 3, "m/s"}, {"angular_velocity_rad_s", 3, "rad/s"}};
+constexpr Channel kVelocityChannels[] = {{"linear_velocity", 3, "m/s"}, {"angular_velocity", 3, "rad/s"}};
 
 }  // namespace
 
 extern const SensorKind kVelocity;
-constinit const SensorKind kVelocity = {
-    "velocity",           "velocity over ground and angular velocity, sensor axes", kFields, kChannels, 0, {},
-    make_sensor<Velocity>};
+constinit const SensorKind kVelocity = {"velocity",
+                                        "velocity over ground and angular velocity, sensor axes",
+                                        kVelocityFields,
+                                        kVelocityChannels,
+                                        0,
+                                        {},
+                                        make_sensor<Velocity>};
 
 }  // namespace uwsim

@@ -14,7 +14,7 @@ namespace {
 
 /// In units of lambda / L: the distance between scatterers' bearings, less than 1, so that sums over them equal
 /// integrals of a beam's power; and their farthest one from a beam's axis, the first zero of a Hamming pattern.
-constexpr double kSpacing = 0.5, kReach = 2;
+constexpr double kSpacing = 0.5, kFarthest = 2;
 
 /// An orientation as a turn about the vertical, followed by a tilt about a level axis.
 struct Turned {
@@ -42,7 +42,7 @@ FanSpeckle::FanSpeckle(const Beam& beam, const ImagingAcoustics& acoustics, cons
   const double resolution_rad = 1 / beam.pattern.lengths_per_wave();
   around_ = static_cast<int>(std::ceil(kTurn / (kSpacing * resolution_rad)));
   spacing_rad_ = kTurn / around_;
-  reach_rad_ = std::min(kReach * resolution_rad, std::numbers::pi / 2);
+  reach_rad_ = std::min(kFarthest * resolution_rad, std::numbers::pi / 2);
   const Turned turned(world_from_sonar.orientation);
   twist_rad_ = turned.twist_rad;
   first_ = static_cast<int>(std::ceil((twist_rad_ + low_rad - reach_rad_) / spacing_rad_));

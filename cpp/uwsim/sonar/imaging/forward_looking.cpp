@@ -14,7 +14,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFloor = 1e-4;  // -40 dB: leakage into a transducer from all directions; assumed
+constexpr double kLeakage = 1e-4;  // -40 dB: leakage into a transducer from all directions; assumed
 constexpr double kVerticalTaper = 0.46;
 // Half the span of the columns' rays, as a multiple of the width; beyond it, a Hamming pattern is below -30 dB.
 constexpr double kVerticalSpan = 1.25;
@@ -38,7 +38,7 @@ class ForwardLooking final : public ImagingSonar {
         rays_per_column_(whole_number(figures, "rays_per_column")),
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
         vertical_width_rad_(number(figures, "vertical_width_rad")),
-        across_(number(figures, "beam_width_rad"), number(figures, "taper"), kFloor) {
+        across_(number(figures, "beam_width_rad"), number(figures, "taper"), kLeakage) {
     require(1.0 * static_cast<double>(beams_ * bins_) * std::max(acoustics.looks, 1) < kMaxDraws, "sonar.range_bins",
             acoustics.range_bins, "times beams and looks must be below 4e9");
     const double field_of_view_rad = number(figures, "field_of_view_rad");
@@ -126,7 +126,7 @@ class ForwardLooking final : public ImagingSonar {
     std::vector<double> angles;
     for (int k = 0; k < rays_per_column_; ++k) angles.push_back(-span + (k + 0.5) * step);
     std::vector<ArcRay> rays = arc_rays(angles);
-    const BeamPattern vertical(vertical_width_rad_, kVerticalTaper, kFloor);
+    const BeamPattern vertical(vertical_width_rad_, kVerticalTaper, kLeakage);
     for (ArcRay& ray : rays) {
       ray.gain_sr = vertical.power(ray.angle_rad) * std::cos(ray.angle_rad) * step * spacing_rad_;
     }
@@ -187,12 +187,12 @@ class ForwardLooking final : public ImagingSonar {
   std::size_t reach_;                       ///< number of columns beyond the outermost beams
 };
 
-constexpr double kPi = std::numbers::pi;
-constexpr Parameter kParameters[] = {
+constexpr Parameter kForwardLookingParameters[] = {
     {"beams", 1, kRequired, 1, 4096, "", "side by side", ParameterType::kWholeNumber},
-    {"field_of_view_rad", 1, kRequired, kAboveZero, 2 * kPi, "rad", "between the outermost beams' axes"},
-    {"beam_width_rad", 1, kRequired, 1e-4, kPi, "rad", "across a beam, between half-power points"},
-    {"vertical_width_rad", 1, kRequired, 1e-4, kPi, "rad", "of transmitter and receiver together, two-way"},
+    {"field_of_view_rad", 1, kRequired, kAboveZero, 2 * std::numbers::pi, "rad", "between the outermost beams' axes"},
+    {"beam_width_rad", 1, kRequired, 1e-4, std::numbers::pi, "rad", "across a beam, between half-power points"},
+    {"vertical_width_rad", 1, kRequired, 1e-4, std::numbers::pi, "rad",
+     "of transmitter and receiver together, two-way"},
     {"taper", 1, kRequired, 0, 0.5, "", "the receiving array's shading, see BeamPattern"},
     {"columns_per_beam", 1, kRequired, 1, 64, "", "planes of rays for each beam", ParameterType::kWholeNumber},
     {"rays_per_column", 1, kRequired, 2, 16384, "", "from bottom to top", ParameterType::kWholeNumber}};
@@ -200,7 +200,7 @@ constexpr Parameter kParameters[] = {
 }  // namespace
 
 extern const ImagingKind kForwardLooking;
-constinit const ImagingKind kForwardLooking = {"forward_looking", "a picture by range and bearing ahead", kParameters,
-                                               make_imaging_sonar<ForwardLooking>};
+constinit const ImagingKind kForwardLooking = {"forward_looking", "a picture by range and bearing ahead",
+                                               kForwardLookingParameters, make_imaging_sonar<ForwardLooking>};
 
 }  // namespace uwsim

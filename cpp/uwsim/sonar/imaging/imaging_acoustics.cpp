@@ -14,7 +14,7 @@ constexpr int kMaxLooks = 16;
 constexpr int kMaxBins = 20000;
 constexpr double kLoudest_db = 300;  // far louder than any transducer; keeps powers within the range of a double
 
-constexpr Parameter kParameters[] = {
+constexpr Parameter kAcousticParameters[] = {
     {"frequency_hz", 1, kRequired, 1e3, 5e6, "Hz", "carrier"},
     {"source_level_db", 1, kRequired, -kLoudest_db, kLoudest_db, "dB", "re 1 uPa at 1 m on the axis"},
     {"noise_level_db", 1, kRequired, -kLoudest_db, kLoudest_db, "dB", "re 1 uPa, in the receiver's band"},
@@ -30,7 +30,7 @@ double power_of(double level_db) { return std::pow(10.0, level_db / 10); }
 
 }  // namespace
 
-std::span<const Parameter> imaging_acoustics_parameters() { return kParameters; }
+std::span<const Parameter> imaging_acoustics_parameters() { return kAcousticParameters; }
 
 ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db) {
   for (const double strength_db : strengths_db) {

@@ -16,8 +16,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSparsest_rad = 0.1 * kDegree;
 constexpr double kHighest_rad = 30 * kDegree;  // highest elevation of rays above the horizontal
-constexpr double kFloor = 1e-3;                // -30 dB: a transducer's sensitivity outside its beam; assumed
-constexpr double kTaper = 0.46;
+constexpr double kOutsideBeam = 1e-3;          // -30 dB: a transducer's sensitivity outside its beam; assumed
+constexpr double kArrayTaper = 0.46;
 
 /// Angles from straight down to above the horizontal, dense enough to sample a flat bottom at equal steps in range.
 std::vector<double> across_angles(const ImagingAcoustics& acoustics, double height_m) {
@@ -52,8 +52,8 @@ class SideScan final : public ImagingSonar {
         vertical_width_rad_(number(figures, "vertical_width_rad")),
         depression_rad_(number(figures, "depression_rad")),
         detection_db_(number(figures, "detection_db")),
-        along_(along_width_rad_, kTaper, 0),
-        vertical_(vertical_width_rad_, kTaper, kFloor) {}
+        along_(along_width_rad_, kArrayTaper, 0),
+        vertical_(vertical_width_rad_, kArrayTaper, kOutsideBeam) {}
 
   std::vector<ImagingArray> ping(const ImagingRequest& request) const override {
     const std::size_t pings = request.world_from_sonar.size();
@@ -152,18 +152,17 @@ class SideScan final : public ImagingSonar {
   BeamPattern along_, vertical_;
 };
 
-constexpr double kPi = std::numbers::pi;
-constexpr Parameter kParameters[] = {
+constexpr Parameter kSideScanParameters[] = {
     {"along_width_rad", 1, kRequired, 1e-4, 0.5, "rad", "along the track, between half-power points, two-way"},
-    {"vertical_width_rad", 1, kRequired, 1e-4, kPi, "rad", "across the track, two-way"},
-    {"depression_rad", 1, kRequired, 0, kPi / 2, "rad", "of the beams' axes below the sonar's level"},
+    {"vertical_width_rad", 1, kRequired, 1e-4, std::numbers::pi, "rad", "across the track, two-way"},
+    {"depression_rad", 1, kRequired, 0, std::numbers::pi / 2, "rad", "of the beams' axes below the sonar's level"},
     {"planes", 1, kRequired, 1, 256, "", "of rays across the track, over the beam", ParameterType::kWholeNumber},
     {"detection_db", 1, kRequired, kAboveZero, 100, "dB", "of the first bottom return, above the noise"}};
 
 }  // namespace
 
 extern const ImagingKind kSideScan;
-constinit const ImagingKind kSideScan = {"side_scan", "a line by slant range to either side", kParameters,
+constinit const ImagingKind kSideScan = {"side_scan", "a line by slant range to either side", kSideScanParameters,
                                          make_imaging_sonar<SideScan>};
 
 }  // namespace uwsim

@@ -14,8 +14,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFloor = 0;
-constexpr double kTaper = 0.46;
+constexpr double kPencilTaper = 0.46;
 constexpr double kSpan = 1.2;  // multiple of the width, to either side; beyond this, a Hamming pattern is below -25 dB
 constexpr int kMeanOver = 2;   // bins to either side
 constexpr double kEdge = 0.1;  // fraction of the peak
@@ -64,7 +63,7 @@ class SingleBeam final : public ImagingSonar {
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
         detection_db_(number(figures, "detection_db")),
         width_rad_(number(figures, "beam_width_rad")),
-        pattern_(width_rad_, kTaper, kFloor) {
+        pattern_(width_rad_, kPencilTaper, 0) {
     const int rays_across = whole_number(figures, "rays_across");
     step_rad_ = 2 * kSpan * width_rad_ / rays_across;
     for (int k = 0; k < rays_across; ++k) offsets_rad_.push_back(-kSpan * width_rad_ + (k + 0.5) * step_rad_);
@@ -138,7 +137,7 @@ class SingleBeam final : public ImagingSonar {
   std::vector<double> offsets_rad_;  ///< of the rays from the beam's axis, the same in both directions
 };
 
-constexpr Parameter kParameters[] = {
+constexpr Parameter kSingleBeamParameters[] = {
     {"beam_width_rad", 1, kRequired, 1e-4, 1, "rad", "between half-power points, two-way"},
     {"rays_across", 1, kRequired, 2, 256, "", "of the square grid of rays", ParameterType::kWholeNumber},
     {"detection_db", 1, kRequired, kAboveZero, 100, "dB", "of an echo's peak, above the noise"}};
@@ -146,7 +145,7 @@ constexpr Parameter kParameters[] = {
 }  // namespace
 
 extern const ImagingKind kSingleBeam;
-constinit const ImagingKind kSingleBeam = {"single_beam", "a profile of one steered pencil beam", kParameters,
+constinit const ImagingKind kSingleBeam = {"single_beam", "a profile of one steered pencil beam", kSingleBeamParameters,
                                            make_imaging_sonar<SingleBeam>};
 
 }  // namespace uwsim

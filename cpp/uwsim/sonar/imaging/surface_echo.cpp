@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kMinRange_m = 0.05;  // at shorter ranges there is no far field, and 1 / R^2 would diverge
+constexpr double kFarField_m = 0.05;  // at shorter ranges there is no far field, and 1 / R^2 would diverge
 constexpr double kStretch = 1.5;      // limits the extent of a patch, as a multiple of its range
 
 /// The range at which a ray in another direction meets the tangent plane, relative to the range of the hit. The
@@ -110,7 +110,7 @@ void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray&
   const double z = ray.origin_world_m.z() + hit.distance_m * ray.direction_world.z();
   if (along >= 0 || z > 0) return;
 
-  const double range = std::max(hit.distance_m, kMinRange_m);
+  const double range = std::max(hit.distance_m, kFarField_m);
   const double one = range_ratio(along, normal.dot(arc.direction(patch.lower_rad)));
   const double other = range_ratio(along, normal.dot(arc.direction(patch.upper_rad)));
   const Eigen::Vector3d inward = std::cos(patch.angle_rad) * arc.ahead_world + std::sin(patch.angle_rad) * arc.up_world;
