@@ -74,6 +74,7 @@ def test_a_flight_steps_as_the_simulator_alone_does() -> None:
     assert flown.save_state() == alone.save_state(), "neither samples nor pings disturb it"
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_command_writes_log_track_map_summary_and_report(mission: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     result = run_uwsim(
