@@ -7,6 +7,7 @@ import { showMenu } from './dialogs/menu.js';
 import { byId, toast, write } from './dom.js';
 import { Bindings } from './drive/bindings.js';
 import { explainIdleKeys } from './drive/hint.js';
+import { Inspector } from './inspector.js';
 import { Lease } from './drive/lease.js';
 import { Pilot } from './drive/pilot.js';
 import { Panel } from './panel/panel.js';
@@ -41,6 +42,7 @@ panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
 const recorder = new Recorder(station, telemetry, views);
 const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
+const inspector = new Inspector(station);
 const start = new StartScreen(station);
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
@@ -234,4 +236,4 @@ function showBanner() {
   byId('banner').dataset.kind = isBlind || state.error ? '' : 'silence';
 }
 
-globalThis.station = { station, telemetry, pilot, views, scene, panel, bindings, recorder }; // for the browser's console and tests
+globalThis.station = { station, telemetry, pilot, views, scene, panel, bindings, recorder, inspector }; // for the browser's console and tests

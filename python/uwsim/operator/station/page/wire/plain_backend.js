@@ -121,6 +121,14 @@ export class PlainBackend {
     return answer;
   }
 
+  setParameters(changes) {
+    return this.#bridge.call('/simulation/set_parameters', { values_json: JSON.stringify(changes) });
+  }
+
+  resetParameters(name) {
+    return this.#bridge.call('/simulation/reset_parameters', { names: name === null ? [] : [name] });
+  }
+
   setView() {
     return Promise.resolve({ success: false, message: 'This rosbridge has no station that sets pictures.' });
   }

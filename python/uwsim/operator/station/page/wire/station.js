@@ -136,6 +136,31 @@ export class Station extends EventTarget {
     return this.#backend.control(action, args);
   }
 
+  // The names of all parameters that apply now.
+  async parameterNames() {
+    return (await this.bridge.call('/simulation/list_parameters')).names;
+  }
+
+  // Their descriptions: name, type, unit, low, high, choices, value, default and so on.
+  async describeParameters(names) {
+    return JSON.parse((await this.bridge.call('/simulation/describe_parameters', { names })).descriptions_json);
+  }
+
+  // Their values by name.
+  async parameterValues(names) {
+    return JSON.parse((await this.bridge.call('/simulation/get_parameters', { names })).values_json);
+  }
+
+  // Change parameters by name, all or none.
+  setParameters(changes) {
+    return this.#backend.setParameters(changes);
+  }
+
+  // Return to the scenario's values at and below a name; null: all.
+  resetParameters(name) {
+    return this.#backend.resetParameters(name);
+  }
+
   setView(options) {
     return this.#backend.setView(options);
   }

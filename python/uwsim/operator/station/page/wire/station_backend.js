@@ -34,6 +34,14 @@ export class StationBackend {
     return messages.control(this.#bridge, { action, ...args });
   }
 
+  setParameters(changes) {
+    return this.command('set_parameters', '', { changes });
+  }
+
+  resetParameters(name) {
+    return this.command('reset_parameters', '', { name });
+  }
+
   setView(options) {
     return messages.setView(this.#bridge, options);
   }
