@@ -4,15 +4,26 @@
 #include <limits>
 #include <span>
 
+#include "uwsim/core/volume_parts.h"
+
 namespace uwsim {
 
 /// Motion of the water at a position and time, in the world frame.
 struct WaterFlow {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< current and waves combined
-  /// Acceleration of the water's particles due to waves; wave_load includes the force that it causes
+  /// Acceleration of the water's particles due to waves; the pressure on hulls includes the force that it causes
   Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();
-  /// Local acceleration of the current; wave_load does not include the force that it causes
+  /// Local acceleration of the current; the pressure on hulls does not include the force that it causes
   Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();
+};
+
+/// Motion of the water in a volume, as that of a rigid body which has the water's linear momentum and its angular
+/// momentum about the volume's centroid, world frame. The accelerations follow from the rates of these momenta, so that
+/// density times volume times wave_acceleration_m_s2 is the force of the waves' pressure on the volume (Froude-Krylov),
+/// and the moment of inertia of the displaced water times the angular acceleration is its moment.
+struct VolumeFlow : WaterFlow {
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d wave_angular_acceleration_rad_s2 = Eigen::Vector3d::Zero();
 };
 
 /// A layer in which density is linear in height: rho(z) = density_kg_m3 + gradient_kg_m4 (z - reference_m).
@@ -33,13 +44,6 @@ struct SurfaceSpan {
   double middle_m = 0;
 };
 
-/// Force of the waves on a fully submerged volume [N / (kg/m3)] and their moment about its centroid, both per unit
-/// density.
-struct WaveLoad {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-};
-
 /// The interface between the water and the force models: density, pressure, surface and motion at a position (world
 /// ENU, mean surface at z = 0) and time. Every function is pure and allocates nothing.
 class WaterField {
@@ -50,6 +54,7 @@ class WaterField {
   virtual bool calm_and_even() const = 0;
   virtual double gravity() const = 0;                     ///< [m/s^2]
   virtual double density_at(double z_world_m) const = 0;  ///< of still water [kg/m^3]
+  virtual bool has_one_density() const = 0;               ///< whether still water has the same density at all depths
   virtual DensityLayer density_layer_at(double z_world_m) const = 0;
   /// Conservative bound on the surface's distance from z = 0 [m]; 0 if the surface is flat.
   virtual double wave_bound_m() const = 0;
@@ -65,11 +70,9 @@ class WaterField {
   /// pressure is still_pressure_at(-head). Above the surface, it is minus the height above the surface.
   virtual void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
                               std::span<double> heads_m) const = 0;
-  /// Load on a volume. `second_moment_m5` is the integral of d d^T over the volume, where d is the arm from its
-  /// centroid, in the world frame.
-  virtual WaveLoad wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3,
-                             const Eigen::Matrix3d& second_moment_m5, double time_s) const = 0;
   virtual WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
+  /// The flow averaged over a volume, which may be as long as a wave.
+  virtual VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const = 0;
 };
 
 /// Water of uniform density with a flat surface at z = 0 and one steady, uniform current.
@@ -82,6 +85,7 @@ class EvenWater : public WaterField {
   bool calm_and_even() const override { return true; }
   double gravity() const override { return gravity_m_s2; }
   double density_at(double) const override { return density_kg_m3; }
+  bool has_one_density() const override { return true; }
   DensityLayer density_layer_at(double) const override { return {.density_kg_m3 = density_kg_m3}; }
   double wave_bound_m() const override { return 0; }
   SurfaceSpan surface_span_at(double, double, double, double) const override { return {}; }
@@ -94,8 +98,8 @@ class EvenWater : public WaterField {
                       std::span<double> heads_m) const override {
     for (std::size_t k = 0; k < points_world_m.size(); ++k) heads_m[k] = -points_world_m[k].z();
   }
-  WaveLoad wave_load(const Eigen::Vector3d&, double, const Eigen::Matrix3d&, double) const override { return {}; }
   WaterFlow flow_at(const Eigen::Vector3d&, double) const override { return {.velocity_m_s = current_world_m_s}; }
+  VolumeFlow flow_over(const PlacedVolume&, double) const override { return {{.velocity_m_s = current_world_m_s}}; }
 };
 
 }  // namespace uwsim

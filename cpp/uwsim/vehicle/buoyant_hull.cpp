@@ -1,6 +1,8 @@
 #include "uwsim/vehicle/buoyant_hull.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kEdgePerRadius = 0.25;  // longest edge of a triangle under waves
+constexpr double kThinnest = 1e-9;       // slices with less than this fraction of the volume are left out
 
 /// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
 double smooth_step(double x) {
@@ -38,8 +41,6 @@ struct BuoyantHull::Placed {
 BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_body)) {
   require_closed(mesh_body_, "hull");
   solid_ = solid_properties(mesh_body_);
-  const Eigen::Matrix3d& inertia = solid_.inertia_per_density_m5;
-  second_moment_body_m5_ = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
   Eigen::Vector3d low = mesh_body_.vertices_m.front(), high = low;
   for (const Eigen::Vector3d& v : mesh_body_.vertices_m) {
     low = low.cwiseMin(v);
@@ -53,7 +54,40 @@ BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_bod
     radius_m_ = std::max(radius_m_, v.norm());
   }
   volume_ = CutVolume(centred);
+  cut_into_slices();
   pressure_ = HullPressure(mesh_body_, kEdgePerRadius * radius_m_);
+}
+
+void BuoyantHull::cut_into_slices() {
+  const Eigen::Matrix3d& inertia = solid_.inertia_per_density_m5;
+  const Eigen::Matrix3d second = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
+  parts_.slices[0] = {{solid_.volume_m3, solid_.centroid_m, second}};
+  parts_.inverse_inertia_1_m5 = inertia.inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(second);
+  parts_.spread_m = axes.eigenvectors() * (3 / solid_.volume_m3 * axes.eigenvalues()).cwiseSqrt().asDiagonal();
+  Eigen::Index longest = 0;
+  parts_.length_m = 2 * half_size_m_.maxCoeff(&longest);
+  const Eigen::Vector3d along = Eigen::Vector3d::Unit(longest);
+  for (std::size_t division = 1, count = 2; division < parts_.slices.size(); ++division, count *= 2) {
+    VolumeMoments before;
+    for (std::size_t k = 1; k <= count; ++k) {
+      const double level_m = half_size_m_(longest) * (2.0 * static_cast<double>(k) / static_cast<double>(count) - 1);
+      const VolumeMoments below = k == count ? volume_.whole() : volume_.below(along, level_m, true);
+      const double volume_m3 = below.volume_m3 - before.volume_m3;
+      if (volume_m3 > kThinnest * solid_.volume_m3) {
+        const Eigen::Vector3d centre = (below.first_m4 - before.first_m4) / volume_m3;
+        const Eigen::Matrix3d about = below.second_m5 - before.second_m5 - volume_m3 * centre * centre.transpose();
+        parts_.slices[division].push_back({volume_m3, middle_body_m_ + centre, about});
+      }
+      before = below;
+    }
+  }
+}
+
+VolumeFlow BuoyantHull::flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
+                                double time_s) const {
+  const Eigen::Vector3d centre = at.position_world_m + at.world_from_body * centre_body_m;
+  return water.flow_over({parts_, centre, at.world_from_body}, time_s);
 }
 
 VolumeMoments BuoyantHull::moments_below(const Placed& at, double level_m, bool with_second) const {
@@ -79,17 +113,24 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
                                const WaterField& water, double time_s) const {
   const Placed at(*this, position_world_m, world_from_body);
   const double bound_m = water.wave_bound_m();
-  if (bound_m == 0) return in_still_water(at, water, 0);
-  if (at.middle_z_m + 2 * radius_m_ <= -bound_m) return below_waves(at, water, time_s);
+  if (bound_m == 0) {
+    Buoyancy still = in_still_water(at, water, 0);
+    if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s);
+    return still;
+  }
+  if (at.middle_z_m + 2 * radius_m_ <= -bound_m) {
+    return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s));
+  }
   const Eigen::Vector3d middle = position_world_m + world_from_body * middle_body_m_;
   const SurfaceSpan span = water.surface_span_at(middle.x(), middle.y(), radius_m_, time_s);
   if (at.middle_z_m - at.half_height_m >= span.high_m) return {};
   const double cover_m = span.low_m - (at.middle_z_m + at.half_height_m);
   const double deep = smooth_step(cover_m / radius_m_);
-  if (deep == 1) return below_waves(at, water, time_s);
+  if (deep == 1) return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s));
   Buoyancy sum = through_waves(at, water, time_s, span.middle_m);
+  if (sum.volume_m3 > 0) sum.flow = flow_at(at, sum.centre_body_m, water, time_s);
   if (deep == 0) return sum;
-  const Buoyancy below = below_waves(at, water, time_s);
+  const Buoyancy below = below_waves(at, water, time_s, sum.flow);
   sum.force_body_n += deep * (below.force_body_n - sum.force_body_n);
   sum.moment_body_nm += deep * (below.moment_body_nm - sum.moment_body_nm);
   return sum;
@@ -118,7 +159,7 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   wet.force_body_n = layer.at(centre_z_m) * gravity * wet.volume_m3 * at.up_body;
   wet.moment_body_nm = wet.centre_body_m.cross(wet.force_body_n);
   if (layer.gradient_kg_m4 != 0) {  // the centre of mass of the displaced water is shifted towards the denser side
-    const Eigen::Vector3d shift = second_moment_body_m5_ * at.up_body;
+    const Eigen::Vector3d shift = parts_.whole().second_moment_m5 * at.up_body;
     wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(at.up_body);
   }
   return wet;
@@ -169,21 +210,24 @@ Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, d
   return sum;
 }
 
-/// The buoyancy of a fully submerged hull: as in still water, with the layers displaced by the waves, plus the wave
-/// load.
-Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s) const {
+/// The buoyancy of a fully submerged hull: as in still water, with the layers displaced by the waves, plus the force
+/// that accelerates the displaced water.
+Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s,
+                                  const VolumeFlow& flow) const {
   const Eigen::Vector3d centroid = at.position_world_m + at.world_from_body * solid_.centroid_m;
-  double head_m = 0;
-  water.pressure_heads({&centroid, 1}, time_s, {&head_m, 1});
+  double head_m = -centroid.z();
+  if (!water.has_one_density()) water.pressure_heads({&centroid, 1}, time_s, {&head_m, 1});
   Eigen::Vector3d shifted = at.position_world_m;
   shifted.z() -= centroid.z() + head_m;
   Buoyancy sum = in_still_water({*this, shifted, at.world_from_body}, water, std::numeric_limits<double>::infinity());
-  const Eigen::Matrix3d second = at.world_from_body * second_moment_body_m5_ * at.world_from_body.transpose();
-  const WaveLoad load = water.wave_load(centroid, solid_.volume_m3, second, time_s);
   const double density = water.density_at(-head_m);
-  const Eigen::Vector3d force = density * (at.world_from_body.transpose() * load.force);
+  const Eigen::Vector3d force =
+      density * solid_.volume_m3 * (at.world_from_body.transpose() * flow.wave_acceleration_m_s2);
   sum.force_body_n += force;
-  sum.moment_body_nm += solid_.centroid_m.cross(force) + density * (at.world_from_body.transpose() * load.moment);
+  sum.moment_body_nm += solid_.centroid_m.cross(force) +
+                        density * (solid_.inertia_per_density_m5 *
+                                   (at.world_from_body.transpose() * flow.wave_angular_acceleration_rad_s2));
+  sum.flow = flow;
   return sum;
 }
 

@@ -5,6 +5,7 @@
 
 #include "uwsim/core/pose.h"
 #include "uwsim/core/triangle_mesh.h"
+#include "uwsim/core/volume_parts.h"
 #include "uwsim/core/water_field.h"
 #include "uwsim/vehicle/hull_pressure.h"
 #include "uwsim/vehicle/volume_moments.h"
@@ -23,6 +24,7 @@ struct Buoyancy {
   Eigen::Vector3d centre_body_m = Eigen::Vector3d::Zero();  ///< of the submerged volume
   Eigen::Vector3d force_body_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment_body_nm = Eigen::Vector3d::Zero();
+  VolumeFlow flow;  ///< over the whole hull, moved so that its centroid is at centre_body_m
 };
 
 /// A closed hull under the pressure of the surrounding water: buoyancy and wave excitation (Froude-Krylov).
@@ -34,8 +36,8 @@ struct Buoyancy {
 ///
 /// Waves: the integral of the pressure p over the wetted triangles, each cut where p falls to atmospheric pressure,
 /// with p linear over triangles whose edges are at most a quarter of the hull's radius. For a hull deep enough below
-/// the waves, the closed form with the hull's second moments is used instead (relative error about (k r)^4 / 100 for
-/// wave number k and radius r). The two are blended smoothly over one radius of depth.
+/// the waves, force and moment follow from the acceleration of the displaced water instead (VolumeFlow). The two are
+/// blended smoothly over one radius of depth.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward.
@@ -59,13 +61,16 @@ class BuoyantHull {
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
   Buoyancy in_layers(const Placed& at, const WaterField& water, double surface_m, const VolumeMoments& wet) const;
   Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const;
-  Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s) const;
+  Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s, const VolumeFlow& flow) const;
+  VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
+                     double time_s) const;
+  void cut_into_slices();
 
   TriangleMesh mesh_body_;
   SolidProperties solid_;
-  Eigen::Matrix3d second_moment_body_m5_;  // about the centroid
-  Eigen::Vector3d middle_body_m_;          // of the bounding sphere
-  Eigen::Vector3d half_size_m_;            // of the bounding box
+  VolumeParts parts_;
+  Eigen::Vector3d middle_body_m_;  // of the bounding sphere
+  Eigen::Vector3d half_size_m_;    // of the bounding box
   double radius_m_ = 0;
   CutVolume volume_;  // relative to the middle
   HullPressure pressure_;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxTriangles = 100'000;
 constexpr std::size_t kPatchSize = 32;
+constexpr double kFadePerEdge = 0.1;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -20,6 +21,9 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 class EdgeHalver {
  public:
   EdgeHalver(TriangleMesh& mesh, double longest_m) : mesh_(mesh), longest_m_(longest_m) {}
+
+  /// The vertices in the middle of the edges that were halved last.
+  const std::map<Edge, std::uint32_t>& middles() const { return middles_; }
 
   /// Halves every edge longer than the limit once. Returns false if there was none.
   bool halve_once() {
@@ -139,11 +143,26 @@ void find_pressures(const WaterField& water, std::span<const double> heads_m, st
 }  // namespace
 
 HullPressure::HullPressure(TriangleMesh mesh_body, double longest_edge_m) : mesh_body_(std::move(mesh_body)) {
-  EdgeHalver halver(mesh_body_, longest_edge_m);
-  while (mesh_body_.triangles.size() < kMaxTriangles && halver.halve_once()) {
+  EdgeHalver coarse(mesh_body_, 2 * longest_edge_m), fine(mesh_body_, longest_edge_m);
+  while (mesh_body_.triangles.size() < kMaxTriangles && coarse.halve_once()) {
   }
+  const std::vector<Triangle> undivided = mesh_body_.triangles;
+  if (undivided.size() < kMaxTriangles) fine.halve_once();
   put_vertices();
   gather_patches();
+  tabulate_linear();
+  std::vector<Middle> middles;
+  for (const auto& [ends, middle] : fine.middles()) middles.push_back({middle, {ends.first, ends.second}});
+  fade_m_ = kFadePerEdge * longest_edge_m;
+  tabulate_quadratic(undivided, std::move(middles));
+}
+
+void HullPressure::add_to_table(std::uint32_t vertex, const Vector6d& per_pascal) {
+  VertexBlock& block = blocks_[vertex / kPressureLanes];
+  for (int i = 0; i < 6; ++i) block.per_pascal[i][vertex % kPressureLanes] += per_pascal(i);
+}
+
+void HullPressure::tabulate_linear() {
   inward_areas_m2_.reserve(mesh_body_.triangles.size());
   for (const Triangle& t : mesh_body_.triangles) {
     const Eigen::Vector3d &a = mesh_body_.vertices_m[t[0]], &b = mesh_body_.vertices_m[t[1]],
@@ -154,10 +173,38 @@ HullPressure::HullPressure(TriangleMesh mesh_body, double longest_edge_m) : mesh
       one.add(1, a, k == 0 ? 1 : 0, b, k == 1 ? 1 : 0, c, k == 2 ? 1 : 0);
       Vector6d load;
       load << one.pressure * inward, one.moment.cross(inward);
-      VertexBlock& block = blocks_[t[k] / kPressureLanes];
-      for (int i = 0; i < 6; ++i) block.per_pascal[i][t[k] % kPressureLanes] += load(i);
+      add_to_table(t[k], load);
     }
   }
+}
+
+/// A pressure that is 1 in the middle of the edge from a to b, and 4 times the product of the barycentric coordinates
+/// of a and b elsewhere, has the integral A / 3 over a triangle, and that of p r is A / 15 (2 a + 2 b + c).
+void HullPressure::tabulate_quadratic(const std::vector<Triangle>& undivided, std::vector<Middle> middles) {
+  std::map<Edge, Middle*> of_edge;
+  for (Middle& middle : middles) {
+    of_edge[{middle.ends[0], middle.ends[1]}] = &middle;
+    for (int i = 0; i < 6; ++i) {
+      middle.per_pascal(i) = -blocks_[middle.vertex / kPressureLanes].per_pascal[i][middle.vertex % kPressureLanes];
+    }
+  }
+  for (const Triangle& t : undivided) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+      const auto halved = of_edge.find({std::min(from, to), std::max(from, to)});
+      if (halved == of_edge.end()) continue;
+      const Eigen::Vector3d &a = mesh_body_.vertices_m[from], &b = mesh_body_.vertices_m[to],
+                            &c = mesh_body_.vertices_m[t[(k + 2) % 3]];
+      const Eigen::Vector3d inward = inward_area(a, b, c), moment = (2 * a + 2 * b + c) / 15;
+      halved->second->per_pascal.head<3>() += inward / 3;
+      halved->second->per_pascal.tail<3>() += moment.cross(inward);
+    }
+  }
+  for (const Middle& middle : middles) {
+    add_to_table(middle.vertex, middle.per_pascal);
+    for (const std::uint32_t end : middle.ends) add_to_table(end, -0.5 * middle.per_pascal);
+  }
+  middles_ = std::move(middles);
 }
 
 void HullPressure::put_vertices() {
@@ -207,7 +254,21 @@ HullPressure::Load HullPressure::load(const Eigen::Vector3d& position_world_m, c
       if (a != b || b != c) add_change_by_cut(n, at.heads_m, at.pressures_pa, sum);
     }
   }
+  take_back_near_surface(at.heads_m, at.pressures_pa, sum);
   return {sum.head<3>(), sum.tail<3>()};
+}
+
+/// A cut is exact for linear pressures only. Hence the quadratic part, which is tabulated for all edges, fades out
+/// towards the surface.
+void HullPressure::take_back_near_surface(std::span<const double> heads_m, std::span<const double> pressures_pa,
+                                          Vector6d& load) const {
+  for (const Middle& middle : middles_) {
+    const std::uint32_t a = middle.ends[0], b = middle.ends[1], m = middle.vertex;
+    const double least_m = std::min({heads_m[a], heads_m[b], heads_m[m]});
+    if (least_m >= fade_m_) continue;
+    const double surplus_pa = pressures_pa[m] - 0.5 * (pressures_pa[a] + pressures_pa[b]);
+    load -= (1 - std::max(0.0, least_m) / fade_m_) * surplus_pa * middle.per_pascal;
+  }
 }
 
 void HullPressure::add_change_by_cut(std::size_t triangle, std::span<const double> heads_m,

@@ -203,23 +203,28 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
   tau.tail<3>() += parameters_.centre_of_mass_body_m.cross(weight) + buoyancy.moment_body_nm;
   tau -= coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
   if (submerged > 0) {
-    const Eigen::Vector3d centre = pose.position_m + world_from_body * buoyancy.centre_body_m;
-    tau += flow_force_body(state.velocity_body, water.flow_at(centre, time_s), world_from_body, buoyancy, submerged,
-                           water.density_at(centre.z()));
+    const double centre_z_m = pose.position_m.z() + world_from_body.row(2).dot(buoyancy.centre_body_m);
+    tau += flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged, water.density_at(centre_z_m));
   }
   if (submerged == 1) return inverse_mass_submerged_ * tau;
   return mass_modes_ * inverse_mass_of_modes(submerged).cwiseProduct(mass_modes_.transpose() * tau);
 }
 
 /// The forces that depend on the motion of the body through the water, and on the motion of the water.
-Vector6d Craft::flow_force_body(const Vector6d& velocity, const WaterFlow& flow, const Eigen::Matrix3d& world_from_body,
+Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d& world_from_body,
                                 const Buoyancy& buoyancy, double submerged, double density_kg_m3) const {
-  const Eigen::Vector3d flow_body = world_from_body.transpose() * flow.velocity_m_s;
+  const VolumeFlow& flow = buoyancy.flow;
+  const Eigen::Vector3d& centre = buoyancy.centre_body_m;
+  const Eigen::Vector3d turn = world_from_body.transpose() * flow.angular_velocity_rad_s;
+  const Eigen::Vector3d turn_rate = world_from_body.transpose() * flow.wave_angular_acceleration_rad_s2;
   const Eigen::Vector3d current_rate = world_from_body.transpose() * flow.current_acceleration_m_s2;
   const Eigen::Vector3d wave_rate = world_from_body.transpose() * flow.wave_acceleration_m_s2;
-  Vector6d relative = velocity, flow_rate = Vector6d::Zero();
-  relative.head<3>() -= flow_body;
-  flow_rate.head<3>() = current_rate + wave_rate - velocity.tail<3>().cross(flow_body);
+  Vector6d moving, flow_rate;  // of the water, at the origin
+  moving << world_from_body.transpose() * flow.velocity_m_s - turn.cross(centre), turn;
+  const Eigen::Vector3d spin = velocity.tail<3>();
+  flow_rate << current_rate + wave_rate - turn_rate.cross(centre) - spin.cross(moving.head<3>()),
+      turn_rate - spin.cross(turn);
+  const Vector6d relative = velocity - moving;
 
   const Matrix6d& added = parameters_.added_mass;
   Vector6d force =

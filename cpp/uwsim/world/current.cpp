@@ -78,6 +78,7 @@ class TidalCurrent : public Current {
     const double phase = omega_rad_s_ * time_s + phase_rad_;
     return {std::sin(phase) * amplitude_m_s_, omega_rad_s_ * std::cos(phase) * amplitude_m_s_};
   }
+  bool is_uniform() const override { return true; }
   double bound_m_s() const override { return amplitude_m_s_.norm(); }
 
  private:
@@ -110,6 +111,7 @@ class GustyCurrent : public Current {
     const Eigen::Vector3d value = ends.left + slope * (fraction - knot / kIntervals);
     return {.velocity_m_s = sigma_m_s_.cwiseProduct(value), .rate_m_s2 = sigma_m_s_.cwiseProduct(slope) / block_s_};
   }
+  bool is_uniform() const override { return true; }
   double bound_m_s() const override { return 3 * sigma_m_s_.norm(); }
 
  private:

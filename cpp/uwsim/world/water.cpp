@@ -1,5 +1,6 @@
 #include "uwsim/world/water.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -133,13 +134,6 @@ void Water::pressure_heads(std::span<const Eigen::Vector3d> points_world_m, doub
   EvenWater::pressure_heads(points_world_m, time_s, heads_m);
 }
 
-WaveLoad Water::wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3,
-                          const Eigen::Matrix3d& second_moment_m5, double time_s) const {
-  if (!waves) return {};
-  const Eigen::Vector3d current_m_s = current_at(centroid_world_m, time_s).velocity_m_s;
-  return waves->load(centroid_world_m, volume_m3, second_moment_m5, time_s, current_m_s);
-}
-
 WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s) const {
   WaterFlow flow{.velocity_m_s = current_world_m_s};
   for (const auto& current : currents) {
@@ -147,6 +141,33 @@ WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s)
     flow.velocity_m_s += sample.velocity_m_s;
     flow.current_acceleration_m_s2 += sample.rate_m_s2;
   }
+  return flow;
+}
+
+/// A current that varies is sampled at six points, whose second moment is the volume's: exact where it is linear.
+VolumeFlow Water::current_over(const PlacedVolume& volume, double time_s) const {
+  const Eigen::Vector3d& middle = volume.centroid_world_m;
+  if (std::ranges::all_of(currents, [](const auto& current) { return current->is_uniform(); })) {
+    return {current_at(middle, time_s)};
+  }
+  VolumeFlow flow;
+  Eigen::Vector3d turning = Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d arms = volume.world_from_body * volume.parts.spread_m;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d arm = (k % 2 == 0 ? 1 : -1) * arms.col(k / 2);
+    const WaterFlow here = current_at(middle + arm, time_s);
+    flow.velocity_m_s += here.velocity_m_s / 6;
+    flow.current_acceleration_m_s2 += here.current_acceleration_m_s2 / 6;
+    turning += volume.parts.whole().volume_m3 / 6 * arm.cross(here.velocity_m_s);
+  }
+  flow.angular_velocity_rad_s =
+      volume.world_from_body * (volume.parts.inverse_inertia_1_m5 * (volume.world_from_body.transpose() * turning));
+  return flow;
+}
+
+VolumeFlow Water::flow_over(const PlacedVolume& volume, double time_s) const {
+  VolumeFlow flow = current_over(volume, time_s);
+  if (waves) waves->add_flow_over(volume, time_s, flow);
   return flow;
 }
 

@@ -58,6 +58,7 @@ class Water : public EvenWater {
 
   bool calm_and_even() const override { return !waves && (!profile || profile->even()); }
   double density_at(double z_world_m) const override;
+  bool has_one_density() const override { return !profile || profile->even(); }
   DensityLayer density_layer_at(double z_world_m) const override;
   double wave_bound_m() const override { return waves ? waves->bound_m() : 0; }
   SurfaceSpan surface_span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const override;
@@ -66,14 +67,14 @@ class Water : public EvenWater {
   double still_pressure_at(double z_world_m) const override;
   void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
                       std::span<double> heads_m) const override;
-  WaveLoad wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
-                     double time_s) const override;
   WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
+  VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const override;
 
  private:
   double compressed_pa(double still_pa, double depth_m) const;
   /// The currents alone, without waves.
   WaterFlow current_at(const Eigen::Vector3d& point_world_m, double time_s) const;
+  VolumeFlow current_over(const PlacedVolume& volume, double time_s) const;
 };
 
 }  // namespace uwsim

@@ -9,7 +9,6 @@ namespace uwsim {
 namespace {
 
 constexpr double kTolerance = 5e-4;     // as a fraction of the sum of the amplitudes
-constexpr double kLeftOut = 0.02;       // at most, as a fraction of the energy
 constexpr std::size_t kFewPoints = 16;  // for up to this many, summing the waves at each point is cheaper
 
 void put(WaveTerms* terms, std::size_t k, double real, double imaginary, double x, double y, double z) {

@@ -11,11 +11,17 @@ struct WaveMotionSums {
   double gradient[5];  ///< of the velocity: xx, xy, yy, xz, yz
 };
 
-/// The sums that determine the load of waves on a volume; see Waves::load.
+/// A volume in waves; see Waves::add_flow_over.
 struct WavesOnVolume {
   double z_m, depth_m;  ///< the height at which linear theory is evaluated, and the water's depth
   double volume_m3;
   double second_m5[3][3];  ///< the volume's second moment about its centroid
+};
+
+/// The integrals over a volume of the waves' velocity and of its local rate, and of the arm from the centroid times
+/// each of these, all per unit of gravity.
+struct WaveIntegrals {
+  double velocity[3], turning[3], rate[3], turning_rate[3];
 };
 
 /// The loops over waves that need a sine or an exponential for each wave, compiled for each instruction set. All
@@ -32,9 +38,8 @@ struct WaveSumKernels {
                  double& height_m);
   void (*motion)(const double* waves, std::size_t count, const double* crests, double z_m, double depth_m,
                  WaveMotionSums& sums);
-  /// Computes force and moment per unit of gravity, x y z for each.
-  void (*load)(const double* waves, std::size_t count, const double* crests, const WavesOnVolume& on, double* force,
-               double* moment);
+  void (*over)(const double* waves, std::size_t count, const double* crests, const WavesOnVolume& on,
+               WaveIntegrals& integrals);
 };
 
 const WaveSumKernels& baseline_wave_sum_kernels();

@@ -18,7 +18,7 @@ struct WaveBlock {
   WaveBlock(const double* waves, std::size_t count) {
     DoubleLanes rows[kLanes], halves[kLanes], quarters[kLanes];
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      rows[lane] = lane < count ? load_lanes(waves + kLanes * lane) : DoubleLanes{0, 0, 1, 0, 0, 0, 1, 1};
+      rows[lane] = lane < count ? load_lanes(waves + kLanes * lane) : DoubleLanes{0, 1, 1, 0, 0, 0, 1, 1};
     }
     for (std::size_t n = 0; n < 4; ++n) {
       halves[n] = mixed_lanes<0, 1, 2, 3, 8, 9, 10, 11>(rows[n], rows[n + 4]);
@@ -120,8 +120,10 @@ void motion(const double* waves, std::size_t count, const double* crests, double
   for (int k = 0; k < 5; ++k) sums.gradient[k] = sum_of_lanes(*gradient[k]);
 }
 
-/// The integral of a wave's pressure gradient, per unit of gravity, for kappa = (i k_x, i k_y, `number`).
-struct LoadSums {
+/// The integral of the gradient of -(a + i b) exp(kappa r), and its moment, for kappa = (i k_x, i k_y, `number`): see
+/// Waves::add_flow_over. A volume much longer than a wave spans crests and troughs, which cancel. There the series does
+/// not converge: its argument is limited to 1, and the integrals decrease in inverse proportion to what exceeds it.
+struct GradientSums {
   DoubleLanes force[3]{}, moment[3]{};
 
   void add(const WaveBlock& w, const WavesOnVolume& on, DoubleLanes number, DoubleLanes a, DoubleLanes b) {
@@ -129,38 +131,48 @@ struct LoadSums {
     const DoubleLanes g0 = second[0][0] * w.kx + second[0][1] * w.ky, g1 = second[1][0] * w.kx + second[1][1] * w.ky,
                       g2 = second[2][0] * w.kx + second[2][1] * w.ky;
     const double h0 = second[0][2], h1 = second[1][2], h2 = second[2][2];
-    const DoubleLanes k2 = number * number;
-    const DoubleLanes real = on.volume_m3 + 0.5 * (k2 * h2 - (w.kx * g0 + w.ky * g1));
-    const DoubleLanes imaginary = number * (w.kx * h0 + w.ky * h1);
+    const DoubleLanes k2 = number * number, level = w.kx * g0 + w.ky * g1;
+    const DoubleLanes size = (0.5 / on.volume_m3) * (k2 * h2 + level);
+    const DoubleLanes share = size > 1 ? 1 / size : DoubleLanes{} + 1, per_volume = share / on.volume_m3;
+    const DoubleLanes x = per_volume * (0.5 * (k2 * h2 - level)), y = per_volume * (number * (w.kx * h0 + w.ky * h1));
+    const DoubleLanes real = on.volume_m3 * share * (1 + x + (x * x - y * y) / 3);
+    const DoubleLanes imaginary = on.volume_m3 * share * (y + 2.0 / 3 * x * y);
     const DoubleLanes p = a * real - b * imaginary, q = a * imaginary + b * real;
     force[0] += q * w.kx;
     force[1] += q * w.ky;
     force[2] -= number * p;
-    const DoubleLanes bn = b * number;
-    moment[0] -= a * (k2 * h1 + g2 * w.ky) - bn * (g1 - h2 * w.ky);
-    moment[1] -= -a * (k2 * h0 + g2 * w.kx) + bn * (g0 - h2 * w.kx);
-    moment[2] -= -a * (g0 * w.ky - g1 * w.kx) - bn * (h0 * w.ky - h1 * w.kx);
+    const DoubleLanes turn_real = share * (1 + 0.65 * x), turn_imaginary = share * (0.65 * y);
+    const DoubleLanes am = a * turn_real - b * turn_imaginary, bn = (a * turn_imaginary + b * turn_real) * number;
+    moment[0] -= am * (k2 * h1 + g2 * w.ky) - bn * (g1 - h2 * w.ky);
+    moment[1] -= -am * (k2 * h0 + g2 * w.kx) + bn * (g0 - h2 * w.kx);
+    moment[2] -= -am * (g0 * w.ky - g1 * w.kx) - bn * (h0 * w.ky - h1 * w.kx);
   }
 };
 
-void load(const double* waves, std::size_t count, const double* crests, const WavesOnVolume& on, double* force,
-          double* moment) {
-  LoadSums sums;
+/// The local rate is minus the gradient of the pressure head, eta; the velocity follows from the integral of the head
+/// over time, i eta / omega.
+void over(const double* waves, std::size_t count, const double* crests, const WavesOnVolume& on,
+          WaveIntegrals& integrals) {
+  GradientSums head, potential;
   visit_blocks(waves, count, [&](const WaveBlock& w, std::size_t first) {
     const auto [c, s] = CrestBlock(crests + 2 * first);
-    const DoubleLanes up = w.up(on.z_m);
-    sums.add(w, on, w.k, up * c, up * s);
-    if (w.is_deep) return;
-    const DoubleLanes down = w.down(on.z_m, on.depth_m);
-    sums.add(w, on, -w.k, down * c, down * s);
+    const auto add = [&](DoubleLanes number, DoubleLanes share) {
+      const DoubleLanes a = share * c, b = share * s;
+      head.add(w, on, number, a, b);
+      potential.add(w, on, number, -b / w.omega, a / w.omega);
+    };
+    add(w.k, w.up(on.z_m));
+    if (!w.is_deep) add(-w.k, w.down(on.z_m, on.depth_m));
   });
   for (int k = 0; k < 3; ++k) {
-    force[k] = sum_of_lanes(sums.force[k]);
-    moment[k] = sum_of_lanes(sums.moment[k]);
+    integrals.velocity[k] = sum_of_lanes(potential.force[k]);
+    integrals.turning[k] = sum_of_lanes(potential.moment[k]);
+    integrals.rate[k] = sum_of_lanes(head.force[k]);
+    integrals.turning_rate[k] = sum_of_lanes(head.moment[k]);
   }
 }
 
-constexpr WaveSumKernels kSumKernels = {crests, motion, load};
+constexpr WaveSumKernels kSumKernels = {crests, motion, over};
 
 }  // namespace
 }  // namespace uwsim

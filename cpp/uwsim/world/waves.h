@@ -109,12 +109,14 @@ class Waves {
   void add_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow) const;
   /// The motion of a particle that is carried along by a current.
   WaveMotion motion_at(const Eigen::Vector3d& point_world_m, double time_s, const Eigen::Vector3d& current_m_s) const;
-  /// See WaterField::wave_load.
-  WaveLoad load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
-                double time_s, const Eigen::Vector3d& current_m_s) const;
+  /// The same for WaterField::flow_over. The volume is cut into up to eight slices, none of which is longer than a
+  /// third of the shortest wave that matters at its depth. The effect of waves along the volume that are shorter than
+  /// 0.4 times its length fades out: their crests and troughs nearly cancel.
+  void add_flow_over(const PlacedVolume& volume, double time_s, VolumeFlow& flow) const;
 
  private:
-  static constexpr double kTroughs = 2;  // depth of the stretched layer in units of the trough's depth
+  static constexpr double kTroughs = 2;     // depth of the stretched layer in units of the trough's depth
+  static constexpr double kLeftOut = 0.02;  // fraction of the energy in the shortest waves that hulls may leave out
 
   struct Wave {
     double amplitude_m, omega_rad_s, number_rad_m, number_x_rad_m, number_y_rad_m, phase_rad;
@@ -129,6 +131,8 @@ class Waves {
   struct Stretched {
     double z_m, by_point, by_surface;
   };
+  /// The coarsest division of a volume whose slices are short compared with the waves.
+  std::size_t division_of(const VolumeParts& parts, double centre_z_m) const;
   /// Number of waves, counted from the longest, whose motion reaches `z_m`.
   std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
@@ -147,6 +151,7 @@ class Waves {
   double gravity_m_s2_;
   double bound_m_ = 0;
   double stretched_m_ = 0;            // D unless a trough is deep
+  double resolved_rad_m_ = 0;         // number of the shortest wave but for kLeftOut of the energy
   double slope_ = 0;                  // upper bound of the surface's slope: sum of a k
   std::array<double, 11> moments_{};  // sum of a k^n, n = 0 .. 10
 };

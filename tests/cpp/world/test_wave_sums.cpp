@@ -35,7 +35,7 @@ struct Sums {
   std::array<double, 2 * 72> crests;
   double height_m;
   WaveMotionSums motion;
-  std::array<double, 3> force, moment;
+  WaveIntegrals over;
 };
 
 constexpr WavesOnVolume kVolume = {-1.5, kDepth_m, 0.02, {{3e-4, 1e-5, 2e-5}, {1e-5, 5e-4, 4e-5}, {2e-5, 4e-5, 2e-4}}};
@@ -46,7 +46,7 @@ Sums sums_by(const WaveSumKernels& kernels, const std::vector<double>& waves, do
   const std::size_t count = waves.size() / WaveSumKernels::kNumbers;
   EXPECT_TRUE(kernels.crests(waves.data(), count, 3.1, -7.7, time_s, sums.crests.data(), sums.height_m));
   kernels.motion(waves.data(), count, sums.crests.data(), kVolume.z_m, kDepth_m, sums.motion);
-  kernels.load(waves.data(), count, sums.crests.data(), kVolume, sums.force.data(), sums.moment.data());
+  kernels.over(waves.data(), count, sums.crests.data(), kVolume, sums.over);
   return sums;
 }
 
@@ -104,13 +104,12 @@ TEST(WaveSums, VelocityAndItsGradientAreThoseOfLinearTheory) {
   EXPECT_NEAR(sums.motion.local_m_s2[2], accelerates_up, 1e-14);
 }
 
-// The pressure gradient of each wave, integrated over the volume to second order, is kappa (V + kappa^T C kappa / 2),
-// and its moment is (C kappa) x kappa, with kappa = (i k_x, i k_y, +-k).
-TEST(WaveSums, LoadIsThePressureGradientOverTheVolume) {
+// See Waves::add_flow_over for the integrals. The velocity's potential is i / omega times the head.
+TEST(WaveSums, VelocityAndItsRateAreIntegratedOverTheVolume) {
   using Complex = std::complex<double>;
   const std::vector<double> waves = random_waves(40);
   const Sums sums = sums_by(wave_sum_kernels(), waves, 17.25);
-  Complex force[3] = {}, moment[3] = {};
+  Complex velocity[3] = {}, turning[3] = {}, rate[3] = {}, turning_rate[3] = {};
   for (std::size_t k = 0; k < 40; ++k) {
     const double* w = &waves[WaveSumKernels::kNumbers * k];
     for (const double sign : {1.0, -1.0}) {
@@ -118,21 +117,27 @@ TEST(WaveSums, LoadIsThePressureGradientOverTheVolume) {
       const double decay = std::exp(sign > 0 ? w[2] * kVolume.z_m : -w[2] * (kVolume.z_m + 2 * kDepth_m));
       const Complex eta = w[6] * decay * Complex(sums.crests[2 * k], sums.crests[2 * k + 1]);
       const Complex kappa[3] = {{0, w[3]}, {0, w[4]}, sign * w[2]};
-      Complex turned[3] = {}, stretch = kVolume.volume_m3;
+      Complex turned[3] = {}, x = 0;
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) turned[i] += kVolume.second_m5[i][j] * kappa[j];
-        stretch += 0.5 * kappa[i] * turned[i];
+        x += kappa[i] * turned[i] / (2 * kVolume.volume_m3);
       }
       for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, l = (i + 2) % 3;
-        force[i] -= eta * kappa[i] * stretch;
-        moment[i] -= eta * (turned[j] * kappa[l] - turned[l] * kappa[j]);
+        const Complex along = -eta * kappa[i] * kVolume.volume_m3 * (1.0 + x + x * x / 3.0);
+        const Complex about = -eta * (turned[j] * kappa[l] - turned[l] * kappa[j]) * (1.0 + 0.65 * x);
+        rate[i] += along;
+        turning_rate[i] += about;
+        velocity[i] += Complex(0, 1 / w[1]) * along;
+        turning[i] += Complex(0, 1 / w[1]) * about;
       }
     }
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(sums.force[i], force[i].real(), 1e-15) << i;
-    EXPECT_NEAR(sums.moment[i], moment[i].real(), 1e-17) << i;
+    EXPECT_NEAR(sums.over.rate[i], rate[i].real(), 1e-15) << i;
+    EXPECT_NEAR(sums.over.turning_rate[i], turning_rate[i].real(), 1e-17) << i;
+    EXPECT_NEAR(sums.over.velocity[i], velocity[i].real(), 1e-15) << i;
+    EXPECT_NEAR(sums.over.turning[i], turning[i].real(), 1e-17) << i;
   }
 }
 
