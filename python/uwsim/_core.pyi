@@ -13,6 +13,7 @@ __all__: list[str] = [
     "AcousticMultibeam",
     "AcousticSpec",
     "ActuatorsSpec",
+    "Arrival",
     "Autopilot",
     "AutopilotGains",
     "Batch",
@@ -101,6 +102,7 @@ __all__: list[str] = [
     "World",
     "absorption_db_km",
     "ambient_noise_db_hz",
+    "arrivals",
     "bit_error",
     "bottom_echo",
     "bottom_loss_db",
@@ -749,6 +751,38 @@ class SoundSpeedProfile:
         """
         Return the speed [m/s] at a depth [m].
         """
+
+class Arrival:
+    """
+    Sound that arrives along one ray; see cpp/uwsim/acoustics/arrivals.h.
+    """
+    @property
+    def arrival_dip_rad(self) -> float:
+        """
+        below the horizontal, in the direction of travel
+        """
+    @property
+    def bottom_bounces(self) -> int: ...
+    @property
+    def launch_dip_rad(self) -> float:
+        """
+        below the horizontal
+        """
+    @property
+    def length_m(self) -> float: ...
+    @property
+    def level_db(self) -> float:
+        """
+        relative to the source's level at 1 m
+        """
+    @property
+    def phase_rad(self) -> float: ...
+    @property
+    def surface_bounces(self) -> int: ...
+    @property
+    def time_s(self) -> float: ...
+    @property
+    def turns(self) -> int: ...
 
 class SonarFigures:
     """
@@ -3873,6 +3907,24 @@ def ambient_noise_db_hz(
     wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
     shipping: typing.SupportsFloat | typing.SupportsIndex,
 ) -> float: ...
+def arrivals(
+    profile: SoundSpeedProfile,
+    from_depth_m: typing.SupportsFloat | typing.SupportsIndex,
+    to_depth_m: typing.SupportsFloat | typing.SupportsIndex,
+    across_m: typing.SupportsFloat | typing.SupportsIndex,
+    bottom_m: typing.SupportsFloat | typing.SupportsIndex,
+    frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
+    bottom: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"],
+    surface_rms_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    absorption_db_km: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    within_db: typing.SupportsFloat | typing.SupportsIndex = 40.0,
+    most: typing.SupportsInt | typing.SupportsIndex = 500,
+) -> list[Arrival]:
+    """
+    Return all arrivals between two points, sorted by time. bottom: its density and speed of sound relative to
+    the water, and its attenuation [dB per wavelength]. Raises ValueError. Releases the GIL.
+    """
+
 def bit_error(modulation: Modulation, fading: bool, gamma: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
 def bottom_echo(
     sonar: SonarFigures,

@@ -43,6 +43,7 @@ PUBLIC = {
         "uwsim.instruments.sonars.imaging",
         "uwsim.mapping.ranging",
     ],
+    "Sound in water": ["uwsim.acoustics.arrivals.arrivals()", "uwsim.acoustics.arrivals.Arrivals"],
     "Cameras": [
         "uwsim.instruments.cameras.camera.Camera",
         "uwsim.instruments.cameras.frame.Frame",

@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bindings/core/convert.h"
 #include "bindings/core/gil.h"
 #include "uwsim/acoustics/absorption.h"
+#include "uwsim/acoustics/arrivals.h"
 #include "uwsim/acoustics/detection_theory.h"
 #include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/acoustics/sound_path.h"
@@ -121,10 +123,40 @@ void bind_sonar_equation(py::module_& m) {
       "detected.");
 }
 
+void bind_arrivals(py::module_& m) {
+  py::class_<Arrival>(m, "Arrival", "Sound that arrives along one ray; see cpp/uwsim/acoustics/arrivals.h.")
+      .def_readonly("surface_bounces", &Arrival::surface_bounces)
+      .def_readonly("bottom_bounces", &Arrival::bottom_bounces)
+      .def_readonly("turns", &Arrival::turns)
+      .def_readonly("launch_dip_rad", &Arrival::launch_dip_rad, "below the horizontal")
+      .def_readonly("arrival_dip_rad", &Arrival::arrival_dip_rad, "below the horizontal, in the direction of travel")
+      .def_readonly("time_s", &Arrival::time_s)
+      .def_readonly("length_m", &Arrival::length_m)
+      .def_readonly("level_db", &Arrival::level_db, "relative to the source's level at 1 m")
+      .def_readonly("phase_rad", &Arrival::phase_rad);
+  m.def(
+      "arrivals",
+      [](const SoundSpeedProfile& profile, double from_depth_m, double to_depth_m, double across_m, double bottom_m,
+         double frequency_hz, const std::array<double, 3>& bottom, double surface_rms_m, double absorption_db_km,
+         double within_db, std::size_t most) {
+        const auto even = [absorption_db_km](double) { return absorption_db_km; };
+        const AbsorptionColumn absorption(even, 1, 2);
+        const SoundLosses losses{frequency_hz, {bottom[0], bottom[1], bottom[2]}, surface_rms_m, &absorption};
+        const GilReleased unlocked;
+        return arrivals(profile, {from_depth_m, to_depth_m, across_m, bottom_m}, losses, {within_db, most});
+      },
+      py::arg("profile"), py::arg("from_depth_m"), py::arg("to_depth_m"), py::arg("across_m"), py::arg("bottom_m"),
+      py::arg("frequency_hz"), py::arg("bottom"), py::arg("surface_rms_m") = 0.0, py::arg("absorption_db_km") = 0.0,
+      py::arg("within_db") = 40.0, py::arg("most") = std::size_t{500},
+      "Return all arrivals between two points, sorted by time. bottom: its density and speed of sound relative to\n"
+      "the water, and its attenuation [dB per wavelength]. Raises ValueError. Releases the GIL.");
+}
+
 }  // namespace
 
 void bind_acoustics(py::module_& m) {
   bind_water_sound(m);
+  bind_arrivals(m);
   bind_sonar_equation(m);
 }
 

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "uwsim/acoustics/absorption_column.h"
+#include "uwsim/acoustics/modem/boundary_loss.h"
+#include "uwsim/acoustics/ray_fan.h"
+#include "uwsim/acoustics/sound_speed_profile.h"
+
+namespace uwsim {
+
+/// What reduces the level of sound in addition to its spreading.
+struct SoundLosses {
+  double frequency_hz;
+  FluidBottom bottom;
+  double surface_rms_m = 0;                      ///< rms height of the waves
+  const AbsorptionColumn* absorption = nullptr;  ///< at the frequency; none if null
+};
+
+/// Which arrivals are kept.
+struct ArrivalLimits {
+  double within_db = 40;    ///< weaker ones, relative to the strongest, are dropped
+  std::size_t most = 500;   ///< of the others, the strongest
+  int most_bounces = 1000;  ///< off both boundaries together
+};
+
+/// Sound that arrives along one ray. Dips are below the horizontal, in the direction of travel.
+struct Arrival {
+  int surface_bounces = 0;
+  int bottom_bounces = 0;
+  int turns = 0;  ///< turning points
+  double launch_dip_rad = 0;
+  double arrival_dip_rad = 0;
+  double time_s = 0;
+  double length_m = 0;
+  double level_db = 0;   ///< relative to the source's level at 1 m
+  double phase_rad = 0;  ///< in (-pi, pi]: sound sent as cos(w t) arrives as cos(w (t - time_s) - phase_rad)
+  /// The ray's legs, separated by bounces and turning points: the horizontal length of the first, of the last and of
+  /// each between them, and the least and the greatest depth with the grazing angles there, 0 where the ray turns.
+  double first_m = 0, crossing_m = 0, last_m = 0;
+  double top_m = 0, bottom_m = 0, top_grazing_rad = 0, bottom_grazing_rad = 0;
+
+  int legs() const { return surface_bounces + bottom_bounces + turns + 1; }
+};
+
+/// Returns the arrivals of all rays between two points in layered water between a flat surface and a flat bottom,
+/// sorted by time, with any number of bounces and turning points, up to 1000 in all. Rays with the same first direction
+/// and the same number of turning points and bounces form a family, whose range is a piecewise smooth function of the
+/// launch angle; every crossing of the receiver's range is solved for (RayFan has the closed forms).
+///
+/// Level: the ray tube's, I = cos(launch) / (r |dr / dlaunch| sin(arrival)) for intensity, times the ratio of the
+/// speeds of sound for pressure (Jensen, Kuperman, Porter and Schmidt 2011, "Computational Ocean Acoustics", ch. 3.3;
+/// cited from memory), less absorption along the ray, Rayleigh reflection at the bottom (bottom_reflection) and the
+/// coherent loss of the rough surface (surface_loss_db). At a caustic the tube's width vanishes: the intensity is
+/// limited to (k L / 2)^(1/3) times that of spherical spreading over the ray's length L, with k = 2 pi f / c, which is
+/// the focusing by Airy's function at a smooth caustic whose d2r / dlaunch2 is L. Within 1 m of the source, the level
+/// is that at 1 m.
+///
+/// Phase, for exp(-i w t): pi at the surface, Rayleigh's at the bottom, -pi/2 for each caustic that the ray has
+/// touched.
+///
+/// High-frequency limit: no diffraction, no sound behind a caustic, no waves along the bottom. In a profile with linear
+/// layers, rays that graze a level between two of them are weaker or stronger than in a smooth one. Throws InvalidValue
+/// for ends outside the water.
+std::vector<Arrival> arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses,
+                              const ArrivalLimits& limits = {});
+
+/// Returns the first arrival that has not bounced, or nullopt in a shadow zone of such rays; its level is that of its
+/// ray tube. Allocates nothing once it has been called with as many layers.
+std::optional<Arrival> direct_arrival(const SoundSpeedProfile& profile, const RayEnds& ends);
+
+}  // namespace uwsim

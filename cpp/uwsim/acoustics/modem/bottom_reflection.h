@@ -1,0 +1,13 @@
+#pragma once
+
+#include <complex>
+
+#include "uwsim/acoustics/modem/boundary_loss.h"
+
+namespace uwsim {
+
+/// The Rayleigh reflection coefficient of a plane wave at a fluid bottom, for exp(-i w t): bottom_loss_db is the loss
+/// of its magnitude, with the source and the limits stated there.
+std::complex<double> bottom_reflection(const FluidBottom& bottom, double grazing_rad);
+
+}  // namespace uwsim
