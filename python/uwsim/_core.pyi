@@ -2253,10 +2253,18 @@ class CameraScene:
     """
     def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def add_vehicle(
-        self, name: str, vertices_body_m: typing.Any, triangles: typing.Any, material: str, colour: typing.Any = None
+        self,
+        name: str,
+        vertices_body_m: typing.Any,
+        triangles: typing.Any,
+        material: str,
+        colour: typing.Any = None,
+        texture_image: typing.Any = None,
+        texture_corners: typing.Any = None,
     ) -> int:
         """
-        Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. Raises ValueError.
+        Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. texture: as for
+        set_appearance. Raises ValueError.
         """
     def render(
         self,

@@ -1,4 +1,4 @@
-"""Generate assets/meshes/rov.obj, an open-frame ROV; needs numpy and manifold3d.
+"""Generate assets/meshes/rov.obj, an open-frame ROV, and paper_rov.glb, the same in colour; needs manifold3d, trimesh.
 
 Metres; x forward, y left, z up; 1.2 x 0.8 x 0.7 m. The hull is everything that displaces water (foam block, pods,
 thrusters and frame bars), united into a closed solid. The origin is the intended centre of mass, 0.10 m below the
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from manifold3d import Manifold
-from solids import ball, box, centroid, hull, rod, united, write_obj
+from solids import Colour, ball, box, centroid, hull, rod, united, united_by_colour, write_glb, write_obj
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 SIDES = (-1, 1)
@@ -89,15 +89,29 @@ def sonar_head() -> list[Manifold]:
     ]
 
 
+def thrusters() -> list[Manifold]:
+    """Return the vertical and the horizontal thrusters."""
+    parts = [vertical_thruster(y * 0.22) for y in SIDES]
+    return parts + [horizontal_thruster(x, y) for x in (-0.38, 0.36) for y in (-0.25, 0.25)]
+
+
+def by_colour() -> dict[Colour, list[Manifold]]:
+    """Return the vehicle's parts by colour."""
+    yellow, black, grey = (0.80, 0.50, 0.03), (0.03, 0.03, 0.03), (0.50, 0.52, 0.55)
+    red, blue = (0.55, 0.03, 0.02), (0.02, 0.06, 0.35)
+    frame_and_skids = [*frame(), *(skid(y) for y in SIDES)]
+    return {yellow: [foam_block()], black: frame_and_skids, grey: pods(), red: sonar_head(), blue: thrusters()}
+
+
 def main() -> None:
-    """Write the mesh."""
-    parts = [foam_block(), *frame(), *pods(), *sonar_head(), *(skid(y) for y in SIDES)]
-    parts += [vertical_thruster(y * 0.22) for y in SIDES]
-    parts += [horizontal_thruster(x, y) for x in (-0.38, 0.36) for y in (-0.25, 0.25)]
-    solid = united(parts)
+    """Write the meshes."""
+    solid = united([foam_block(), *frame(), *pods(), *sonar_head(), *(skid(y) for y in SIDES), *thrusters()])
     x, _, z = centroid(solid)
-    solid = solid.translate((-x, 0, BUOYANCY_ARM_M - z))
-    write_obj(solid, ASSETS / "meshes" / "rov.obj", "made by tools/assets/make_rov.py; metres, x forward, z up")
+    shift = (-x, 0, BUOYANCY_ARM_M - z)
+    comment = "made by tools/assets/make_rov.py; metres, x forward, z up"
+    write_obj(solid.translate(shift), ASSETS / "meshes" / "rov.obj", comment)
+    coloured, colours = united_by_colour(by_colour())
+    write_glb(coloured.translate(shift), colours, ASSETS / "meshes" / "paper_rov.glb")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,7 @@
-"""Generate assets/meshes/station.obj and station_davit.obj; needs numpy and manifold3d.
+"""Generate assets/meshes/station.obj, a moored pontoon; needs numpy and manifold3d.
 
-Metres; x forward, z up, z = 0 at the waterline. Both are moored pontoons. station.obj has a dock underneath, centred at
-(0, 0, -5): a 1.2 x 0.8 x 0.7 m vehicle hangs under a roof between four posts and can leave in any direction but up.
-station_davit.obj instead has a davit, which holds a vehicle over the water ahead, at (5, 0, 1).
+Metres; x forward, z up, z = 0 at the waterline. The dock is underneath, centred at (0, 0, -5): a 1.2 x 0.8 x 0.7 m
+vehicle hangs under a roof between four posts and can leave in any direction but up.
 """
 
 from __future__ import annotations
@@ -57,21 +56,10 @@ def cage() -> list[Manifold]:
     return parts
 
 
-def davit() -> list[Manifold]:
-    """Return two posts on the foredeck with a beam between them and two arms that reach over the water."""
-    parts = []
-    for side in SIDES:
-        foot, head, tip = (2.6, side * 0.8, 0.5), (3.2, side * 0.8, 3.6), (5.2, side * 0.8, 3.9)
-        parts += [rod(foot, head, 0.08, sides=8), rod(head, tip, 0.07, sides=8), ball(head, 0.09, sides=8)]
-    tip_x, tip_z = 5.0, 3.87
-    return [*parts, rod((tip_x, -0.9, tip_z), (tip_x, 0.9, tip_z), 0.06, sides=8)]
-
-
 def main() -> None:
-    """Write the meshes."""
+    """Write the mesh."""
     comment = "made by tools/assets/make_station.py; metres, z = 0 is the water line"
-    for name, dock in (("station", cage()), ("station_davit", davit())):
-        write_obj(united([*platform(), *dock]), ASSETS / "meshes" / f"{name}.obj", comment)
+    write_obj(united([*platform(), *cage()]), ASSETS / "meshes" / "station.obj", comment)
 
 
 if __name__ == "__main__":

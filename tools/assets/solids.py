@@ -1,13 +1,16 @@
-"""Solids for the mesh generators: built with manifold3d, united without overlaps, written as OBJ."""
+"""Solids for the mesh generators: built with manifold3d, united without overlaps, written as OBJ or coloured glTF."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from manifold3d import Manifold
 
 Point = tuple[float, float, float]
+Colour = tuple[float, float, float]
+"""Albedo: linear red, green and blue in [0, 1]."""
 
 
 def box(low: Point, high: Point) -> Manifold:
@@ -43,6 +46,12 @@ def united(parts: list[Manifold]) -> Manifold:
     return total.simplify(1e-4)
 
 
+def united_by_colour(parts: dict[Colour, list[Manifold]]) -> tuple[Manifold, dict[int, Colour]]:
+    """Return the union of solids, and the colour of each of its originals by manifold3d's number."""
+    originals = {colour: united(solids).as_original() for colour, solids in parts.items()}
+    return united(list(originals.values())), {solid.original_id(): colour for colour, solid in originals.items()}
+
+
 def centroid(solid: Manifold) -> Point:
     """Return the centre of volume, from the tetrahedra formed by the triangles and the origin."""
     mesh = solid.to_mesh()
@@ -63,3 +72,21 @@ def write_obj(solid: Manifold, path: Path, comment: str) -> None:
         f"{path.name}: {solid.num_tri()} triangles, {solid.volume():.4f} m3, from {low} to {high} m, "
         f"centre of volume {np.round(centroid(solid), 4)} m"
     )
+
+
+def write_glb(solid: Manifold, colours: dict[int, Colour], path: Path) -> None:
+    """Write the solid as glTF, y up, with one part for each colour; vertices are rounded to 0.01 mm."""
+    mesh = solid.to_mesh()
+    x, y, z = np.round(np.asarray(mesh.vert_properties, np.float64)[:, :3], 5).T + 0.0
+    vertices, triangles = np.column_stack([x, z, -y]), np.asarray(mesh.tri_verts, np.int64)
+    bounds = np.asarray(mesh.run_index, np.int64) // 3
+    colour_of = np.repeat([list(colours).index(run) for run in mesh.run_original_id], np.diff(bounds))
+    scene = trimesh.Scene()
+    for number, colour in enumerate(colours.values()):
+        material = trimesh.visual.material.PBRMaterial(baseColorFactor=(*colour, 1.0), metallicFactor=0.0)
+        visual = trimesh.visual.TextureVisuals(material=material)
+        part = trimesh.Trimesh(vertices, triangles[colour_of == number], visual=visual, process=False)
+        part.remove_unreferenced_vertices()
+        scene.add_geometry(part, geom_name=f"part_{number:02d}", node_name=f"part_{number:02d}")
+    path.write_bytes(scene.export(file_type="glb"))
+    print(f"{path.name}: {solid.num_tri()} triangles in {len(colours)} colours, {solid.volume():.4f} m3")

@@ -115,14 +115,17 @@ void bind_camera_scene(py::module_& m) {
       .def(
           "add_vehicle",
           [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,
-             const std::string& material_name, const py::object& colour) {
+             const std::string& material_name, const py::object& colour, const py::object& image,
+             const py::object& corners) {
             return scene.add_vehicle(
                 std::move(name), {as_points(vertices_body_m, "vertices_body_m"), as_triangles(triangles, "triangles")},
-                {as_material(material_name, colour), SurfaceClass::kVehicle, nullptr});
+                {as_material(material_name, colour), SurfaceClass::kVehicle, as_texture(image, corners)});
           },
           py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
-          py::arg("colour") = py::none(),
-          "Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. Raises ValueError.")
+          py::arg("colour") = py::none(), py::arg("texture_image") = py::none(),
+          py::arg("texture_corners") = py::none(),
+          "Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. texture: as for\n"
+          "set_appearance. Raises ValueError.")
       .def_property_readonly(
           "classes_by_label",
           [](const CameraScene& scene) {

@@ -6,6 +6,17 @@
 #include "uwsim/core/check.h"
 
 namespace uwsim {
+namespace {
+
+void require_fits(const Texture* texture, const TriangleMesh& mesh) {
+  if (texture == nullptr) return;
+  texture->check();
+  require(texture->corners.size() == 6 * mesh.triangles.size(), "texture.corners", texture->corners.size(),
+          "must be six for each triangle");
+}
+
+}  // namespace
+
 CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed)
     : world_(world),
       rays_(std::move(rays)),
@@ -23,12 +34,7 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
 
 void CameraScene::set_appearance(Label label, const SurfaceAppearance& appearance) {
   require(label > kTerrain && label < world_.solids().size() + kTerrain + 1, "label", label, "must be a solid's label");
-  if (appearance.texture) {
-    appearance.texture->check();
-    const std::size_t triangles = world_.solids()[label - kTerrain - 1]->mesh_world.triangles.size();
-    require(appearance.texture->corners.size() == 6 * triangles, "texture.corners", appearance.texture->corners.size(),
-            "must be six for each triangle");
-  }
+  require_fits(appearance.texture.get(), world_.solids()[label - kTerrain - 1]->mesh_world);
   materials_[static_cast<std::size_t>(material_of(label))] = appearance.material;
   classes_[label] = static_cast<std::uint8_t>(appearance.kind);
   textures_[label] = appearance.texture;
@@ -43,11 +49,13 @@ void CameraScene::set_ground(const camera::Material& bed, const camera::Material
 
 std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_body_m,
                                      const SurfaceAppearance& appearance) {
+  require_fits(appearance.texture.get(), hull_body_m);
   hulls_.add(hull_body_m);
   vehicle_names_.push_back(std::move(name));
   materials_.push_back(appearance.material);
   classes_.push_back(static_cast<std::uint8_t>(appearance.kind));
-  textures_.push_back(nullptr);
+  textures_.push_back(appearance.texture);
+  has_textures_ = has_textures_ || appearance.texture;
   return vehicle_names_.size() - 1;
 }
 

@@ -43,7 +43,7 @@ class CameraScene {
   void set_appearance(Label label, const SurfaceAppearance& appearance);
   /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
-  /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft.
+  /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft. Throws InvalidValue for another mesh's texture.
   std::size_t add_vehicle(std::string name, const TriangleMesh& hull_body_m, const SurfaceAppearance& appearance);
 
   const World& world() const { return world_; }

@@ -54,12 +54,17 @@ class Dock:
                 raise ValueError(f"{self._exit_text}: another vehicle is {apart_m:.2f} m away")
 
     def require_entry(self, vehicle: int) -> None:
-        """Raise ValueError unless the dock is empty, and the vehicle is close to it, slow and aligned with it."""
+        """Raise ValueError unless the dock is empty, and the vehicle is close to it, slow and aligned with it.
+
+        A dock above the water is lowered to the vehicle: its distance is that of the way down to the surface.
+        """
         for other in range(len(self.hull_radii_m)):
             if other != vehicle and not self.simulation.released(other):
                 raise ValueError("dock: occupied by another vehicle")
         state = self.simulation.state(vehicle)
-        away_m = self.position_world_m - state.position_world_m
+        east_m, north_m, dock_m = self.position_world_m
+        reached_m = min(max(float(state.position_world_m[2]), 0.0), dock_m) if dock_m > 0.0 else dock_m
+        away_m = (east_m, north_m, reached_m) - state.position_world_m
         distance_m = float(np.linalg.norm(away_m))
         if distance_m > CAPTURE_M:
             east, north, up = away_m

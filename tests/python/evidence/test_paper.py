@@ -21,8 +21,8 @@ from uwsim.scenario import load
 
 PATIENCE_S = 30.0
 CONTROL_S = 0.1
-BASIN = {"wall_east": (26, -156, -5), "wall_west": (-4, -156, -5), "wall_south": (10, -161, -5)}
-"""Walls placed closer, so that lanes are short."""
+BASIN = {"wall_south": (3.5, -161, -5)}
+"""A wall placed closer, so that there are few lanes."""
 NEAR_THE_START_M = (7.0, -142.0, -5.3)  # the way from the dock to its first lane takes the node over a minute
 
 
@@ -59,7 +59,7 @@ def test_motion_decays_at_the_published_rate_of_one_per_second(paper):
     assert rov.velocity.linear_body_m_s[0] == pytest.approx(begin_m_s * math.exp(-2.0), rel=0.03)
 
 
-def test_below_the_davit_it_can_dock_again(paper):
+def test_below_the_cage_it_can_dock_again(paper):
     rov, dock = paper.rov, paper.rov.pose.position_world_m
     rov.release()
     rov.set_effort(heave=0.4)
@@ -67,6 +67,51 @@ def test_below_the_davit_it_can_dock_again(paper):
     rov.dock()
     assert not rov.released
     np.testing.assert_allclose(rov.pose.position_world_m, dock)
+
+
+def test_the_station_and_the_vehicle_are_where_the_published_scene_has_them(paper):
+    # LawnTest.unity: ROV (-9.1, 79.42, 130.5), ControlStation (12.2, 81.7, 139.15); the surface at 75.3
+    np.testing.assert_allclose(paper.rov.pose.position_world_m, (9.1, -130.5, 79.42 - 75.3))
+    away_m = math.dist((-9.1, 79.42, 130.5), (12.2, 81.7, 139.15))
+    assert paper.rov.telemetry().distance_to_station_m == pytest.approx(away_m, abs=0.02)
+
+
+def test_it_lies_between_mountains_of_many_times_the_height_of_its_station(paper):
+    x, y = np.meshgrid(np.arange(-80.0, 121.0), np.arange(-198.0, -19.0))
+    heights = paper.world.height_at(np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape)
+    around = np.concatenate([heights[0], heights[-1], heights[:, 0], heights[:, -1]])
+    assert np.mean(around > 0.0) > 0.8  # an open sea has none
+    assert heights.max() > 5 * 18.6  # the station's aerial
+
+
+def test_gates_are_rings_that_a_vehicle_can_fly_through(paper):
+    gates = [item for item in paper.scenario.obstacles if item.name.startswith("gate")]
+    assert len(gates) == 4
+    for gate in gates:
+        yaw = math.radians(gate.yaw_pitch_roll_deg[0])
+        ahead, across = (math.cos(yaw), math.sin(yaw), 0.0), (-math.sin(yaw), math.cos(yaw), 0.0)
+        ways = np.array([across, np.negative(across), (0, 0, 1), (0, 0, -1), ahead, np.negative(ahead)])
+        hits = paper.scene.cast(np.tile(gate.position_m, (6, 1)), ways, 7.0)
+        np.testing.assert_allclose(hits.ranges_m[:4], 6.6 - 0.38, atol=0.1)
+        assert not np.isfinite(hits.ranges_m[4:]).any()
+
+
+def test_vehicle_and_station_have_several_colours(paper):
+    frame = paper.cameras["station"].capture("off")
+    for name, least in (("rov", 3), ("station", 2)):
+        pixels = frame.rgb[frame.labels == frame.label_names.index(name)].astype(float)
+        shades = np.unique(np.round(pixels / pixels.sum(axis=1, keepdims=True), 1), axis=0)
+        assert len(shades) >= least
+
+
+def test_the_lamp_key_lights_up_the_bed_at_depth(paper):
+    rov = paper.rov
+    rov.place([10, -100, -37])
+    pictures = []
+    for rov.lamps["down"].on in (False, True):
+        pictures.append(rov.cameras["down"].capture().rgb.astype(int))
+    rov.lamps["down"].on = False
+    assert np.mean(np.abs(pictures[1] - pictures[0]).max(axis=-1) > 8) > 0.5
 
 
 @pytest.mark.parametrize(("axis", "row"), [("pitch", 0), ("roll", 1)])
@@ -92,11 +137,11 @@ def test_temperature_and_pressure_follow_the_published_lines(paper, height_m):
 
 
 def test_refraction_moves_pictures_by_up_to_the_published_share_of_their_width(paper):
-    paper.rov.place([4, -99, -38], Rotation.from_euler("z", 90, degrees=True).as_quat())
+    paper.rov.place([49.7, -135.5, -18.9], Rotation.from_euler("z", 13.8, degrees=True).as_quat())
     camera = paper.rov.cameras["front"]
     still, moving = (camera.capture([*effects]) for effects in ((), ("wobble",)))
-    post = [(frame.labels == frame.label_names.index("gate"))[150:200, :320] for frame in (still, moving)]
-    left = [picture.argmax(axis=1) for picture in post if picture.any(axis=1).all()]
+    ring = [(frame.labels == frame.label_names.index("gate_3"))[150:200, :320] for frame in (still, moving)]
+    left = [picture.argmax(axis=1) for picture in ring if picture.any(axis=1).all()]
     shift = np.abs(left[1] - left[0]).max()
     assert 1 <= shift <= math.ceil(0.0055 * camera.mount.width)
 

@@ -8,14 +8,15 @@ import pytest
 from PIL import Image
 
 from command_line import error_line, uwsim
-from uwsim.evidence.reproduce import drawn_graphs, mown_map, paper, place_and_release, running_system, scenes, sonar
+from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, paper, running_system, scenes, sonar
 from uwsim.evidence.reproduce.running_system import Edge, Link
+from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
 
 
 @pytest.fixture(scope="module")
 def sim():
-    return Simulator("paper")
+    return Simulator(scenes.with_overview(load("paper")))
 
 
 def picture(path):
@@ -52,7 +53,7 @@ def test_trees_and_node_maps_are_drawn_with_all_that_they_hold(tmp_path):
 
 @pytest.mark.parametrize(
     "make",
-    [scenes.vehicle, scenes.scene, scenes.main_screen, place_and_release.place, sonar.depth_image, sonar.ping],
+    [scenes.overview, scenes.scene, scenes.main_screen, movement_and_ray.movements, sonar.ping],
 )
 def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
     sim.reset()
@@ -63,10 +64,21 @@ def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
     json.dumps(paper._plain(figure.rows), allow_nan=False)
 
 
-def test_the_release_falls_and_the_depth_image_agrees_with_rays(sim, tmp_path):
-    fall = place_and_release.release(sim, tmp_path / "release.png").values
-    assert fall["fastest_fall_m_s"] == pytest.approx(np.sqrt(2 * 9.81 * (1.0 - 0.35)), rel=0.1)
-    assert fall["rests_at_m"] == pytest.approx(fall["deepest_m"], abs=0.02)
+def test_the_overview_names_all_parts(sim, tmp_path):
+    names = {row[0] for row in scenes.overview(sim, tmp_path / "over.png").rows}
+    assert names >= {"mountains", "station and its cage", "vehicle", "pipeline", "gate 1", "gate 4"}
+
+
+def test_one_ray_ends_at_its_first_hit_and_the_others_pass(sim, tmp_path):
+    rows = movement_and_ray.ray(sim, tmp_path / "ray.png").rows
+    found = [row for row in rows if row[1] == "gate_1"]
+    assert [row[0] for row in found] == [6.6]  # the ring's own radius
+    assert found[0][2] == pytest.approx(np.hypot(9.0, 6.6), abs=0.4)  # its bar is 0.38 m thick
+    assert all(row[2] > 15 for row in rows if row not in found)
+    assert picture(tmp_path / "ray.png").std() > 10
+
+
+def test_the_depth_map_agrees_with_rays(sim, tmp_path):
     assert sonar.depth_image(sim, tmp_path / "depth.png").values["mean_m"] < 0.1
 
 
@@ -78,7 +90,7 @@ def test_the_lawn_mower_keeps_its_depth_and_maps_the_bed_and_the_walls_that_it_t
     assert figure.values["bed_mapped_percent"] > 50
     assert (tmp_path / "map.bt").stat().st_size > 20_000
     x, y, _ = np.transpose(figure.rows)
-    assert (x.min(), x.max()) == pytest.approx((-22.0, 42.0), abs=6.0)  # between the walls
+    assert (x.min(), x.max()) == pytest.approx((-22.0, 29.0), abs=6.0)  # between the walls
     assert y.min() < -170
 
 

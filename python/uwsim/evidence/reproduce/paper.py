@@ -15,8 +15,9 @@ from jinja2 import Environment, StrictUndefined
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
-from uwsim.evidence.reproduce import drawn_graphs, mown_map, place_and_release, running_system, scenes, sonar
+from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, running_system, scenes, sonar
 from uwsim.evidence.reproduce.figure import PAPER, Figure
+from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
 
 TEMPLATE = Path(__file__).with_name("page.html.j2")
@@ -34,7 +35,7 @@ def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None
 
 
 def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
-    sim, began_s = Simulator("paper"), time.monotonic()
+    sim, began_s = Simulator(scenes.with_overview(load("paper"))), time.monotonic()
     figures: list[Figure] = []
 
     def add(figure: Figure) -> None:
@@ -46,13 +47,13 @@ def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
         edges = running_system.connections(published)
     add(drawn_graphs.transform_tree(*trees, out / "fig10.png"))
     add(drawn_graphs.node_map(edges, out / "fig11.png"))
-    add(place_and_release.place(sim, out / "fig03.png"))
     add(scenes.start_screen(out / "fig04.png"))
-    add(place_and_release.release(sim, out / "fig06.png"))
-    add(scenes.vehicle(sim, out / "fig01.png"))
+    add(scenes.overview(sim, out / "fig01.png"))
     add(scenes.scene(sim, out / "fig02.png"))
+    add(movement_and_ray.movements(sim, out / "fig03.png"))
     add(scenes.main_screen(sim, out / "fig05.png"))
-    add(sonar.depth_image(sim, out / "fig07.png"))
+    add(sonar.depth_image(sim, out / "fig06.png"))
+    add(movement_and_ray.ray(sim, out / "fig07.png"))
     add(sonar.coverage(out / "fig08.png"))
     add(sonar.ping(sim, out / "fig09.png"))
     add(mown_map.mown_map(out / "fig12.png", out / "map.bt"))

@@ -1,4 +1,4 @@
-"""The sonar: depth image and ranges, the manufacturer's table, and a ping (Figs. 7, 8 and 9)."""
+"""The sonar: depth map and ranges, the manufacturer's table, and a ping (Figs. 6, 8 and 9)."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.evidence.reproduce.figure import Figure
-from uwsim.evidence.reproduce.scenes import place
+from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, place
 from uwsim.evidence.validate.sonar_curves import draw_table
 from uwsim.evidence.validate.sonar_instrument import half_detected_m
 from uwsim.evidence.validate.sonar_table import DEPTH_M, Cell
 from uwsim.figures.sonar_fan import sonar_fan
-from uwsim.figures.style import ACCENT, HEIGHTS, INK, label_axes, new_figure, save_figure
+from uwsim.figures.style import ACCENT, INK, label_axes, new_figure, save_figure
 from uwsim.instruments.sonars.depth_map import DepthMap, difference, ranges_m
 from uwsim.mapping import ranging
 from uwsim.simulator.simulator import Simulator
@@ -21,8 +21,8 @@ IN_THE_BASIN = (20.0, -150.0, -20.0), 10.0
 
 
 def depth_image(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 7, depth and ranges."""
-    place(sim, IN_THE_BASIN)
+    """Draw Fig. 6, a depth map, and the sonar's ranges as read from it."""
+    place(sim, BEFORE_THE_GATE)
     frame = sim.rov.cameras["front"].capture("off", geometry_only=True)
     ping = sim.rov.sonar.ping()
     around, model = sim.around(sim.rov.name), sim.rov.sonar.model
@@ -31,9 +31,9 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
     errors = difference(found, ping.ranges_m)
     figure = new_figure(9.0, 7.2)
     upper, lower = figure.add_axes((0.0, 0.5, 0.85, 0.5)), figure.add_axes((0.0, 0.0, 0.85, 0.36))
-    shown = upper.imshow(np.minimum(frame.depth_m, 55.0), cmap=HEIGHTS.reversed())
+    shown = upper.imshow(np.minimum(frame.depth_m, 55.0), cmap="gray")
     upper.set_axis_off()
-    upper.set_title("The front camera's depth", loc="left", fontsize=11, fontweight="bold", color=INK)
+    upper.set_title("The front camera's depth map", loc="left", fontsize=11, fontweight="bold", color=INK)
     figure.colorbar(shown, ax=upper, shrink=0.9, label="depth [m]")
     angles = np.degrees(ping.angles_rad)
     lower.plot(angles, ping.ranges_m, color=INK, linewidth=1.0, label="one ray a beam")
@@ -43,8 +43,10 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
     label_axes(lower, "The sonar's ranges", "angle to port [deg]", "range [m]")
     save_figure(figure, path)
     return Figure(
-        7, "Depth and ranges", "A depth camera's image, and the sonar's ranges at the same pose by both methods.",
-        values={name: _plain(value) for name, value in vars(errors).items()},
+        6, "The depth map",
+        "Distance along the front camera's axis as grey, nearest darkest, cast by rays instead of a shader; below, the "
+        "sonar's ranges at the same pose, by one ray a beam and from a depth map as in the paper.",
+        True, values={name: _plain(value) for name, value in vars(errors).items()},
         columns=("angle [deg]", "range [m]", "from a depth image [m]"),
         rows=[(float(a), float(r), float(d)) for a, r, d in zip(angles, ping.ranges_m, found, strict=True)][::16],
     )  # fmt: skip
@@ -75,7 +77,9 @@ def ping(sim: Simulator, path: Path) -> Figure:
     scan = ranging.to_laser_scan(ranging.decode_depth_string(text, model), model, sim.time_s)
     points = ranging.to_point_cloud(scan)
     return Figure(
-        9, "One ping", "The level fan in the walled basin, from above and from the side.",
+        9, "The forward-facing sonar",
+        "The fan of beams from the vehicle to its hits in the walled basin, from above and from the side.",
+        True,
         values={"beams": len(ping.ranges_m), "echoes": len(points), "depth_string_characters": len(text),
                 "angle_increment_rad": float(scan.angle_increment), "range_max_m": float(scan.range_max)},
         columns=("x [m]", "y [m]", "z [m]"), rows=[tuple(map(float, point)) for point in points[::16]],

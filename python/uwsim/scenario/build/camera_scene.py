@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from uwsim import _core
 from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.read.textures import load_texture
+from uwsim.scenario.read.textures import Texture, load_texture
+from uwsim.scenario.spec.material import Material
 from uwsim.scenario.spec.obstacle import Gate, MeshObstacle, ObstacleSpec, Pipeline
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.vehicle import VehicleModel
 
 CLASSES: dict[type, str] = {Pipeline: "pipeline", Gate: "gate"}
 """Surface classes by kind of obstacle; all other kinds are structures."""
@@ -19,21 +23,30 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     scene.set_ground(ground.bed, ground.steep, ground.land)
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
-        _set_appearance(scene, label_of[obstacle.name], obstacle)
+        file = obstacle.file if isinstance(obstacle, MeshObstacle) else None
+        _set_appearance(scene, label_of[obstacle.name], _class(obstacle), obstacle.material, file)
     if "station" in label_of:
-        material = scenario.station.material
-        scene.set_appearance(label_of["station"], material.kind, "station", material.colour)
+        station = scenario.station
+        _set_appearance(scene, label_of["station"], "station", station.material, station.mesh)
     for vehicle in scenario.vehicles:
-        material = vehicle.model.material
-        scene.add_vehicle(vehicle.name, *vehicle_hull(vehicle.model), material.kind, material.colour)
+        material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
+        texture = _hull_texture(vehicle.model, len(triangles))
+        scene.add_vehicle(vehicle.name, vertices, triangles, material.kind, material.colour, *texture or ())
     return scene
 
 
-def _set_appearance(scene: _core.CameraScene, label: int, obstacle: ObstacleSpec) -> None:
-    material = obstacle.material
-    texture = load_texture(obstacle.file) if isinstance(obstacle, MeshObstacle) and material.colour is None else None
-    kind = CLASSES.get(type(obstacle), "structure")
-    if texture is None:
-        scene.set_appearance(label, material.kind, kind, material.colour)
-    else:
-        scene.set_appearance(label, material.kind, kind, None, *texture)
+def _class(obstacle: ObstacleSpec) -> str:
+    return CLASSES.get(type(obstacle), "structure")
+
+
+def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
+    """Return the colours of the mesh file, unless the material has one or closing the mesh changed its triangles."""
+    texture = load_texture(model.mesh) if model.material.colour is None else None
+    return texture if texture is not None and len(texture[1]) == triangles else None
+
+
+def _set_appearance(scene: _core.CameraScene, label: int, kind: str, material: Material, file: Path | None) -> None:
+    """Set the material of a solid; the colours of its mesh file, if any, apply unless the material has its own."""
+    texture = load_texture(file) if file is not None and material.colour is None else None
+    colour = None if texture is not None else material.colour
+    scene.set_appearance(label, material.kind, kind, colour, *texture or ())

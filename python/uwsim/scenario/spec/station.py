@@ -22,8 +22,9 @@ class Station(Model):
     position_m: position of its origin, on the waterline. yaw_deg: direction of its x axis, counter-clockwise from east.
     mesh: mesh file, closed or not, in the station's frame; without one the station is a point. dock_m: the origin of a
     docked vehicle, in the station's frame; its heading is the station's x. exit_m: its origin after `undock()`, by
-    default 3 m ahead of the dock. material: material of the mesh. cameras: by name, in the station's frame; by default
-    `station`, in the water in front of the dock, and `deck`, overlooking the deck.
+    default 3 m ahead of the dock. material: material of the mesh; without its colour, those of the file apply, if any.
+    cameras: by name, in the station's frame; by default `station`, in the water in front of the dock, and `deck`,
+    overlooking the deck.
     """
 
     position_m: Point3 = (0.0, 0.0, 0.0)
