@@ -38,12 +38,12 @@ Vector6d wrench_at_rest(const CraftParameters& p, const Craft& craft, double z_m
   return mass * rate;
 }
 
-constexpr double kHalf_m = 3, kRadius_m = 0.4, kDepth_m = 3;              // the spheroid
-constexpr double kLength_m = 2 * kHalf_m, kBeam_m = 2, kDraught_m = 0.3;  // the barge
+constexpr double kHalfLength_m = 3, kRadius_m = 0.4, kSpheroidDepth_m = 3;      // the spheroid
+constexpr double kLength_m = 2 * kHalfLength_m, kBeam_m = 2, kDraught_m = 0.3;  // the barge
 
 TriangleMesh spheroid() {
   TriangleMesh mesh = testing::sphere(kRadius_m, 40);
-  for (Eigen::Vector3d& v : mesh.vertices_m) v = {v.z() * kHalf_m / kRadius_m, v.x(), v.y()};
+  for (Eigen::Vector3d& v : mesh.vertices_m) v = {v.z() * kHalfLength_m / kRadius_m, v.x(), v.y()};
   return mesh;
 }
 
@@ -78,7 +78,7 @@ TEST(StripTheory, ForceOfTheUndisturbedPressureIsThatOfAPanelCode) {
                      other = wrench_at_rest(p, craft, z_m, water, quarter_s);
       return (one.cwiseAbs2() + other.cwiseAbs2()).cwiseSqrt() / kAmplitude_m;
     };
-    const Vector6d floating = amplitude(light, barge, 0), below = amplitude(neutral, submerged, -kDepth_m);
+    const Vector6d floating = amplitude(light, barge, 0), below = amplitude(neutral, submerged, -kSpheroidDepth_m);
     EXPECT_NEAR(floating(2), row.barge_n, 0.02 * 115370) << row.lengths;
     EXPECT_NEAR(floating(4), row.barge_nm, 0.02 * row.barge_nm) << row.lengths;
     EXPECT_NEAR(below(2), row.spheroid_n, 0.02 * row.spheroid_n) << row.lengths;
@@ -89,11 +89,11 @@ TEST(StripTheory, ForceOfTheUndisturbedPressureIsThatOfAPanelCode) {
 TEST(StripTheory, LoadOfASubmergedSpheroidIsThatOfItsStrips) {
   const TriangleMesh mesh = spheroid();
   CraftParameters p = solid_of(mesh, 1000);
-  const double around = p.mass_kg * kHalf_m * kHalf_m / 5;  // a strip's added mass is that of its own water
+  const double around = p.mass_kg * kHalfLength_m * kHalfLength_m / 5;  // a strip's added mass is that of its own water
   p.added_mass.diagonal() << 0.05 * p.mass_kg, p.mass_kg, p.mass_kg, 0, around, around;
   const Craft craft(p, BuoyantHull(mesh));
   for (const double lengths : {1.0, 1.3, 1.7, 2.3, 3.3, 6.0, 10.0, 16.7, 20.0}) {
-    const double k = 2 * kPi / (2 * kHalf_m * lengths);
+    const double k = 2 * kPi / (2 * kHalfLength_m * lengths);
     const Water water = with_wave(k);
     double force = 0, moment = 0, worst_force = 0, worst_moment = 0;
     for (int phase = 0; phase < 16; ++phase) {
@@ -101,14 +101,14 @@ TEST(StripTheory, LoadOfASubmergedSpheroidIsThatOfItsStrips) {
       double strips_force = 0, strips_moment = 0;
       constexpr int kStrips = 400;
       for (int n = 0; n < kStrips; ++n) {
-        const double x = kHalf_m * (2 * (n + 0.5) / kStrips - 1);
-        const double area = kPi * kRadius_m * kRadius_m * (1 - x * x / (kHalf_m * kHalf_m));
-        const double rise = water.flow_at({x, 0, -kDepth_m}, t).wave_acceleration_m_s2.z();
-        const double strip = 2 * 1000 * area * rise * 2 * kHalf_m / kStrips;
+        const double x = kHalfLength_m * (2 * (n + 0.5) / kStrips - 1);
+        const double area = kPi * kRadius_m * kRadius_m * (1 - x * x / (kHalfLength_m * kHalfLength_m));
+        const double rise = water.flow_at({x, 0, -kSpheroidDepth_m}, t).wave_acceleration_m_s2.z();
+        const double strip = 2 * 1000 * area * rise * 2 * kHalfLength_m / kStrips;
         strips_force += strip;
         strips_moment -= x * strip;
       }
-      const Vector6d got = wrench_at_rest(p, craft, -kDepth_m, water, t);
+      const Vector6d got = wrench_at_rest(p, craft, -kSpheroidDepth_m, water, t);
       force = std::max(force, std::abs(strips_force));
       moment = std::max(moment, std::abs(strips_moment));
       worst_force = std::max(worst_force, std::abs(got(2) - strips_force));
@@ -166,10 +166,10 @@ TEST(StripTheory, LoadOfASlenderBoxHasAClosedForm) {
   for (const double lengths : {1.0, 1.5, 2.0, 5.0, 20.0, 200.0}) {
     const double k = 2 * kPi / (kLength_m * lengths), u = k * kLength_m / 2, omega2 = kGravity * k;
     const Water water = with_wave(k);
-    const double force = (1 + kShare) * p.mass_kg * omega2 * kAmplitude_m * std::exp(-k * kDepth_m);
+    const double force = (1 + kShare) * p.mass_kg * omega2 * kAmplitude_m * std::exp(-k * kSpheroidDepth_m);
     for (int eighth = 0; eighth < 8; ++eighth) {
       const double phase = kPi * eighth / 4;
-      const Vector6d got = wrench_at_rest(p, craft, -kDepth_m, water, (0.4 - phase) / std::sqrt(omega2));
+      const Vector6d got = wrench_at_rest(p, craft, -kSpheroidDepth_m, water, (0.4 - phase) / std::sqrt(omega2));
       EXPECT_NEAR(got(2), -force * std::sin(u) / u * std::cos(phase), 0.015 * force) << lengths;
       // The integral of -x cos(k x + phase) / L.
       const double arm_m = (std::sin(u) - u * std::cos(u)) / (k * u);
