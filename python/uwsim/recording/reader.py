@@ -75,7 +75,7 @@ class Recording:
         self._require_our_version(said[START])
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
-        self._appended: dict[str, int] = {}
+        self._appended: dict[str, list[bytes]] = {}
         self._counts, self._chunks = contents.counts, contents.chunks
         try:
             self.start = checked(Start, said[START])
@@ -207,8 +207,8 @@ class Recording:
     def _recorded(self, message: Message) -> Recorded:
         channel = self._channels[message.channel_id]
         kind, data = self._schemas[channel.schema_id].name, message.data
-        if (floats := self._appended.get(kind, 0)) > 0:
-            data = data + bytes(-len(data) % 4) + floats * struct.pack("<f", math.nan)
+        for field in self._appended.get(kind, ()):
+            data = data + bytes(-len(data) % 4) + field
         return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, data)
 
     def _numbers(self, names: Iterable[str]) -> set[int]:
@@ -223,7 +223,7 @@ class Recording:
     def _require_our_types(self) -> None:
         """Raise ValueError if a channel has no type, or has one of our types with different fields from this version.
 
-        Fields that this version appends are nan in the recorded messages.
+        Fields that this version appends are nan or empty in the recorded messages.
         """
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
@@ -235,9 +235,9 @@ class Recording:
         for found in self._schemas.values():
             if found.name not in OWN_TYPES:
                 continue
-            floats = _appended(found.data.decode(), schema(found.name).text)
-            if floats is not None:
-                self._appended[found.name] = floats
+            fields = _appended(found.data.decode(), schema(found.name).text)
+            if fields is not None:
+                self._appended[found.name] = fields
             else:
                 raise ValueError(
                     f"recording '{self.path}': {found.name} has other fields in this version of uwsim than in the "
@@ -245,18 +245,27 @@ class Recording:
                 )
 
 
-def _appended(recorded: str, ours: str) -> int | None:
-    """Return how many float32 values our definition of a type appends to the recorded one; None if others differ.
+def _appended(recorded: str, ours: str) -> list[bytes] | None:
+    """Return the CDR of the fields that our definition of a type appends to the recorded one; None if others differ.
 
-    In CDR, they follow the recorded bytes at a multiple of four.
+    Numbers are nan; lists and strings are empty. Each begins at a multiple of four bytes.
     """
     (old, *old_parts), (new, *new_parts) = (
         [_fields(part) for part in re.split("={9,}", text)] for text in (recorded, ours)
     )
-    added = [re.fullmatch(r"float32\[(\d+)\] \w+", line) for line in new[len(old) :]]
+    added = [_unset(line) for line in new[len(old) :]]
     if old != new[: len(old)] or old_parts != new_parts or None in added:
         return None
-    return sum(int(line[1]) for line in added if line)
+    return [field for field in added if field is not None]
+
+
+def _unset(line: str) -> bytes | None:
+    """Return the CDR of a field of a message definition without a value; None for other types than ours append."""
+    if floats := re.fullmatch(r"float32\[(\d+)\] \w+", line):
+        return int(floats[1]) * struct.pack("<f", math.nan)
+    if re.fullmatch(r"(string|float32)\[\] \w+", line):
+        return struct.pack("<I", 0)
+    return struct.pack("<Ix", 1) if re.fullmatch(r"string \w+", line) else None
 
 
 def _fields(text: str) -> list[str]:
