@@ -81,6 +81,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "camera": (["pool.yaml"], {"out": "camera.png"}),
     "dataset": (["pool.yaml"], {"n": "1", "out": "out", "size": "32x24", "workers": "0"}),
     "decompose": (["cube.obj"], {"out": "pieces.obj"}),
+    "ros package": ([], {"out": "ros"}),
     "map info": (["map.bt"], {}),
     "map convert": (["map.bt", "cloud.ply"], {}),
     "map from": (["run.mcap"], {"out": "from.bt"}),

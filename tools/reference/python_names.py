@@ -43,7 +43,7 @@ PUBLIC = {
         "uwsim.instruments.sonars.imaging",
         "uwsim.mapping.ranging",
     ],
-    "Sound in water": ["uwsim.acoustics.arrivals.arrivals()", "uwsim.acoustics.arrivals.Arrivals"],
+    "Sound in water": ["uwsim.acoustics.arrivals()", "uwsim.acoustics.Arrivals"],
     "Cameras": [
         "uwsim.instruments.cameras.camera.Camera",
         "uwsim.instruments.cameras.frame.Frame",

@@ -4,6 +4,6 @@ found = arrivals([(0, 1480), (100, 1530)], source_depth_m=20, receiver_depth_m=6
 found.time_s, found.level_db, found.surface_bounces
 """
 
-from uwsim.acoustics.arrivals import Arrivals, arrivals
+from uwsim.acoustics.layered_water import Arrivals, arrivals
 
 __all__ = ["Arrivals", "arrivals"]

@@ -108,31 +108,6 @@ def test_everyone_can_read_it(running, scheme):
     judge(page, "menu")
 
 
-def test_the_inspector_finds_changes_and_resets_parameters(running):
-    page, name = running.fly(), "rov.drag.linear.surge"
-    own = running.station.present().live.simulator.parameters
-    when(page, "station.station.isPilot")
-    page.click("#inspect")
-    page.fill("[aria-label='Search parameters']", "drag linear surge")
-    box = page.locator(f"[aria-label='{name}, N s/m']")
-    box.fill("40")
-    box.press("Enter")
-    until(lambda: own[name] == 40.0, "the change")
-    when(page, "document.querySelectorAll('.parameter[data-changed]').length === 1")
-    judge(page, "inspector")
-    box.fill("-1")
-    box.press("Enter")  # is refused, and the field returns to the value that holds
-    when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '40'")
-    assert "must be in" in page.inner_text("#toast") and own[name] == 40.0
-    page.locator(f"[aria-label='{name}, slider']").press("ArrowRight")
-    until(lambda: 40.0 < own[name] < 41.0, "the slider")
-    page.click(f"[aria-label='Reset {name}']")
-    until(lambda: own[name] == 29.4, "the reset")
-    running.station.present().live.call(lambda sim: own.update({name: 50.0})).result()  # by another client
-    when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '50'")
-    assert not running.complaints
-
-
 def test_nothing_overflows_a_phone(running):
     page = running.fly(viewport={"width": 400, "height": 800})
     assert page.evaluate("document.documentElement.scrollWidth") <= 400

@@ -1,0 +1,44 @@
+"""The inspector on the station's page: parameters are found, changed, refused and reset."""
+
+import pytest
+
+from browser import chromium, desk, until, when
+from test_station_page import judge
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def running(browser, tmp_path):
+    """A desk with a running simulator."""
+    with desk(browser, tmp_path, "pool") as found:
+        yield found
+
+
+def test_the_inspector_finds_changes_and_resets_parameters(running):
+    page, name = running.fly(), "rov.drag.linear.surge"
+    own = running.station.present().live.simulator.parameters
+    when(page, "station.station.isPilot")
+    page.click("#inspect")
+    page.fill("[aria-label='Search parameters']", "drag linear surge")
+    box = page.locator(f"[aria-label='{name}, N s/m']")
+    box.fill("40")
+    box.press("Enter")
+    until(lambda: own[name] == 40.0, "the change")
+    when(page, "document.querySelectorAll('.parameter[data-changed]').length === 1")
+    judge(page, "inspector")
+    box.fill("-1")
+    box.press("Enter")  # is refused, and the field returns to the value that holds
+    when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '40'")
+    assert "must be in" in page.inner_text("#toast") and own[name] == 40.0
+    page.locator(f"[aria-label='{name}, slider']").press("ArrowRight")
+    until(lambda: 40.0 < own[name] < 41.0, "the slider")
+    page.click(f"[aria-label='Reset {name}']")
+    until(lambda: own[name] == 29.4, "the reset")
+    running.station.present().live.call(lambda sim: own.update({name: 50.0})).result()  # by another client
+    when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '50'")
+    assert not running.complaints
