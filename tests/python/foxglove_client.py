@@ -5,9 +5,9 @@ import struct
 from contextlib import ExitStack
 from typing import Any
 
-from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
+from client_socket import connect
 from ros2_tools import PATIENCE_S
 
 MESSAGE, TIME, RESPONSE = 1, 2, 3

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from websockets.sync.client import connect
 
+from client_socket import connect
 from station_pages import page, serving
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer

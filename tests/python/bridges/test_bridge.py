@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from websockets.sync.client import connect
 
+from client_socket import connect
 from foxglove_client import FoxgloveClient
 from ros2_tools import PATIENCE_S, until
 from uwsim.bridges import RosbridgeServer

@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from websockets.sync.client import connect as websocket
 
+from client_socket import connect as websocket
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
 from uwsim.bridges.rosbridge.limits import Limits

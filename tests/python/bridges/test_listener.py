@@ -9,8 +9,8 @@ from contextlib import ExitStack
 
 import cbor2
 import pytest
-from websockets.sync.client import connect
 
+from client_socket import connect
 from uwsim.bridges import RosbridgeServer, connection, rare_log
 from uwsim.bridges.listener import HALF_OPEN_MAX
 from uwsim.bridges.rare_log import RareLog

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 from websockets.sync.client import ClientConnection
-from websockets.sync.client import connect as websocket
 
+from client_socket import connect as websocket
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator

@@ -5,8 +5,8 @@ from concurrent.futures import Future
 
 import pytest
 from websockets.datastructures import Headers
-from websockets.sync.client import connect
 
+from client_socket import connect
 from test_rosbridge_protocol import Client, texts
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer

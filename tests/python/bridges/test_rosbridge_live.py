@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
-from websockets.sync.client import connect as websocket
 
+from client_socket import connect as websocket
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
 from uwsim.channels import Table
 from uwsim.cli.serve import parsed_speed

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from websockets.sync.client import connect
 
 from channel_tools import chain, table
+from client_socket import connect
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels import Channel, Table

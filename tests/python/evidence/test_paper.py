@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from websockets.sync.client import connect as websocket
 
+from client_socket import connect as websocket
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.limits import Limits

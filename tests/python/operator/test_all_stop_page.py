@@ -3,9 +3,9 @@
 import json
 
 import pytest
-from websockets.sync.client import connect
 
 from browser import chromium, desk, until, when
+from client_socket import connect
 from test_station_page import judge
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator

@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
-from websockets.sync.client import connect
 
 from channel_tools import stamp_ns
+from client_socket import connect
 from command_line import UWSIM, error_line, files_limited_to, uwsim
 from uwsim import Simulator, recording
 from uwsim.bridges import RosbridgeServer

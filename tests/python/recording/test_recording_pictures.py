@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
-from websockets.sync.client import connect
 
 from channel_tools import stamp_ns
+from client_socket import connect
 from command_line import hears_ctrl_c, uwsim
 from uwsim import Simulator, recording
 from uwsim.channels.pictures import RATE_HZ, Pictures

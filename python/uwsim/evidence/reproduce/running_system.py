@@ -79,8 +79,8 @@ def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
         LiveSimulator("paper", paused=True) as live,
         RosbridgeServer(live, wire="published", origin="published") as server,
         RosbridgeServer(live, wire="standard") as standard,
-        connect(server.url) as first,
-        connect(standard.url) as second,
+        connect(server.url, max_queue=None) as first,
+        connect(standard.url, max_queue=None) as second,
     ):
         command = [sys.executable, "-c", NODES_PROGRAM, "nodes", "--url", server.url, "--out", str(map_file)]
         nodes = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
