@@ -18,18 +18,18 @@ START_TILT_DEG = 2.0  # in roll and pitch, to start away from the vehicle leaves
 FLIGHT_S, SAMPLE_S = 60.0, 0.1
 
 
-def largest_tilts_deg(model: VehicleModel) -> NDArray[np.float64]:
-    """Return the largest angle between the body z and the vertical, (6, 10): in a minute of each effort on each axis.
+def largest_tilts_deg(model: VehicleModel, efforts: Sequence[float] = EFFORTS) -> NDArray[np.float64]:
+    """Return the largest angle between the body z and the vertical, (6, n): in a minute of each effort on each axis.
 
     Rows of axes on which the vehicle cannot be driven are NaN.
     """
-    efforts = np.concatenate([np.outer(EFFORTS, axis) for axis in np.eye(6)])
+    commands = np.concatenate([np.outer(efforts, axis) for axis in np.eye(6)])
     scenario = deep_scenario(model)
-    batch = Batch(scenario, n=len(efforts))
+    batch = Batch(scenario, n=len(commands))
     batch.place(START_M, of_yaw_pitch_roll_deg((0.0, START_TILT_DEG, START_TILT_DEG)))
-    lowest_cosine = np.ones(len(efforts))
+    lowest_cosine = np.ones(len(commands))
     for _ in range(round(FLIGHT_S / SAMPLE_S)):
-        batch.step(round(SAMPLE_S / scenario.step_s), efforts)
+        batch.step(round(SAMPLE_S / scenario.step_s), commands)
         x, y = batch.observe().orientation_xyzw.T[:2]
         lowest_cosine = np.minimum(lowest_cosine, 1.0 - 2.0 * (x * x + y * y))
     driven = batch.simulator(0).rov.controllable
