@@ -3,13 +3,11 @@
 import http.server
 import os
 import socket
-import subprocess
-import sys
 import threading
-from pathlib import Path
 
 import pytest
 
+from command_line import uwsim, uwsim_process
 from fast_dds import BINARY, fast_dds_peer
 from ros2_tools import free_domain, until
 from uwsim.bridges.doctor import network, servers, software
@@ -111,15 +109,16 @@ def test_a_missing_extra_is_a_note_that_names_the_command(monkeypatch):
     assert (found.verdict, found.advice) == ("note", "pip install 'uwsim[ros2]'")
 
 
-@pytest.mark.parametrize(("domain", "code"), [("same", 0), ("other", 1)])
-def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(domain, code):
+def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(monkeypatch):
     settings = Ros2Settings(domain_id=free_domain())
-    variables = {"ROS_DOMAIN_ID": str(settings.domain_id if domain == "same" else settings.domain_id + 1), **LOCAL}
-    uwsim = Path(sys.executable).parent / "uwsim"
+    same, other = (LOCAL | {"ROS_DOMAIN_ID": str(settings.domain_id + k)} for k in (0, 1))
     with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings), RosbridgeServer(live) as server:
-        command = [uwsim, "doctor", "--ros-domain-id", settings.domain_id, "--listen", 2, "--port", server.port]
-        surroundings = os.environ | variables
-        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120, env=surroundings)
-    assert done.returncode == code, done.stdout + done.stderr
-    assert "uwsim serves here" in done.stdout and "/uwsim (jazzy)" in done.stdout
-    assert ("WRONG" in done.stdout) == bool(code)
+        command = ["doctor", "--ros-domain-id", str(settings.domain_id), "--listen", "2", "--port", str(server.port)]
+        right = uwsim_process(*command, env=os.environ | same)
+        for name, value in other.items():
+            monkeypatch.setenv(name, value)
+        at_odds = uwsim(*command)
+    assert (right.returncode, at_odds.returncode) == (0, 1), right.stdout + right.stderr
+    for done in (right, at_odds):
+        assert "uwsim serves here" in done.stdout and "/uwsim (jazzy)" in done.stdout
+        assert ("WRONG" in done.stdout) == bool(done.returncode)

@@ -21,7 +21,7 @@ from uwsim.simulator.simulator import Simulator
 
 PATIENCE_S = 60.0
 UWSIM = Path(sys.executable).with_name("uwsim")
-PINGS = 120  # a short survey: 9 s of lanes and turns
+PINGS = 60  # a short survey: two lanes, each with a turn
 LANE = 30
 
 

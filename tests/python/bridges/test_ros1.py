@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from command_line import error_line, uwsim_process
+from command_line import error_line, uwsim
 from ros1_tools import master, ros_is_installed, run_node, running, serving
 from uwsim import Simulator, recording
 from uwsim.bridges.ros1.raw_types import read_message
@@ -84,7 +84,7 @@ def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str
     np.testing.assert_allclose(ours, theirs, atol=2e-5)
 
 
-LENGTH_M, SPACING_M, LANES = 8.0, 2.5, 4
+LENGTH_M, SPACING_M, LANES = 5.0, 2.5, 3
 
 MOW = """
 import json, math, sys, threading, time
@@ -152,7 +152,7 @@ print(json.dumps({"track": track, "corners": corners, "stamp_s": Vehicle.stamp_s
 
 
 def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path) -> None:
-    """The vehicle leaves the dock and flies four lanes; the track and the map then cover the area between them.
+    """The vehicle leaves the dock and flies three lanes; the track and the map then cover the area between them.
 
     The node triggers the steps itself, so it keeps pace on any machine.
     """
@@ -338,11 +338,9 @@ print(len(rospy.wait_for_message("/depthArray", String, 50).data) > 100)
     assert run_node(script, ros).strip() == "True"
 
 
-def test_without_a_master_it_is_one_line(tmp_path: Path) -> None:
-    import os
-
-    environment = {**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:9"}
-    line = error_line(uwsim_process("serve", "lake", "--ros1", "--port", "0", env=environment))
+def test_without_a_master_it_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:9")
+    line = error_line(uwsim("serve", "pool", "--ros1", "--port", "0"))
     assert "no master answers at http://127.0.0.1:9: start roscore" in line
 
 

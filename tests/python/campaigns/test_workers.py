@@ -97,7 +97,7 @@ def slow_sweep(folder: Path) -> tuple[Path, Path]:
 
 def begun(path: Path, out: Path) -> subprocess.Popen:
     """Start a sweep in its own session and wait until its first runs are finished."""
-    command = [*UWSIM, "sweep", str(path), "--out", str(out), "--workers", "2", "--no-report"]
+    command = [*UWSIM, "sweep", str(path), "--out", str(out), "--workers", "1", "--no-report"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
