@@ -95,7 +95,7 @@ def test_one_hand_at_a_time_and_all_see_whose_it_is():
         other.subscribe("/station/state")
         other.send("publish", topic="/key", msg=ahead)
         assert other.message("/station/state", lambda s: s["driver"])["driver"] == "a rosbridge client"
-        assert live.rov.effort[0] == 1.0
+        assert live.read(lambda sim: sim.rov.effort[0]).result() == 1.0
         assert ada.call("take_control")["success"]
         other.message("/station/state", lambda s: s["pilot"] == ada.id and s["driver"] == "")
         live.read(lambda sim: None).result()
