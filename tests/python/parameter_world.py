@@ -127,7 +127,7 @@ WORLD: dict[str, Any] = {
 VARIANTS: dict[str, dict[str, Any]] = {
     "": {},
     "sea": {"surface": {"kind": "jonswap", "significant_height_m": 0.5, "peak_period_s": 3, "heading_deg": 10,
-                        "spreading_exponent": 2, "depth_m": 5},
+                        "component_count": 16, "spreading_exponent": 2, "depth_m": 5},
             "profile": {"kind": "linear", "bottom_depth_m": 8,
                         "surface": {"temperature_deg_c": 15, "salinity_psu": 10, "density_kg_m3": 1008},
                         "bottom": {"temperature_deg_c": 9, "salinity_psu": 20, "density_kg_m3": 1016}}},

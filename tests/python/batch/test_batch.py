@@ -28,7 +28,7 @@ SENSORS = ("imu", "depth", "dvl")
 def scenario(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
     """A pool with waves and gusts, both of which depend on the seed."""
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
-    waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0}\n"
+    waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0, component_count: 16}\n"
     gusts = "  current:\n    - {kind: gusts, sigma_m_s: [0.1, 0.1, 0.0], correlation_time_s: 5.0}\n"
     assert text.count("\nwater:\n") == 1
     path = tmp_path_factory.mktemp("batch") / "gusty.yaml"

@@ -23,7 +23,7 @@ def flown(sim: Simulator) -> bytes:
 def gusty_pool(folder: Path) -> Path:
     """Write a pool scenario with waves and gusts, which depend on the seed."""
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
-    waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0}\n"
+    waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0, component_count: 16}\n"
     gusts = "  current:\n    - {kind: gusts, sigma_m_s: [0.1, 0.1, 0.0], correlation_time_s: 5.0}\n"
     path = folder / "gusty.yaml"
     assert text.count("\nwater:\n") == 1
