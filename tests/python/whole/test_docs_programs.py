@@ -5,7 +5,7 @@ import inspect
 import json
 import pydoc
 import re
-import subprocess
+import runpy
 import sys
 from pathlib import Path
 
@@ -42,8 +42,9 @@ def test_the_programs_of_a_page_run(
     assert [str(each.message) for each in recwarn if not issubclass(each.category, HIDDEN)] == []
 
 
-def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, "-m", "tools.reference", str(tmp_path)], cwd=DOCS.parent, check=True)
+def test_the_reference_pages_follow_from_the_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["reference", str(tmp_path)])
+    runpy.run_module("tools.reference", run_name="__main__")  # tools/docs starts a process
     scenario = (tmp_path / "scenario.md").read_text()
     assert "| `step_s` | number in 0.0005 ... 0.02 s | `0.005` |" in scenario
     assert "rov | `usbl` | 1 | 0 | 0.05 |" in (tmp_path / "sensors.md").read_text()
