@@ -102,9 +102,11 @@ class AreaChart:
         wanted = self._inner & ~self._near
         size = max(1, round(PATCH_M / self.grid.edge_m))
         cells = np.argwhere(wanted)
-        squares, number = np.unique(cells // size, axis=0, return_inverse=True)
-        unseen = np.bincount(number.ravel(), ~self._seen[tuple(cells.T)], len(squares))
-        middles = squares[(unseen >= 0.5 * np.bincount(number.ravel())) & (unseen >= 0.25 * size**2)] * size + size // 2
+        across = wanted.shape[1] // size + 1
+        number = cells // size @ (across, 1)
+        unseen, all_of_it = np.bincount(number, ~self._seen[tuple(cells.T)]), np.bincount(number)
+        squares = np.flatnonzero((unseen >= 0.5 * all_of_it) & (unseen >= 0.25 * size**2))
+        middles = np.column_stack(np.divmod(squares, across)) * size + size // 2
         middles = np.minimum(middles, np.array(wanted.shape) - 1)
         return self.grid.centres(middles[wanted[tuple(middles.T)]])
 
