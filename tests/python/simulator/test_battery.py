@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from uwsim import ScenarioError, Simulator, _core
+from uwsim import ScenarioError, Simulator
+from uwsim.evidence.validate.reality.thrust import LEFT_OUT, misses, read_sheets, without
 from uwsim.scenario.spec.actuator import load_thruster
 from uwsim.scenario.spec.battery import load_battery
 
 SHEETS = Path(__file__).parents[4] / "shared/reality/t200/t200_10_14_16_20V.csv"
-N_PER_KGF = 9.80665
-WORST = {"force_kgf": 0.05, "current_a": 0.4, "rpm": 60.0}
-"""Permitted root mean square differences. A propeller starts with a jump of 300 rpm; its command varies by sheet."""
 BATTERY = "{model: bluerov2_18ah, hotel_w: 40}"
 WORLD = """
 name: powered
@@ -48,43 +44,14 @@ def _in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def measured() -> dict[float, dict[str, np.ndarray]]:
-    """Return the manufacturer's sheets, keyed by voltage: command, force, current and revolutions."""
+def test_a_sheet_that_was_not_used_is_met_where_the_square_of_the_voltage_is_not() -> None:
     if not SHEETS.is_file():
         pytest.skip(f"no {SHEETS}: the T200's sheets are from Blue Robotics' public performance data, September 2019")
-    columns: dict[float, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
-    with SHEETS.open() as file:
-        for row in csv.DictReader(file):
-            for name in ("pwm_us", *WORST):
-                columns[float(row["voltage_v"])][name].append(float(row[name]))
-    return {volts: {name: np.array(values) for name, values in sheet.items()} for volts, sheet in columns.items()}
-
-
-def misses(sheets: _core.ThrusterSheets, volts: float, judge: dict[str, np.ndarray]) -> dict[str, float]:
-    """Return root mean square differences from a measured sheet."""
-    got = np.array([sheets.at((pwm - 1500.0) / 400.0, volts) for pwm in judge["pwm_us"]])
-    got[:, 0] /= N_PER_KGF
-    return {name: float(np.sqrt(np.mean((got[:, k] - judge[name]) ** 2))) for k, name in enumerate(WORST)}
-
-
-def test_the_packaged_sheets_are_those_of_the_maker() -> None:
-    packaged = load_thruster("t200_16v").performance()
-    for volts, judge in measured().items():
-        for name, miss in misses(packaged, volts, judge).items():
-            assert miss < {"force_kgf": 0.015, "current_a": 0.08, "rpm": 40.0}[name], (volts, name)
-
-
-def test_a_sheet_that_was_not_used_is_met_where_the_square_of_the_voltage_is_not() -> None:
-    judges = measured()
-    used = [
-        _core.ThrusterSheet(v, (s["pwm_us"] - 1500) / 400, s["force_kgf"] * N_PER_KGF, s["current_a"], s["rpm"])
-        for v, s in sorted(judges.items())
-        if v != 14.0
-    ]
-    for name, miss in misses(_core.ThrusterSheets(used), 14.0, judges[14.0]).items():
-        assert miss < WORST[name], name
+    judges = read_sheets(SHEETS)
+    for name, miss in misses(without(14.0, judges), 14.0, judges[14.0]).items():
+        assert miss < LEFT_OUT[14.0][name], name
     squared = (14.0 / 16.0) ** 2 * judges[16.0]["force_kgf"]
-    assert np.sqrt(np.mean((squared - judges[14.0]["force_kgf"]) ** 2)) > WORST["force_kgf"]
+    assert np.sqrt(np.mean((squared - judges[14.0]["force_kgf"]) ** 2)) > LEFT_OUT[14.0]["force_kgf"]
 
 
 def test_thrust_and_current_are_those_of_the_sheets_at_the_voltage_that_the_battery_has() -> None:

@@ -1,0 +1,33 @@
+"""The reality suite: data that others measured, from files that are not part of the package.
+
+docs/inside/reality.md lists where each file comes from, and what is left unexplained. A data set is a module with FILE,
+relative to the data folder, and `checks(data, out) -> list[Check]`, and an entry in DATA_SETS.
+"""
+
+from __future__ import annotations
+
+import warnings
+from importlib import import_module
+from pathlib import Path
+
+from uwsim.evidence.validate.check import Check
+
+DATA_SETS = ("thrust", "instruments", "bathymetry")
+SOURCES = "docs/inside/reality.md lists the sources"
+
+
+def run(out: Path | None, data: Path) -> list[Check]:
+    """Return the checks of all data sets in the folder `data`; draw their figures into the folder `out`.
+
+    A data set without its file is left out with a warning. Raises ValueError if no file is there.
+    """
+    found: list[Check] = []
+    for name in DATA_SETS:
+        module = import_module(f"{__name__}.{name}")
+        if (data / module.FILE).is_file():
+            found += module.checks(data, out)
+        else:
+            warnings.warn(f"validate reality: {name} is left out: no {data / module.FILE}; {SOURCES}", stacklevel=2)
+    if not found:
+        raise ValueError(f"validate reality: no data in {data}; {SOURCES}")
+    return found

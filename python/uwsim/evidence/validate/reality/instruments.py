@@ -1,0 +1,122 @@
+"""The noise of packaged instruments against what others measured at sea and in rivers.
+
+Doppler velocity (DVL). Snapir, an ECA A18D with an RDI Workhorse Navigator, 13 runs off Haifa, 2022-06-08 (A-KIT data,
+ansfl/A-KIT): robust standard deviations of 5 to 6 mm/s along x and y and 2 to 3 mm/s along z against the post-processed
+inertial solution, in quiet runs at 1.6 to 2.1 m/s. RiverPro 1200 kHz, four beams at 20 degrees (MHKiT's example data):
+the error velocity of the file gives the noise of a beam, from which the simulated instrument must have the scatter of x
+and y (0.05 m/s) and z (0.018 m/s).
+
+Echosounder. Ping1D on a BlueROV2, 80,000 pings from 0.7 to 8 m (Seattle Aquarium, CCR_ROV_survey_methods): noise 1.2 mm
+below 2 m and 2.4 mm above; 15 pings per second; no echo found in 6 to 13 % of the pings.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.evidence.validate.check import Check, at_most, relative
+from uwsim.figures.style import save_figure
+from uwsim.scenario import Scenario, load_vehicle
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.simulator.simulator import Simulator
+
+Array = NDArray[np.float64]
+FILE = "dvl/RiverPro_test01_decoded.csv"
+SNAPIR_M_S = {"x": 0.0055, "y": 0.0055, "z": 0.0025}
+RIVERPRO_M_S = {"x": 0.05, "y": 0.05, "z": 0.018}
+RIVERPRO_SLANT_RAD = math.radians(20)
+NO_LOCK_M_S = 32.0
+ALTITUDE_M, BED_M, DURATION_S = 8.0, 50.0, 120.0
+PING1D_M, PING1D_LOST = 0.0024, (0.06, 0.13)
+
+
+def checks(data: Path, out: Path | None) -> list[Check]:
+    """Return the checks; draw the measured and simulated noise of the RiverPro into the folder `out`."""
+    measured = error_velocity_m_s(read_beams(data / FILE), RIVERPRO_SLANT_RAD)
+    beam_std = robust_std(measured) / (2 * _error_scale(RIVERPRO_SLANT_RAD))
+    river, _ = _samples(_riverpro(beam_std))
+    snapir, _ = _samples(load_vehicle("remus100").sensors["dvl"])
+    height, arrived = _samples(load_vehicle("bluerov2_heavy").sensors["altitude"])
+    if out is not None:
+        _draw(measured, error_velocity_m_s(river[:, 7:11].T, RIVERPRO_SLANT_RAD), out / "reality_dvl.png")
+    low, high = PING1D_LOST
+    outside = max(low - (1 - arrived), (1 - arrived) - high, 0.0)
+    return [
+        *_axis_checks("RiverPro, DVL", river, RIVERPRO_M_S, 0.3),
+        *_axis_checks("Workhorse Navigator, DVL", snapir, SNAPIR_M_S, 0.15),
+        relative("Ping1D, echosounder", "noise at 8 m", PING1D_M, noise(height[:, 0]), 0.15, "m"),
+        at_most("Ping1D, echosounder", f"lost pings, outside {low:.0%} to {high:.0%}, by", 0.001, outside),
+    ]
+
+
+def read_beams(path: Path) -> Array:
+    """Return the bottom velocities (4, n) along the beams, of the pings with all four."""
+    rows = np.genfromtxt(path, delimiter=",", names=True)
+    beams = np.array([rows[f"vel_bt_{beam}_m_s"] for beam in (1, 2, 3, 4)])
+    return np.asarray(beams[:, (np.abs(beams) < NO_LOCK_M_S).all(axis=0)], np.float64)
+
+
+def error_velocity_m_s(beams_m_s: Array, slant_rad: float) -> Array:
+    """Return d (b1 + b2 - b3 - b4), zero but for noise, with d = 1 / (2 sqrt(2) sin slant) (Teledyne RDI)."""
+    return np.asarray(_error_scale(slant_rad) * (np.array([1.0, 1.0, -1.0, -1.0]) @ beams_m_s), np.float64)
+
+
+def robust_std(values: Array) -> float:
+    """Return the standard deviation of a normal distribution with the same median absolute deviation."""
+    return 1.4826 * float(np.median(np.abs(values - np.median(values))))
+
+
+def noise(values: Array) -> float:
+    """Return the standard deviation of white noise on a slowly varying quantity, from second differences."""
+    return float(np.std(np.diff(values, 2))) / math.sqrt(6)
+
+
+def _error_scale(slant_rad: float) -> float:
+    return 1.0 / (2.0 * math.sqrt(2.0) * math.sin(slant_rad))
+
+
+def _riverpro(beam_std_m_s: float) -> SensorMount:
+    slant_deg = math.degrees(RIVERPRO_SLANT_RAD)
+    channels = {"beam_velocity": {"std": beam_std_m_s, "quantum": 0.001}}
+    return SensorMount.model_validate({"kind": "dvl", "rate_hz": 5, "beam_slant_deg": slant_deg, "channels": channels})
+
+
+def _axis_checks(group: str, readings: Array, expected_m_s: dict[str, float], tolerance: float) -> list[Check]:
+    return [
+        relative(group, f"noise along {axis}", expected, noise(readings[:, k]), tolerance, "m/s")
+        for k, (axis, expected) in enumerate(expected_m_s.items())
+    ]
+
+
+def _samples(mount: SensorMount) -> tuple[Array, float]:
+    """Return a sensor's readings (n, width) on a vehicle at rest over a flat bed, and the share that arrived."""
+    model = load_vehicle("bluerov2_heavy").model_copy(update={"sensors": {mount.kind: mount}})
+    start = {"position_m": [0, 0, ALTITUDE_M - BED_M]}
+    scenario = Scenario.model_validate(
+        {
+            "name": "validation",
+            "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 100, "bed_depth_m": BED_M},
+            "vehicles": [{"name": "rov", "model": model, "start": start, "trim": {"net_buoyancy_n": 0}}],
+        }
+    )
+    sim = Simulator(scenario)
+    stream = sim.rov.sensors[mount.kind].stream()
+    sim.advance(DURATION_S)
+    samples = stream.take()
+    return samples.readings[samples.valid], len(samples) / (DURATION_S * (mount.rate_hz or 1.0))
+
+
+def _draw(measured: Array, simulated: Array, path: Path) -> None:
+    figure, panel = plt.subplots(figsize=(7, 4), layout="constrained", dpi=120)
+    edges = np.linspace(-0.3, 0.3, 61).tolist()
+    panel.hist(measured, edges, density=True, alpha=0.4, label=f"RiverPro, measured ({len(measured)} pings)")
+    panel.hist(simulated, edges, density=True, histtype="step", lw=1.5, label=f"simulated ({len(simulated)} pings)")
+    panel.set(xlabel="error velocity [m/s]", ylabel="density")
+    panel.legend()
+    save_figure(figure, path)
+    plt.close(figure)
