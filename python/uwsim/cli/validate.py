@@ -18,11 +18,20 @@ def validate(
     suites: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Any of dynamics, sonar, imaging, camera, link, control, estimation. Default: all.",
-            **one_of("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation"),
+            help="Any of dynamics, sonar, imaging, camera, link, control, estimation (default: all of these); reality, "
+            "which needs --data; peers, which compares with the libraries gsw, mujoco and opencv-python-headless.",
+            **one_of("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation", "reality", "peers"),
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
+    data: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of the measured data for reality; docs/inside/reality.md lists the sources.",
+            exists=True,
+            file_okay=False,
+        ),
+    ] = None,
     jobs: Annotated[
         int | None,
         typer.Option(help="Suites to run at once, each in a process. Default: one per core.", callback=within(1, 64)),
@@ -32,17 +41,17 @@ def validate(
 
     Prints expected value, computed value and error; exits with 1 if a check fails.
     """
-    from uwsim.evidence.validate import SUITES, run_suites
+    from uwsim.evidence.validate import ALONE, run_suites
     from uwsim.evidence.validate.check_table import print_checks
     from uwsim.evidence.validate.page import write_page
 
-    names = suites or list(SUITES)
+    names = suites or list(ALONE)
     jobs = min(jobs or len(os.sched_getaffinity(0)), len(names))
     if jobs > 1:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.default_int_handler)  # raises an exception, which ends the jobs' processes
     found = {}
-    for suite, checks in run_suites(names, out, jobs):
+    for suite, checks in run_suites(names, out, jobs, data):
         found[suite] = checks
         print_checks(checks, suite)
     if out is not None:

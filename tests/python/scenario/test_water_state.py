@@ -139,19 +139,6 @@ def test_water_that_is_the_same_has_one_fingerprint() -> None:
     assert len({scenario_fingerprint(each) for each in (plain, sea, in_water(), in_water(salinity_psu=34))}) == 4
 
 
-def test_density_and_sound_agree_with_the_present_equation_of_sea_water() -> None:
-    """TEOS-10 in its authors' implementation; newer than EOS-80, and within the tolerances used here of it."""
-    gsw = pytest.importorskip("gsw")
-    draw = np.random.default_rng(0)
-    for t, s, depth_m in draw.uniform((-2, 0, 0), (40, 42, 100), (300, 3)).tolist():
-        even = {"surface_temperature_deg_c": t, "bottom_temperature_deg_c": t, "salinity_psu": s}
-        water = built(even, bottom_m=100.0)
-        salt, pressure_dbar = gsw.SR_from_SP(s), (water.pressure_pa(-depth_m) - 101325) / 1e4
-        assert water.density_kg_m3 == pytest.approx(gsw.rho_t_exact(salt, t, 0), abs=0.012)
-        sound_m_s = gsw.sound_speed_t_exact(salt, t, pressure_dbar)
-        assert water.sound_speed_m_s(-depth_m) == pytest.approx(sound_m_s, abs=0.3)
-
-
 WARM = [(13.0, 38.5), (25.1, 0.0), (29.0, 35.0), (40.0, 42.0), (-2.0, 0.0)]
 
 

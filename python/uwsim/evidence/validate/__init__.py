@@ -1,6 +1,7 @@
 """Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
-A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES.
+A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES. MEASURED also takes the folder of
+its data, which are not part of the package.
 """
 
 from __future__ import annotations
@@ -21,36 +22,45 @@ SUITES = {
     "link": "uwsim.evidence.validate.link",
     "control": "uwsim.evidence.validate.control",
     "estimation": "uwsim.evidence.validate.estimation",
+    "reality": "uwsim.evidence.validate.reality",
+    "peers": "uwsim.evidence.validate.peers",
 }
+MEASURED = "reality"
+ALONE = ("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation")
+"""Suites that need neither data nor further packages."""
 
 
-def run_suite(name: str, out: Path | None = None) -> list[Check]:
-    """Run a suite and return its checks; draw its curves into the folder `out`.
+def run_suite(name: str, out: Path | None = None, data: Path | None = None) -> list[Check]:
+    """Run a suite and return its checks; draw its curves into the folder `out`. data: the folder of MEASURED.
 
-    Raises ValueError for an unknown name.
+    Raises ValueError for an unknown name, and for MEASURED without data.
     """
     if name not in SUITES:
         raise ValueError(f"validation '{name}': unknown; there are: {', '.join(SUITES)}")
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    checks: list[Check] = import_module(SUITES[name]).run(out)
+    if name == MEASURED and data is None:
+        raise ValueError(f"validate {name}: needs --data FOLDER; docs/inside/reality.md lists the sources of its files")
+    checks: list[Check] = import_module(SUITES[name]).run(out, *([data] if name == MEASURED else []))
     return checks
 
 
-def run_suites(names: Sequence[str], out: Path | None, jobs: int) -> Iterator[tuple[str, list[Check]]]:
+def run_suites(
+    names: Sequence[str], out: Path | None, jobs: int, data: Path | None = None
+) -> Iterator[tuple[str, list[Check]]]:
     """Yield suite names and checks in the given order; see run_suite(). jobs: number of parallel processes.
 
     The worker processes end together with the iterator.
     """
     if jobs == 1:
-        yield from ((name, run_suite(name, out)) for name in names)
+        yield from ((name, run_suite(name, out, data)) for name in names)
         return
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import active_children, get_context
 
     with ProcessPoolExecutor(jobs, get_context("spawn"), _leave_ctrl_c_to_the_parent) as pool:
         try:
-            yield from zip(names, pool.map(run_suite, names, repeat(out)), strict=False)
+            yield from zip(names, pool.map(run_suite, names, repeat(out), repeat(data)), strict=False)
         except BaseException:
             for process in active_children():
                 process.terminate()
