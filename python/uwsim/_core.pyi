@@ -32,7 +32,6 @@ __all__: list[str] = [
     "Current",
     "DepthCamera",
     "Detection",
-    "Eigenray",
     "FinParameters",
     "FixedWater",
     "FixedWorld",
@@ -110,7 +109,6 @@ __all__: list[str] = [
     "depth_image",
     "depth_image_ranges",
     "effect_names",
-    "eigenrays",
     "encode_depth_string",
     "filter_range",
     "ground_plane",
@@ -3564,6 +3562,10 @@ class ModemSpec:
     def speed_max_m_s(self) -> float: ...
     @speed_max_m_s.setter
     def speed_max_m_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def symbol_s(self) -> float: ...
+    @symbol_s.setter
+    def symbol_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
 
 class LinkFault:
     """
@@ -3625,17 +3627,17 @@ class Reception:
     @property
     def closing_m_s(self) -> float:
         """
-        closing speed of the ends
+        closing speed of the ends along the strongest arrival
         """
     @property
     def delay_s(self) -> float:
         """
-        delay of the first arrival
+        delay of the first arrival within 20 dB of the strongest
         """
     @property
     def noise_db(self) -> float:
         """
-        within the band, including echoes that arrive too late
+        within the band, including interference between symbols
         """
     @property
     def reached(self) -> bool: ...
@@ -3729,27 +3731,6 @@ class LinkQuality:
     def snr_db(self) -> float: ...
     @property
     def spread_s(self) -> float: ...
-
-class Eigenray:
-    """
-    A ray of sound that connects two points; dips are below the horizontal.
-    """
-    @property
-    def arrival_dip_rad(self) -> float: ...
-    @property
-    def bottom_bounces(self) -> int: ...
-    @property
-    def bottom_grazing_rad(self) -> float: ...
-    @property
-    def launch_dip_rad(self) -> float: ...
-    @property
-    def length_m(self) -> float: ...
-    @property
-    def surface_bounces(self) -> int: ...
-    @property
-    def surface_grazing_rad(self) -> float: ...
-    @property
-    def time_s(self) -> float: ...
 
 class LinkWater:
     """
@@ -3927,6 +3908,7 @@ def arrivals(
     absorption_db_km: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     within_db: typing.SupportsFloat | typing.SupportsIndex = 40.0,
     most: typing.SupportsInt | typing.SupportsIndex = 500,
+    most_bounces: typing.SupportsInt | typing.SupportsIndex = 1000,
 ) -> list[Arrival]:
     """
     Return all arrivals between two points, sorted by time. bottom: its density and speed of sound relative to
@@ -3989,18 +3971,6 @@ def depth_image_ranges(
 def effect_names() -> list[str]:
     """
     Return the names of the effects.
-    """
-
-def eigenrays(
-    profile: SoundSpeedProfile,
-    from_depth_m: typing.SupportsFloat | typing.SupportsIndex,
-    to_depth_m: typing.SupportsFloat | typing.SupportsIndex,
-    across_m: typing.SupportsFloat | typing.SupportsIndex,
-    bottom_m: typing.SupportsFloat | typing.SupportsIndex,
-    with_bounces: bool = True,
-) -> list[Eigenray]:
-    """
-    Return the rays between two points, sorted by travel time. Raises ValueError.
     """
 
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:

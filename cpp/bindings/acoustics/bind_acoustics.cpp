@@ -138,16 +138,17 @@ void bind_arrivals(py::module_& m) {
       "arrivals",
       [](const SoundSpeedProfile& profile, double from_depth_m, double to_depth_m, double across_m, double bottom_m,
          double frequency_hz, const std::array<double, 3>& bottom, double surface_rms_m, double absorption_db_km,
-         double within_db, std::size_t most) {
+         double within_db, std::size_t most, int most_bounces) {
         const auto even = [absorption_db_km](double) { return absorption_db_km; };
         const AbsorptionColumn absorption(even, 1, 2);
         const SoundLosses losses{frequency_hz, {bottom[0], bottom[1], bottom[2]}, surface_rms_m, &absorption};
         const GilReleased unlocked;
-        return arrivals(profile, {from_depth_m, to_depth_m, across_m, bottom_m}, losses, {within_db, most});
+        return arrivals(profile, {from_depth_m, to_depth_m, across_m, bottom_m}, losses,
+                        {within_db, most, most_bounces});
       },
       py::arg("profile"), py::arg("from_depth_m"), py::arg("to_depth_m"), py::arg("across_m"), py::arg("bottom_m"),
       py::arg("frequency_hz"), py::arg("bottom"), py::arg("surface_rms_m") = 0.0, py::arg("absorption_db_km") = 0.0,
-      py::arg("within_db") = 40.0, py::arg("most") = std::size_t{500},
+      py::arg("within_db") = 40.0, py::arg("most") = std::size_t{500}, py::arg("most_bounces") = 1000,
       "Return all arrivals between two points, sorted by time. bottom: its density and speed of sound relative to\n"
       "the water, and its attenuation [dB per wavelength]. Raises ValueError. Releases the GIL.");
 }

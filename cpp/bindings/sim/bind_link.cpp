@@ -38,6 +38,7 @@ void bind_link_figures(py::module_& m) {
       .def_readwrite("fading", &ModemSpec::fading)
       .def_readwrite("coding_gain_db", &ModemSpec::coding_gain_db)
       .def_readwrite("multipath_window_s", &ModemSpec::multipath_window_s)
+      .def_readwrite("symbol_s", &ModemSpec::symbol_s)
       .def_readwrite("speed_max_m_s", &ModemSpec::speed_max_m_s)
       .def_readwrite("access", &ModemSpec::access)
       .def_readwrite("slot_s", &ModemSpec::slot_s)
@@ -72,23 +73,6 @@ void bind_link_figures(py::module_& m) {
 
 /// Binds the link's physics as separate functions, for validation and plots.
 void bind_link_physics(py::module_& m) {
-  py::class_<Eigenray>(m, "Eigenray", "A ray of sound that connects two points; dips are below the horizontal.")
-      .def_readonly("surface_bounces", &Eigenray::surface_bounces)
-      .def_readonly("bottom_bounces", &Eigenray::bottom_bounces)
-      .def_readonly("launch_dip_rad", &Eigenray::launch_dip_rad)
-      .def_readonly("arrival_dip_rad", &Eigenray::arrival_dip_rad)
-      .def_readonly("time_s", &Eigenray::time_s)
-      .def_readonly("length_m", &Eigenray::length_m)
-      .def_readonly("surface_grazing_rad", &Eigenray::surface_grazing_rad)
-      .def_readonly("bottom_grazing_rad", &Eigenray::bottom_grazing_rad);
-  m.def(
-      "eigenrays",
-      [](const SoundSpeedProfile& profile, double from_depth_m, double to_depth_m, double across_m, double bottom_m,
-         bool with_bounces) {
-        return eigenrays(profile, {from_depth_m, to_depth_m, across_m, bottom_m}, with_bounces);
-      },
-      py::arg("profile"), py::arg("from_depth_m"), py::arg("to_depth_m"), py::arg("across_m"), py::arg("bottom_m"),
-      py::arg("with_bounces") = true, "Return the rays between two points, sorted by travel time. Raises ValueError.");
   m.def("bit_error", &bit_error, py::arg("modulation"), py::arg("fading"), py::arg("gamma"));
   m.def("packet_error", &packet_error, py::arg("bit_error"), py::arg("bits"));
   m.def("surface_loss_db", &surface_loss_db, py::arg("frequency_hz"), py::arg("sound_speed_m_s"),
@@ -135,11 +119,11 @@ void bind_link_results(py::module_& m) {
   m.attr("RANGING_PING_BYTES") = PositionExchange::kPingBytes;
   py::class_<Reception>(m, "Reception", "How a packet reaches a receiver; levels in dB re 1 uPa.")
       .def_readonly("reached", &Reception::reached)
-      .def_readonly("delay_s", &Reception::delay_s, "delay of the first arrival")
+      .def_readonly("delay_s", &Reception::delay_s, "delay of the first arrival within 20 dB of the strongest")
       .def_readonly("signal_db", &Reception::signal_db)
-      .def_readonly("noise_db", &Reception::noise_db, "within the band, including echoes that arrive too late")
+      .def_readonly("noise_db", &Reception::noise_db, "within the band, including interference between symbols")
       .def_property_readonly("snr_db", &Reception::snr_db)
-      .def_readonly("closing_m_s", &Reception::closing_m_s, "closing speed of the ends")
+      .def_readonly("closing_m_s", &Reception::closing_m_s, "closing speed of the ends along the strongest arrival")
       .def_readonly("spread_s", &Reception::spread_s,
                     "from the first to the last arrival within 20 dB of the strongest")
       .def(

@@ -4,10 +4,18 @@
 #include <vector>
 
 #include "uwsim/acoustics/absorption_column.h"
-#include "uwsim/acoustics/modem/eigenrays.h"
 #include "uwsim/acoustics/sound_speed_profile.h"
 
 namespace uwsim {
+
+/// The ends of rays. Depths [m] are in [0, bottom_m]; bottom_m may be infinite, which disables reflections from the
+/// bottom.
+struct RayEnds {
+  double from_depth_m;
+  double to_depth_m;
+  double across_m;
+  double bottom_m;
+};
 
 /// A ray's Snell invariant p = cos(dip) / c, stored as the dip at the speed of sound `speed_m_s`: p itself cannot
 /// resolve rays that are nearly level there.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "uwsim/acoustics/modem/arrival_cells.h"
 #include "uwsim/acoustics/modem/packet_network.h"
 #include "uwsim/core/pose.h"
 #include "uwsim/rays/ray_scene.h"
@@ -31,9 +32,15 @@ struct Transducer {
   Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();
 };
 
-/// The propagation of sound between transducers in a world. Rays are bent by the sound-speed profile and reflected by a
-/// flat surface and a flat bottom, which is at the depth of the bed half-way between the transducers. Terrain in a
-/// ray's path blocks it (no diffraction); solids and hulls do not (they are small).
+/// A straight part of a ray, and the number of the ray.
+struct RaySegment {
+  Eigen::Vector3d from, to;
+  std::size_t path;
+};
+
+/// The propagation of sound between transducers in a world: all arrivals (arrivals.h), through the sound-speed profile
+/// and between a flat surface and a flat bottom, which is at the depth of the bed half-way between the transducers.
+/// Terrain in a ray's path blocks it (no diffraction); solids and hulls do not (they are small).
 class LinkWater {
  public:
   LinkWater(const LinkSpec& spec, const Water& water);
@@ -47,6 +54,9 @@ class LinkWater {
  private:
   ModemSpec modem_;
   ModemWater water_;
+  mutable ArrivalCells cells_;            // what it returns does not depend on what it remembers
+  mutable std::vector<HeardPath> paths_;  // these two are kept to reuse their memory
+  mutable std::vector<RaySegment> segments_;
 };
 
 /// A simulation's link: its parameters, its packets, the water they travel through, and the instruments that use it.

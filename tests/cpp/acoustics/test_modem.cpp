@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "acoustics/profile_of.h"
 #include "uwsim/acoustics/modem/ambient_noise.h"
+#include "uwsim/acoustics/modem/arrival_cells.h"
 #include "uwsim/acoustics/modem/boundary_loss.h"
 #include "uwsim/acoustics/modem/packet_error.h"
 #include "uwsim/acoustics/modem/reception.h"
+#include "uwsim/core/random.h"
 
 namespace uwsim {
 namespace {
@@ -46,10 +51,13 @@ ModemWater even_water() {
   return {SoundSpeedProfile::even(1500), AbsorptionColumn([](double) { return 5.0; }, 100), {}, 0, 40};
 }
 
+/// Two ends at a depth of 20 m in 50 m of water, at rest.
 Reception heard(const ModemSpec& modem, const ModemWater& water, double range_m, bool with_bounces) {
   std::vector<HeardPath> paths;
-  for (const Eigenray& ray : eigenrays(water.profile, {20, 20, range_m, 50}, with_bounces)) {
-    paths.push_back({ray, modem.source_level_db - path_loss_db(modem, water, ray, 20, 20)});
+  const SoundLosses losses{modem.frequency_hz, water.bottom, water.surface_rms_m, &water.absorption};
+  const ArrivalLimits limits{.most_bounces = with_bounces ? 100 : 0};
+  for (const Arrival& one : arrivals(water.profile, {20, 20, range_m, 50}, losses, limits)) {
+    paths.push_back({one.time_s, modem.source_level_db + one.level_db, 0});
   }
   return reception(modem, water, paths);
 }
@@ -59,6 +67,7 @@ TEST(Reception, OfOnePathIsThePassiveSonarEquation) {
   const Reception at = heard(modem, even_water(), 1000, false);
   EXPECT_NEAR(at.delay_s, 1000.0 / 1500, 1e-9);
   EXPECT_NEAR(at.signal_db, modem.source_level_db - 60 - 5, 1e-3);
+  EXPECT_NEAR(at.signal_db, modem.source_level_db - spherical_loss_db(even_water(), 1000, 20), 1e-3);
   EXPECT_NEAR(at.noise_db, 40 + 10 * std::log10(modem.bandwidth_hz), 1e-2);
 }
 
@@ -72,6 +81,86 @@ TEST(Reception, EchoesHelpWithinTheWindowAndDisturbBeyond) {
   EXPECT_NEAR(narrow.signal_db, alone.signal_db, 1e-6);
   EXPECT_GT(narrow.noise_db, alone.noise_db + 20);
   EXPECT_GT(packet_loss(modem, narrow, -300, 32), packet_loss(modem, alone, -300, 32));
+}
+
+TEST(Reception, AnEchoBeyondTheGuardTimeDisturbsTheMoreTheLaterItIs) {
+  ModemSpec modem;
+  modem.multipath_window_s = 0.01;
+  modem.symbol_s = 0.004;
+  const auto ratio_db = [&](double late_s) {
+    return reception(modem, even_water(), std::vector<HeardPath>{{1, 150, 0}, {1 + late_s, 150, 0}}).snr_db();
+  };
+  EXPECT_NEAR(reception(modem, even_water(), std::vector<HeardPath>{{1, 150, 0}, {1.0099, 150, 0}}).signal_db,
+              150 + 10 * std::log10(2), 1e-9);
+  // Half a symbol beyond the guard time a quarter of the echo's power is signal: (1 + 1/4) / (3/4); later it is 1 / 1.
+  EXPECT_NEAR(ratio_db(0.012), 10 * std::log10(5.0 / 3), 1e-3);
+  EXPECT_NEAR(ratio_db(0.015), 0, 1e-3);
+  modem.symbol_s = 0;
+  EXPECT_NEAR(ratio_db(0.0101), 0, 1e-3);
+}
+
+TEST(Reception, EachArrivalHasItsOwnDopplerAndAWeakForerunnerIsNotTheFirst) {
+  ModemSpec modem;
+  modem.speed_max_m_s = 5;
+  const Reception at =
+      reception(modem, even_water(), std::vector<HeardPath>{{0.99, 120, 0}, {1, 145, 6}, {1.001, 150, 3}});
+  EXPECT_EQ(at.closing_m_s, 3) << "of the strongest";
+  EXPECT_EQ(at.delay_s, 1) << "of the first within 20 dB";
+  EXPECT_NEAR(at.spread_s, 0.001, 1e-12);
+  EXPECT_NEAR(at.snr_db(), 5, 1e-3) << "the faster one is only noise";
+}
+
+double apart_s(const Arrival& a, const Arrival& b) {
+  const bool same = a.surface_bounces == b.surface_bounces && a.bottom_bounces == b.bottom_bounces &&
+                    a.turns == b.turns && (a.launch_dip_rad > 0) == (b.launch_dip_rad > 0);
+  return same ? std::abs(a.time_s - b.time_s) : 1;
+}
+
+TEST(ArrivalCells, TheirTimesAndLevelsAreThoseOfTheTrueEnds) {
+  const auto profile = profile_of({0, 10, 20, 45}, {1480, 1478, 1450, 1447});
+  const SoundLosses losses{25e3, {1.7, 1.05, 1}};
+  const RandomStream stream(5, "ends");
+  ArrivalCells cells(16);
+  int compared = 0;
+  double late = 0, louder_db = 0;
+  for (std::uint64_t k = 0; k < 40; ++k) {
+    const RayEnds ends{1 + 38 * stream.uniform(k), 1 + 38 * stream.uniform(k, 1), 30 + 400 * stream.uniform(k, 2),
+                       42.3};
+    const auto exact = arrivals(profile, ends, losses, {.within_db = 31});
+    for (const Arrival& near : cells.at(profile, ends, losses)) {
+      const auto other = std::min_element(exact.begin(), exact.end(), [&](const Arrival& a, const Arrival& b) {
+        return apart_s(near, a) < apart_s(near, b);
+      });
+      // Rays that turn may begin or end at a caustic within the cell
+      if (other == exact.end() || near.turns > 0) continue;
+      EXPECT_NEAR(near.time_s, other->time_s, near.time_s / 8192);
+      late += std::abs(near.time_s - other->time_s) / near.time_s;
+      louder_db += std::abs(near.level_db - other->level_db);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 200);
+  EXPECT_LT(late / compared, 1e-5);
+  EXPECT_LT(louder_db / compared, 0.1);
+}
+
+TEST(ArrivalCells, WhatTheyContainDoesNotDependOnTheOrderOfCalls) {
+  const auto profile = profile_of({0, 45}, {1480, 1447});
+  const SoundLosses losses{25e3, {1.7, 1.05, 1}};
+  const RandomStream stream(6, "ends");
+  ArrivalCells one(1), many(64);
+  const auto ends = [&](std::uint64_t k) {
+    return RayEnds{1 + 38 * stream.uniform(k), 12, 30 + 90 * stream.uniform(k, 1), 42};
+  };
+  for (std::uint64_t k = 0; k < 60; ++k) many.at(profile, ends(59 - k), losses);
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    const auto a = one.at(profile, ends(k), losses), b = many.at(profile, ends(k), losses);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t j = 0; j < a.size(); ++j) {
+      EXPECT_EQ(a[j].time_s, b[j].time_s);
+      EXPECT_EQ(a[j].level_db, b[j].level_db);
+    }
+  }
 }
 
 TEST(Reception, WithoutAPathEverythingIsLost) {

@@ -178,14 +178,58 @@ TEST_F(Sensors, AUsblFixArrivesAfterTwiceTheTravelTimeAlongTheBentRay) {
   EXPECT_NEAR(fix.values[3], 600, 1e-9);
 }
 
-TEST_F(Sensors, InAShadowZoneThereIsNoUsblFix) {
+TEST_F(Sensors, WhereNoRayArrivesThereIsNoUsblFix) {
   const double depths[] = {0, 100}, speeds[] = {1500, 1400};  // rays bend down
   sound = SoundSpeedProfile(depths, speeds);
+  scene.emplace(World());
   snapshot.state.world_from_body.position_m = {0, 0, -1};
   station_world_m = {-20, 0, -1};
   EXPECT_TRUE(truth(sensor_spec("usbl")).valid);
   station_world_m = {-600, 0, -1};
   EXPECT_FALSE(truth(sensor_spec("usbl")).valid);
+}
+
+TEST_F(Sensors, AUsblFixFromARayThatBouncedIsThePlaceOfTheMirrorImage) {
+  const double depths[] = {0, 100}, speeds[] = {1500, 1400};  // rays bend down, away from the station
+  sound = SoundSpeedProfile(depths, speeds);
+  snapshot.state.world_from_body.position_m = {0, 0, -1};
+  station_world_m = {-300, 0, -1};
+  const Sample ghost = truth(sensor_spec("usbl"));  // over a bed at 20 m
+  EXPECT_TRUE(ghost.valid);
+  EXPECT_LT(ghost.values[2], -20) << "below the bed";
+  EXPECT_NEAR(ghost.values[3], 300, 10) << "as far away as the ray is long";
+}
+
+TEST_F(Sensors, AtTheSurfaceTheDirectRayIsNotMistakenForTheReflectedOne) {
+  const double depths[] = {0, 40}, speeds[] = {1476, 1440};
+  sound = SoundSpeedProfile(depths, speeds);
+  for (const double strongest : {0.0, 1.0}) {
+    for (double x = -120; x < -20; x += 7.3) {
+      station_world_m = {x, 0, 0};
+      const auto fix = truth(sensor_spec("usbl", {{"hears_strongest", {strongest}}}));
+      EXPECT_NEAR(fix.values[2], -12, 1e-9);
+    }
+  }
+}
+
+TEST_F(Sensors, AUsblThatCannotResolveTwoArrivalsMeasuresTheGradientOfTheirPhase) {
+  sound = SoundSpeedProfile::even(1500);
+  scene.emplace(World());
+  snapshot.state.world_from_body.position_m = {0, 0, -5};
+  station_world_m = {-80, 0, -3};
+  const double direct = std::hypot(80, 2), mirrored = std::hypot(80, 8), wave = 2 * kPi * 25e3 / 1500;
+  const auto phase = [&](double x, double z) {  // of both at a point near the station, the image with opposite sign
+    const double a = std::hypot(80 + x, 2 + z), b = std::hypot(80 + x, 8 - z);
+    return std::arg(std::polar(1 / a, wave * a) - std::polar(1 / b, wave * b));
+  };
+  constexpr double kStep = 1e-5;  // x leads away from the vehicle, z upwards
+  const double up = (phase(0, kStep) - phase(0, -kStep)), along = phase(kStep, 0) - phase(-kStep, 0);
+  const Sample alone = truth(sensor_spec("usbl", {{"resolution_s", {0.5 * (mirrored - direct) / 1500}}}));
+  EXPECT_NEAR(alone.values[5], -std::asin(2 / direct), 1e-9);
+  const Sample both = truth(sensor_spec("usbl", {{"resolution_s", {2 * (mirrored - direct) / 1500}}}));
+  EXPECT_NEAR(both.values[5], -std::atan2(up, along), 0.01);
+  EXPECT_GT(std::abs(both.values[5] - alone.values[5]), 0.02);
+  EXPECT_NEAR(both.values[3], direct, 0.02) << "the first arrival sets the range";
 }
 
 TEST_F(Sensors, UsblErrorsLieAlongTheLineOfSightAndAcrossIt) {

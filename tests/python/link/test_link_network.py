@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from uwsim import Simulator
+from uwsim import Simulator, _core
+from uwsim.acoustics import arrivals
 from uwsim.channels import Table
 from uwsim.link import seen_channels
 from uwsim.scenario import ScenarioError, load
-from uwsim.scenario.spec.link import LinkSetup
+from uwsim.scenario.build.link import modem_spec
+from uwsim.scenario.spec.link import BOTTOMS, LinkSetup
 from uwsim.scenario.spec.modem import ModemModel, load_modem
 
 MODEMS = ("none", "tether", "ideal_acoustic", "micromodem", "s2cm_hs")
@@ -65,6 +67,28 @@ def test_terrain_hides_one_end_from_the_other() -> None:
             if not sim.link.reception("station", "rov").reached:
                 behind = (x, y)
     assert behind is not None, "no place at 30 m depth is in the shadow of a hill"
+
+
+def test_a_packet_is_received_by_all_arrivals_however_often_they_bounce_and_turn() -> None:
+    """Over 1889 m in 100 m of water that bends sound up, all paths turn, and bounce off the surface if at all."""
+    water, world = _core.Water(), _core.World()
+    water.profile = _core.WaterProfile([0.0, 100.0], [8.0, 8.0], [0.0, 0.0], [1000.0, 1000.0], [1480.0, 1530.0])
+    water.bottom_depth_m = 100.0
+    world.set_terrain(np.full((2, 2), -100.0, np.float32), 6000.0, (-3000.0, -3000.0))
+    spec = _core.LinkSpec()
+    spec.modem = modem_spec(load_modem("micromodem"))
+    spec.set_bottom(*BOTTOMS["silt"])
+    heard = _core.LinkWater(spec, water).hear(_core.RayScene(world), (0.0, 0.0, -46.9), (1889.0, 0.0, -11.3))
+    alpha = _core.absorption_db_km(spec.modem.frequency_hz, 8.0, 0.0, 50.0)
+    found = arrivals(
+        [(0, 1480), (100, 1530)], 46.9, 11.3, 1889.0, "silt",
+        frequency_hz=spec.modem.frequency_hz, absorption_db_km=alpha, within_db=20,
+    )  # fmt: skip
+    assert found.turns.max() >= 1 and len(found) > 5
+    assert heard.delay_s == pytest.approx(found.time_s.min(), rel=1e-4)
+    assert heard.spread_s == pytest.approx(np.ptp(found.time_s), abs=1e-3)
+    level_db = spec.modem.source_level_db + 10.0 * np.log10(np.sum(10.0 ** (0.1 * found.level_db)))
+    assert heard.signal_db == pytest.approx(level_db, abs=1.0), "rays that turn focus, so the cell's middle differs"
 
 
 def test_a_blackout_loses_everything_and_restoring_the_state_gives_the_same() -> None:
@@ -138,8 +162,6 @@ def _file(folder, text: str) -> str:
 
 def test_a_modem_s_figures_reach_the_core() -> None:
     """Every parameter of a modem changes something in the core's specification."""
-    from uwsim.scenario.build.link import modem_spec
-
     modem = load_modem("s2cm_hs")
     figures = set(ModemModel.model_fields) - {"name", "description", "kind", "latency_s"}
     changed = {"modulation": "fsk", "fading": True, "access": "aloha", "slot_s": 0.5}

@@ -25,6 +25,7 @@ void ModemSpec::check() const {
   within("receiver_noise_db_hz", receiver_noise_db_hz, -100, 200, "dB");
   within("coding_gain_db", coding_gain_db, 0, 60, "dB");
   within("multipath_window_s", multipath_window_s, 0, 10, "s");
+  within("symbol_s", symbol_s, 0, 10, "s");
   within("speed_max_m_s", speed_max_m_s, 0, 100, "m/s");
   within("backoff_s", backoff_s, 0, 600, "s");
   if (access != MediumAccess::kTdma) return;

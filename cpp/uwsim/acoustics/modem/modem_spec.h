@@ -29,8 +29,10 @@ struct ModemSpec {
   Modulation modulation = Modulation::kFsk;
   bool fading = false;
   double coding_gain_db = 0;
-  /// Echoes that follow the first arrival within this time add to the signal, later ones to the noise
+  /// The guard time: echoes that follow the first arrival within this time add to the signal. Later ones disturb the
+  /// next symbol, the more the later they are; after another symbol_s, they are only noise (reception.h).
   double multipath_window_s = 0.01;
+  double symbol_s = 0;
   double speed_max_m_s = 5;  ///< largest closing speed at which the receiver can track the Doppler shift
 
   MediumAccess access = MediumAccess::kTdma;

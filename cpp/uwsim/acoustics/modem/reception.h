@@ -7,7 +7,6 @@
 #include "uwsim/acoustics/absorption_column.h"
 #include "uwsim/acoustics/modem/ambient_noise.h"
 #include "uwsim/acoustics/modem/boundary_loss.h"
-#include "uwsim/acoustics/modem/eigenrays.h"
 #include "uwsim/acoustics/modem/modem_spec.h"
 #include "uwsim/acoustics/sound_speed_profile.h"
 
@@ -22,30 +21,39 @@ struct ModemWater {
   double noise_db_hz = 40;   ///< ambient noise
 };
 
-/// A ray that reaches the receiver.
+/// Sound that arrives at the receiver along one ray.
 struct HeardPath {
-  Eigenray ray;
-  double level_db;  ///< re 1 uPa
+  double time_s;
+  double level_db;     ///< re 1 uPa
+  double closing_m_s;  ///< closing speed of the ends along the ray, which sets its Doppler shift
 };
 
 /// How a packet reaches a receiver.
 struct Reception {
   bool reached = false;     ///< whether any sound arrives
-  double delay_s = 0;       ///< until the first arrival
-  double signal_db = -300;  ///< re 1 uPa, arrivals within the modem's window
-  double noise_db = -300;   ///< within the band, including later echoes
-  double closing_m_s = 0;   ///< closing speed of the ends along the first arrival
+  double delay_s = 0;       ///< until the first arrival within 20 dB of the strongest
+  double signal_db = -300;  ///< re 1 uPa, all arrivals, as far as they help to detect a symbol
+  double noise_db = -300;   ///< within the band, including interference between symbols
+  double closing_m_s = 0;   ///< closing speed of the ends along the strongest arrival
   double spread_s = 0;      ///< from the first to the last arrival within 20 dB of the strongest
 
   double snr_db() const { return signal_db - noise_db; }
 };
 
-/// Transmission loss along a ray [dB]: spherical spreading by its length, absorption, and the loss at each reflection.
-/// One-way sonar equation (Urick 1983, ch. 2): level = SL - TL.
-double path_loss_db(const ModemSpec& modem, const ModemWater& water, const Eigenray& ray, double from_depth_m,
-                    double to_depth_m);
+/// Transmission loss along a straight path at one depth [dB]: spherical spreading and absorption (Urick 1983, ch. 2).
+double spherical_loss_db(const ModemWater& water, double length_m, double depth_m);
 
-/// Adds arrivals incoherently: those within the window after the first are signal, later ones are noise.
+/// The share of an arrival's power that helps to detect a symbol, at a delay after the first arrival: 1 within the
+/// guard time, then ((guard + symbol - delay) / symbol)^2, the squared overlap of the delayed symbol with the
+/// receiver's integration over one symbol, and 0 after one more symbol. The rest interferes with the next symbols
+/// (Brugger and Hemingway 2003, "OFDM receivers - impact on coverage of inter-symbol interference and FFT window
+/// positioning", EBU Technical Review 295; cited from memory). It holds for receivers that integrate over a symbol
+/// after a guard time: OFDM with a guard interval, and tones or chirps whose frequencies return only after the guard
+/// time. An equaliser is a longer guard time.
+double symbol_share(const ModemSpec& modem, double delay_s);
+
+/// Adds arrivals incoherently, for a receiver that synchronises with the first arrival within 20 dB of the strongest.
+/// Weaker arrivals are ignored. Those whose own closing speed exceeds speed_max_m_s are noise.
 Reception reception(const ModemSpec& modem, const ModemWater& water, std::span<const HeardPath> paths);
 
 /// The probability that a packet received in this way is lost. `interference_db` is the level of other packets within

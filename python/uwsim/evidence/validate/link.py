@@ -13,10 +13,12 @@ import numpy as np
 from uwsim import _core
 from uwsim.evidence.validate.check import Check, relative, within
 from uwsim.scenario.build.link import modem_spec
+from uwsim.scenario.spec.link import BOTTOMS
 from uwsim.scenario.spec.modem import load_modem
 
 SLOPE_1_S = 0.02  # gradient of the speed of sound, which increases with depth
 SURFACE_M_S = 1480.0
+SAND = BOTTOMS["sand"]
 PACKET_BYTES = 60
 SERVICE_S = 0.512  # transmission time of such a packet with a 4-byte header, at 1000 bit/s
 TRIAL_S = 40_000.0
@@ -31,7 +33,7 @@ def path_checks() -> list[Check]:
     """Check travel times on straight and reflected paths and on arcs in a gradient, and the edge of a shadow zone."""
     group, even = "travel time", _core.SoundSpeedProfile.even(1500.0)
     checks = []
-    for ray in _core.eigenrays(even, 12.0, 30.0, 400.0, 45.0):
+    for ray in _core.arrivals(even, 12.0, 30.0, 400.0, 45.0, 25e3, SAND, most_bounces=2):
         rise = {(0, 0): 18.0, (1, 0): 42.0, (0, 1): 48.0}.get((ray.surface_bounces, ray.bottom_bounces))
         if rise is None:
             rise = 72.0 if ray.launch_dip_rad < 0 else 108.0
@@ -39,7 +41,7 @@ def path_checks() -> list[Check]:
         checks.append(relative(group, name, math.hypot(400.0, rise) / 1500.0, ray.time_s, 1e-9, "s"))
     profile = _core.SoundSpeedProfile([0.0, 4000.0], [SURFACE_M_S, SURFACE_M_S + 4000.0 * SLOPE_1_S])
     for far_m in (500.0, 2000.0, 5000.0):
-        (ray,) = _core.eigenrays(profile, 500.0, 500.0, far_m, math.inf, with_bounces=False)
+        (ray,) = _direct(profile, 500.0, far_m)
         arc_s = 2.0 / SLOPE_1_S * math.asinh(0.5 * SLOPE_1_S * far_m / profile.at(500.0))
         checks.append(relative(group, f"arc over {far_m:g} m", arc_s, ray.time_s, 1e-6, "s"))
     down = _core.SoundSpeedProfile([0.0, 100.0], [1500.0, 1450.0])
@@ -62,11 +64,16 @@ def _shadow_edge_m(profile: _core.SoundSpeedProfile) -> float:
     near, far = 1.0, 5000.0
     while far - near > 0.01:
         middle = 0.5 * (near + far)
-        if _core.eigenrays(profile, 10.0, 10.0, middle, math.inf, with_bounces=False):
+        if _direct(profile, 10.0, middle):
             near = middle
         else:
             far = middle
     return near
+
+
+def _direct(profile: _core.SoundSpeedProfile, depth_m: float, far_m: float) -> list[_core.Arrival]:
+    """Return the arrivals that have not bounced, between two points at the same depth."""
+    return _core.arrivals(profile, depth_m, depth_m, far_m, math.inf, 25e3, SAND, most_bounces=0)
 
 
 def level_checks() -> list[Check]:

@@ -13,7 +13,7 @@ ACCESS = {"aloha": _core.MediumAccess.ALOHA, "tdma": _core.MediumAccess.TDMA}
 MODULATION = {"psk": _core.Modulation.PSK, "fsk": _core.Modulation.FSK}
 AS_THEY_ARE = (
     "latency_s", "packet_bytes", "header_bytes", "preamble_s", "receiver_noise_db_hz", "fading", "coding_gain_db",
-    "multipath_window_s", "speed_max_m_s", "slot_s", "guard_s", "backoff_s", "queue_bytes",
+    "multipath_window_s", "symbol_s", "speed_max_m_s", "slot_s", "guard_s", "backoff_s", "queue_bytes",
 )  # fmt: skip
 
 

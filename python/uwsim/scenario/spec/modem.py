@@ -26,12 +26,13 @@ class ModemModel(Model):
     the preamble of each packet. frequency_hz, bandwidth_hz: centre and width of the band. source_level_db: level of the
     transmitter, re 1 uPa at 1 m. modulation: determines the bit error rate for a signal-to-noise ratio. coding_gain_db:
     gain from error correction. receiver_noise_db_hz: noise from the vehicle and the electronics. fading: whether there
-    is Rayleigh fading. multipath_window_s: echoes that follow the first arrival within this time add to the signal,
-    later ones are noise. speed_max_m_s: closing speed beyond which nothing is received (Doppler). range_max_m: the
-    range for which TDMA reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest random wait in
-    ALOHA. access: `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the
-    vehicles take turns of slot_s, each followed by the travel time over range_max_m. queue_bytes: largest size of the
-    queue of messages to be sent.
+    is Rayleigh fading. multipath_window_s: guard time; echoes that follow the first arrival within this time add to the
+    signal. Later ones disturb the next symbol, increasingly until after another symbol_s they are only noise.
+    speed_max_m_s: closing speed beyond which nothing is received (Doppler). range_max_m: the range for which TDMA
+    reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest random wait in ALOHA. access: `aloha`,
+    a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns of
+    slot_s, each followed by the travel time over range_max_m. queue_bytes: largest size of the queue of messages to be
+    sent.
     """
 
     name: Name
@@ -50,6 +51,7 @@ class ModemModel(Model):
     fading: bool = False
     coding_gain_db: Annotated[float, InRange(0, 60, "dB")] = 0.0
     multipath_window_s: Annotated[float, InRange(0, 10, "s")] = 0.01
+    symbol_s: Annotated[float, InRange(0, 10, "s")] = 0.0
     speed_max_m_s: Annotated[float, InRange(0, 100, "m/s")] = 5.0
     range_max_m: Annotated[float, InRange(1, 100_000, "m")] = 1000.0
     access: Access = "tdma"

@@ -1,0 +1,66 @@
+#include "uwsim/acoustics/modem/arrival_cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace uwsim {
+namespace {
+
+constexpr double kCellsAcross = 64;
+constexpr double kLeast_m = 0.0625;
+constexpr ArrivalLimits kKept{.within_db = 30, .most = 24};
+
+/// The greatest power of two that is at most 1/64 of a distance.
+double cell_m(double distance_m) {
+  return std::max(kLeast_m, std::exp2(std::floor(std::log2(distance_m / kCellsAcross))));
+}
+
+std::size_t mixed(std::uint64_t value) {  // the finalizer of MurmurHash3
+  value = (value ^ value >> 33) * 0xff51afd7ed558ccdULL;
+  value = (value ^ value >> 33) * 0xc4ceb9fe1a85ec53ULL;
+  return static_cast<std::size_t>(value ^ value >> 33);
+}
+
+}  // namespace
+
+std::span<const Arrival> ArrivalCells::at(const SoundSpeedProfile& profile, const RayEnds& ends,
+                                          const SoundLosses& losses) {
+  const bool has_bottom = std::isfinite(ends.bottom_m);
+  const double deeper = std::max(ends.from_depth_m, ends.to_depth_m);
+  Key key;
+  key.across_m = cell_m(std::hypot(ends.across_m, ends.to_depth_m - ends.from_depth_m));
+  key.depth_m = std::min(key.across_m, cell_m(has_bottom ? ends.bottom_m : deeper));
+  const auto number = [](double value, double size) { return static_cast<std::int64_t>(std::floor(value / size)); };
+  key.cell = {number(ends.across_m, key.across_m), number(ends.from_depth_m, key.depth_m),
+              number(ends.to_depth_m, key.depth_m), has_bottom ? number(ends.bottom_m, key.depth_m) : -1};
+  std::uint64_t hash = static_cast<std::uint64_t>(std::ilogb(key.across_m) * 64 + std::ilogb(key.depth_m));
+  for (const std::int64_t one : key.cell) hash = mixed(hash ^ static_cast<std::uint64_t>(one));
+  Cell& cell = cells_[hash % cells_.size()];
+  if (cell.key != key) {
+    const auto middle = [](std::int64_t k, double size) { return (static_cast<double>(k) + 0.5) * size; };
+    cell.key = key;
+    cell.ends.bottom_m = has_bottom ? middle(key.cell[3], key.depth_m) : ends.bottom_m;
+    cell.ends.across_m = middle(key.cell[0], key.across_m);
+    cell.ends.from_depth_m = std::min(middle(key.cell[1], key.depth_m), cell.ends.bottom_m);
+    cell.ends.to_depth_m = std::min(middle(key.cell[2], key.depth_m), cell.ends.bottom_m);
+    cell.arrivals = arrivals(profile, cell.ends, losses, kKept);
+    const auto stronger = [](const Arrival& a, const Arrival& b) { return a.level_db > b.level_db; };
+    std::stable_sort(cell.arrivals.begin(), cell.arrivals.end(), stronger);
+  }
+  const double from_m_s = profile.at(cell.ends.from_depth_m), to_m_s = profile.at(cell.ends.to_depth_m);
+  const double farther = ends.across_m - cell.ends.across_m, from_lower = ends.from_depth_m - cell.ends.from_depth_m;
+  const double to_lower = ends.to_depth_m - cell.ends.to_depth_m;
+  const double bed_lower = has_bottom ? ends.bottom_m - cell.ends.bottom_m : 0;
+  moved_.assign(cell.arrivals.begin(), cell.arrivals.end());
+  for (Arrival& one : moved_) {
+    one.time_s += (std::cos(one.arrival_dip_rad) * farther + std::sin(one.arrival_dip_rad) * to_lower) / to_m_s -
+                  std::sin(one.launch_dip_rad) * from_lower / from_m_s;
+    if (one.bottom_bounces > 0) {
+      one.time_s += 2 * one.bottom_bounces * std::sin(one.bottom_grazing_rad) * bed_lower / profile.at(one.bottom_m);
+      one.bottom_m = ends.bottom_m;
+    }
+  }
+  return moved_;
+}
+
+}  // namespace uwsim
