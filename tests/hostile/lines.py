@@ -75,6 +75,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "parameters": (["pool.yaml", "rov"], {}),
     "sonar": (["pool.yaml"], {"kind": "fan", "out": "sonar.png"}),
     "link": (["pool.yaml"], {"out": "link.png"}),
+    "rays": (["pool.yaml"], {"source": "0,0,-1", "receiver": "2,0,-1", "out": "rays.png"}),
     "validate": (["control"], {}),
     "fingerprint": (["pool.yaml"], {}),
     "reproduce": (["paper"], {"out": "out"}),

@@ -34,6 +34,7 @@ from uwsim.cli.map import app as map_app
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.parameters import parameters
+from uwsim.cli.rays import rays
 from uwsim.cli.recording import recording
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
@@ -83,7 +84,7 @@ def _add(heading: str, *commands: Callable[..., object], **groups: typer.Typer) 
 
 
 _add("Fly", survey, run, compare, sweep, fleet, dataset)
-_add("Look", sonar, camera, link)
+_add("Look", sonar, camera, link, rays)
 _add("Connect", serve, station, teleop, connect, nodes, doctor, ros=ros_app)
 _add("Record", recording, replay, diff)
 _add("Scenarios and maps", parameters, decompose, scenario=scenario_app, map=map_app)

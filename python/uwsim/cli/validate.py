@@ -18,16 +18,16 @@ def validate(
     suites: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Any of dynamics, sonar, imaging, camera, link, control, estimation (default: all of these); reality, "
+            help="Any of dynamics, sonar, imaging, camera, link, sound, control, estimation (default: all of these); reality, "
             "which needs --data; peers, which compares with the libraries gsw, mujoco and opencv-python-headless.",
-            **one_of("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation", "reality", "peers"),
+            **one_of("dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation", "reality", "peers"),
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
     data: Annotated[
         Path | None,
         typer.Option(
-            help="Folder of the measured data for reality; docs/inside/reality.md lists the sources.",
+            help="Folder of recorded data for sound and reality; docs/inside/reality.md lists the sources.",
             exists=True,
             file_okay=False,
         ),

@@ -2,49 +2,93 @@
 
 from __future__ import annotations
 
-import json
+import math
 import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from uwsim.acoustics import Arrivals, arrivals
+from uwsim.acoustics import arrivals
+from uwsim.acoustics.ray_paths import ray_path
+from uwsim.cli.main import app
+from uwsim.evidence.validate import sound
+from uwsim.evidence.validate.sound import computed, counterparts, kept_cases
 
-KEPT = json.loads((Path(__file__).parents[1] / "data" / "bellhop_arrivals.json").read_text())
-
-
-def computed(case: dict[str, Any]) -> Arrivals:
-    profile, bottom = case["profile"], case["bottom"]
-    return arrivals(profile, case["source_depth_m"], case["receiver_depth_m"], case["range_m"], bottom, within_db=40)
-
-
-def counterpart(found: Arrivals, kept: list[float]) -> int | None:
-    """Return the index of the arrival with the same bounces and nearly the same launch angle and time."""
-    time_s, _, launch_deg, _, surface, bottom = kept
-    apart = np.abs(found.time_s - time_s) + 1e-3 * np.abs(np.degrees(found.launch_rad) - launch_deg)
-    apart[(found.surface_bounces != surface) | (found.bottom_bounces != bottom)] = np.inf
-    nearest = int(np.argmin(apart))
-    return nearest if apart[nearest] < 2e-3 else None
+SURVEYS = Path(__file__).parents[4] / "shared/reality/gsf"
 
 
-@pytest.mark.parametrize("number", range(len(KEPT)))
-def test_every_arrival_of_bellhop_is_found_and_no_other(number: int) -> None:
-    """Within 20 dB of the strongest: to 2 us, 0.1 dB and 1 degree of phase, whose sign is the opposite in BELLHOP."""
-    case = KEPT[number]
-    found = computed(case)
-    matched = set()
-    for kept in case["arrivals"]:
-        index = counterpart(found, kept)
-        assert index is not None, f"missing: {kept}"
-        matched.add(index)
-        assert found.time_s[index] == pytest.approx(kept[0], abs=2e-6)
-        assert found.level_db[index] == pytest.approx(kept[1], abs=0.1)
-        turned = np.degrees(found.phase_rad[index]) + kept[3]
-        assert abs((turned + 180.0) % 360.0 - 180.0) < 1.0
-    loud = set(np.flatnonzero(found.level_db > found.level_db.max() - 19.0).tolist())
-    assert loud <= matched, f"not among BELLHOP's: {found.time_s[sorted(loud - matched)]}"
+@pytest.mark.parametrize("kind", dict.fromkeys(case["kind"] for case in kept_cases()))
+def test_every_arrival_of_bellhop_is_found_and_no_other(kind: str) -> None:
+    """Within 20 dB of the strongest: to 10 us, 1 dB and 5 degrees of phase, whose sign is the opposite in BELLHOP."""
+    for case in kept_cases():
+        if case["kind"] != kind:
+            continue
+        found = computed(case)
+        indices = counterparts(found, case)
+        assert None not in indices
+        for kept, index in zip(case["arrivals"], indices, strict=True):
+            assert found.time_s[index] == pytest.approx(kept[0], abs=10e-6)
+            assert found.level_db[index] == pytest.approx(kept[1], abs=1.0)
+            turned = np.degrees(found.phase_rad[index]) + kept[3]
+            assert abs((turned + 180.0) % 360.0 - 180.0) < 5.0
+        loud = set(np.flatnonzero(found.level_db > found.level_db.max() - 19.0).tolist())
+        assert loud <= set(indices), f"not among BELLHOP's: {found.time_s[sorted(loud - set(indices))]}"
+
+
+def test_the_suite_has_a_check_for_each_kind_and_each_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    checks = sound.bellhop_checks()
+    assert len(checks) == 20
+    assert all(check.passed for check in checks)
+    straight = [case | {"profile": [[0.0, 1500.0], [case["profile"][-1][0], 1500.0]]} for case in kept_cases()]
+    monkeypatch.setattr(sound, "kept_cases", lambda: straight)
+    assert all(any(not one.passed for one in sound.bellhop_checks() if kind in one.group) for kind in ("lake", "Munk"))
+
+
+@pytest.mark.parametrize("name", sound.SURVEYS)
+def test_two_way_times_of_a_recorded_survey_are_met(name: str) -> None:
+    if not (SURVEYS / name).is_file():
+        pytest.skip(f"no {SURVEYS / name}")
+    assert sound.survey_check(SURVEYS / name, sound.SURVEYS[name]).passed
+
+
+@pytest.mark.parametrize(
+    ("profile", "source_m", "receiver_m", "range_m", "bottom_m"),
+    [
+        ([(0, 1480), (100, 1530)], 20.0, 60.0, 1000.0, 100.0),
+        ([(0, 1480), (5, 1478), (15, 1440), (60, 1435)], 20.0, 45.0, 350.0, 60.0),
+        ([(0, 1500), (50, 1500)], 20.0, 30.0, 200.0, 50.0),
+        ([(0, 1500), (50, 1480), (200, 1490)], 40.0, 60.0, 700.0, math.inf),
+    ],
+)
+def test_every_ray_drawn_ends_at_the_receiver(
+    profile: list[tuple[float, float]], source_m: float, receiver_m: float, range_m: float, bottom_m: float
+) -> None:
+    """Arcs drawn one after another meet the receiver that the search solved for, with as many reflections."""
+    bottom = None if math.isinf(bottom_m) else "sand"
+    found = arrivals(profile, source_m, receiver_m, range_m, bottom, within_db=25)
+    assert len(found) > 1
+    for launch_rad, surface, bed in zip(found.launch_rad, found.surface_bounces, found.bottom_bounces, strict=True):
+        path = ray_path(profile, bottom_m, source_m, launch_rad, range_m)
+        assert path[-1] == pytest.approx((range_m, receiver_m), abs=2e-3)
+        assert np.count_nonzero(path[:, 1] < 1e-9) == surface
+        assert np.count_nonzero(path[:, 1] > bottom_m - 1e-9) == bed
+
+
+def test_the_command_prints_and_draws_the_rays(tmp_path: Path) -> None:
+    command = ["rays", "pool", "--from=0,0,-1", "--to=2,1,-2", "--out", str(tmp_path / "rays.svg")]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0, result.output
+    direct_s = math.sqrt(6.0) / 1482.5  # fresh water at 20 deg C
+    assert any(line.split()[0] == f"{direct_s:.6f}" for line in result.output.splitlines() if line[:4] == "    ")
+    assert (tmp_path / "rays.svg").read_text().count("<path") > 10
+    first = (tmp_path / "rays.svg").read_bytes()
+    CliRunner().invoke(app, command)
+    assert (tmp_path / "rays.svg").read_bytes() == first
+    with pytest.raises(ValueError, match=re.escape("--to 0,0,5: must be in the water")):
+        CliRunner().invoke(app, ["rays", "pool", "--from=0,0,-1", "--to=0,0,5"], catch_exceptions=False)
 
 
 def test_rays_that_bounce_and_turn_are_among_them() -> None:

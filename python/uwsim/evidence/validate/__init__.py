@@ -1,7 +1,7 @@
 """Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
-A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES. MEASURED also takes the folder of
-its data, which are not part of the package.
+A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES. Those in RECORDED also take the
+folder of recorded data that is not part of uwsim.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ SUITES = {
     "imaging": "uwsim.evidence.validate.imaging",
     "camera": "uwsim.evidence.validate.camera",
     "link": "uwsim.evidence.validate.link",
+    "sound": "uwsim.evidence.validate.sound",
     "control": "uwsim.evidence.validate.control",
     "estimation": "uwsim.evidence.validate.estimation",
     "reality": "uwsim.evidence.validate.reality",
     "peers": "uwsim.evidence.validate.peers",
 }
-MEASURED = "reality"
-ALONE = ("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation")
+RECORDED = ("sound", "reality")
+ALONE = ("dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation")
 """Suites that need neither data nor further packages."""
 
 
 def run_suite(name: str, out: Path | None = None, data: Path | None = None) -> list[Check]:
-    """Run a suite and return its checks; draw its curves into the folder `out`. data: the folder of MEASURED.
+    """Run a suite and return its checks; draw its curves into the folder `out`. data: folder of recorded data.
 
-    Raises ValueError for an unknown name, and for MEASURED without data.
+    Raises ValueError for an unknown name, and for `reality` without data.
     """
     if name not in SUITES:
         raise ValueError(f"validation '{name}': unknown; there are: {', '.join(SUITES)}")
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    if name == MEASURED and data is None:
-        raise ValueError(f"validate {name}: needs --data FOLDER; docs/inside/reality.md lists the sources of its files")
-    checks: list[Check] = import_module(SUITES[name]).run(out, *([data] if name == MEASURED else []))
+    run = import_module(SUITES[name]).run
+    checks: list[Check] = run(out, data) if name in RECORDED else run(out)
     return checks
 
 

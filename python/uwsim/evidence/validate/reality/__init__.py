@@ -16,11 +16,13 @@ DATA_SETS = ("thrust", "instruments", "bathymetry")
 SOURCES = "docs/inside/reality.md lists the sources"
 
 
-def run(out: Path | None, data: Path) -> list[Check]:
+def run(out: Path | None, data: Path | None) -> list[Check]:
     """Return the checks of all data sets in the folder `data`; draw their figures into the folder `out`.
 
-    A data set without its file is left out with a warning. Raises ValueError if no file is there.
+    A data set without its file is left out with a warning. Raises ValueError without a folder or any file.
     """
+    if data is None:
+        raise ValueError(f"validate reality: needs --data FOLDER; {SOURCES} of its files")
     found: list[Check] = []
     for name in DATA_SETS:
         module = import_module(f"{__name__}.{name}")
