@@ -11,6 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from uwsim.channels.message_types import typestore
+from uwsim.channels.type_hash import type_hash
 
 Distro = Literal["humble", "jazzy"]
 """A ROS 2 distribution. Our messages have Jazzy's fields; Humble lacks a few of them."""
@@ -82,4 +83,4 @@ def _blank(size: int, message: Any) -> memoryview:
 def schema(name: str, distro: Distro = "jazzy") -> Schema:
     """Return the description of a type such as "sensor_msgs/msg/LaserScan"."""
     store = store_of(distro)
-    return Schema(name, store.generate_msgdef(name, ros_version=2)[0], store.hash_rihs01(name))
+    return Schema(name, store.generate_msgdef(name, ros_version=2)[0], type_hash(store, name))

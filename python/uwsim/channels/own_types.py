@@ -9,6 +9,7 @@ STATION_STATE = "uwsim_msgs/msg/StationState"
 LINK = "uwsim_msgs/msg/Link"
 SONAR_PING = "uwsim_msgs/msg/SonarPing"
 PLACED_PING = "uwsim_msgs/msg/PlacedPing"
+NAMED_NUMBER = "uwsim_msgs/msg/NamedNumber"
 
 ALL_STOPPED = "all stop"
 """The alarm in the telemetry of a vehicle whose all stop is set."""
@@ -95,6 +96,10 @@ float64[16] frame_from_sonar
 bool range_warning
 bool proximity_warning
 bool collision_warning
+""",
+    NAMED_NUMBER: """\
+string name                    # in requests of services: a thruster's or a fin's
+float64 value
 """,
     STATION_STATE: """\
 string phase                   # idle, starting, running

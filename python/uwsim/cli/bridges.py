@@ -39,6 +39,15 @@ RosReach = Annotated[
 RosPeers = Annotated[
     list[str] | None, typer.Option(help="ROS 2: a further host, beyond the reach of multicast; may be repeated.")
 ]
+Rmw = Annotated[
+    str | None,
+    typer.Option(
+        "--rmw",
+        help="ROS 2: the middleware of its nodes. Services and parameters need cyclonedds or zenoh; fastrtps has only "
+        "topics. Default: the environment's RMW_IMPLEMENTATION, else fastrtps.",
+        **one_of("fastrtps", "cyclonedds", "zenoh"),
+    ),
+]
 Foxglove = Annotated[
     bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/connections/foxglove.md.")
 ]
@@ -63,6 +72,7 @@ class Bridges:
         ros_domain_id: int | None,
         ros_reach: str | None,
         ros_peer: Sequence[str] | None,
+        rmw: str | None,
         foxglove: bool,
         foxglove_port: int | None,
     ) -> None:
@@ -75,7 +85,7 @@ class Bridges:
             load_rospy(), require_master()
         if ros2:
             need_subnet(ros_reach, ros_peer)
-            from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # importing the node checks the extra
+            from uwsim.bridges.ros2 import need_middleware, settings_from
 
             self._ros2 = settings_from(
                 os.environ,
@@ -83,9 +93,14 @@ class Bridges:
                 domain_id=ros_domain_id,
                 reach=ros_reach or "localhost",
                 peers=ros_peer or (),
+                rmw=rmw,
             )
+            need_middleware(self._ros2.rmw)
         else:
-            need("--ros2", ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach, ros_peer=ros_peer)
+            need(
+                "--ros2", ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach, ros_peer=ros_peer,
+                rmw=rmw,
+            )  # fmt: skip
         if foxglove:
             from uwsim.bridges.foxglove import PORT
 

@@ -10,7 +10,7 @@ import typer
 
 from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
 from uwsim.cli.bounds import readable, within
-from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
+from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Rmw, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE
 from uwsim.cli.options import Threads, need
 
@@ -47,6 +47,7 @@ def replay(
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
+    rmw: Rmw = None,
     ros1: Ros1 = False,
     foxglove: Foxglove = False,
     foxglove_port: FoxglovePort = None,
@@ -79,7 +80,7 @@ def replay(
         raise ValueError("--speed max: with --as-topics it must be a factor: clients could not follow")
     bridges = Bridges(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
-        ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
+        ros_peer=ros_peer, rmw=rmw, foxglove=foxglove, foxglove_port=foxglove_port,
     )  # fmt: skip
     pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
     opened = Recording(recording)

@@ -8,7 +8,7 @@ import typer
 
 from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
 from uwsim.cli.bounds import within
-from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
+from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Rmw, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.choices import one_of
 from uwsim.cli.options import Link, Record, RecordAll, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
@@ -86,6 +86,7 @@ def serve(
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
+    rmw: Rmw = None,
     ros1: Ros1 = False,
     record: Record = None,
     record_topic: RecordTopics = None,
@@ -110,7 +111,7 @@ def serve(
 
     bridges = Bridges(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
-        ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
+        ros_peer=ros_peer, rmw=rmw, foxglove=foxglove, foxglove_port=foxglove_port,
     )  # fmt: skip
     prefix = prefix_of(namespace, frame_prefix)
     if station and (prefix or tf != "truth"):

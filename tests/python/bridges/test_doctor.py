@@ -29,7 +29,7 @@ def wrong(findings):
     ("variables", "settings", "what", "advice"),
     [
         ({"ROS_DOMAIN_ID": "5"}, Ros2Settings(), "ROS_DOMAIN_ID", "export ROS_DOMAIN_ID=0"),
-        ({"RMW_IMPLEMENTATION": "rmw_zenoh_cpp"}, Ros2Settings(), "RMW_IMPLEMENTATION", "rmw_fastrtps_cpp"),
+        ({"RMW_IMPLEMENTATION": "rmw_zenoh_cpp"}, Ros2Settings(), "RMW_IMPLEMENTATION", "--rmw zenoh"),
         ({"ROS_DISCOVERY_SERVER": "1.2.3.4"}, Ros2Settings(), "ROS_DISCOVERY_SERVER", "unset"),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, Ros2Settings(), "discovery range", "LOCALHOST"),
         (LOCAL, Ros2Settings(reach="subnet"), "discovery range", "--ros-reach localhost"),

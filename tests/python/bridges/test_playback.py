@@ -34,7 +34,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def bridges(domain_id: int, distro: str = "jazzy") -> Bridges:
     return Bridges(
-        ros1=False, ros2=True, ros_distro=distro, ros_domain_id=domain_id, ros_reach=None, ros_peer=None,
+        ros1=False, ros2=True, ros_distro=distro, ros_domain_id=domain_id, ros_reach=None, ros_peer=None, rmw=None,
         foxglove=True, foxglove_port=0,
     )  # fmt: skip
 

@@ -13,12 +13,12 @@ from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
 from uwsim.bridges.ros2.dds import own_udp_sockets
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
-from uwsim.bridges.ros2.parameter_topic import value_of
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.bridges.ros2.settings import unicast_port
 from uwsim.channels import Table, build, channels
 from uwsim.channels.cdr import encode, schema, store_of
 from uwsim.channels.messages import default_message
+from uwsim.channels.rcl_parameters import value_of
 from uwsim.live import LiveSimulator
 
 TWIST = "geometry_msgs/msg/Twist"

@@ -73,7 +73,9 @@ def test_packages_name_every_file_and_dependency_that_they_use(folder: Path, ros
     manifest = ElementTree.parse(messages / "package.xml")
     assert {element.text for element in manifest.iter("depend")} == used
     build = (messages / "CMakeLists.txt").read_text()
-    assert set(re.findall(r"(\w+\.msg)$", build, flags=re.MULTILINE)) == {path.name for path in messages.glob("msg/*")}
+    files = {path.name for kind in ("msg", "srv") for path in messages.glob(f"{kind}/*")}
+    assert set(re.findall(r"(\w+\.(?:msg|srv))$", build, flags=re.MULTILINE)) == files
+    assert ("Step.srv" in files) == (ros == 2)
     assert f"DEPENDENCIES {' '.join(sorted(used))})" in build
     launch = ElementTree.parse(next(bringup.glob("launch/uwsim.launch*")))
     runs = {element.text for element in ElementTree.parse(bringup / "package.xml").iter("exec_depend")}

@@ -54,7 +54,7 @@ OTHERS: dict[str, set[str]] = {
     "missions": {"out/"},
     "recording": {"uwsim.end"},  # name of a record
     "ros1": {"octomap_rviz_plugins"},
-    "ros2": {"related_sample_identity", "rmw_cyclonedds", "rqt_console"},  # from ROS 2
+    "ros2": {"rqt_console"},  # from ROS 2
     "sweeps": {"bay.yaml", "runs/"},
     "troubleshooting": {"octomap_rviz_plugins"},
     "trust": {"_GLIBCXX_ASSERTIONS"},

@@ -9,7 +9,12 @@ from importlib.util import find_spec
 from uwsim.bridges.doctor.finding import Finding
 from uwsim.bridges.ros1.rospy_module import DEBIAN, INSTALL
 
-EXTRAS = {"ros2": ("cyclonedds",), "foxglove": ("foxglove-sdk",), "tables": ("pandas", "pyarrow", "xarray")}
+EXTRAS = {
+    "ros2": ("cyclonedds",),
+    "zenoh": ("eclipse-zenoh",),
+    "foxglove": ("foxglove-sdk",),
+    "tables": ("pandas", "pyarrow", "xarray"),
+}
 
 
 def software() -> list[Finding]:

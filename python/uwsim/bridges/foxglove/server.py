@@ -17,11 +17,11 @@ from uwsim.bridges.conversation import Allowance, Rates
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.offers import Offers
 from uwsim.bridges.foxglove.outbox import Outbox, Room
-from uwsim.bridges.foxglove.parameters import Parameters
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.foxglove.shows import shows_of
 from uwsim.bridges.listener import Address, Listener, post
+from uwsim.bridges.live_parameters import Parameters
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.message_cost import Meter
@@ -101,7 +101,7 @@ class FoxgloveServer(Bridge):
             self.keep_up()
             self._end_clock = self.feed.tell_time(TIME_S, self._tell_time)
             if live is not None:
-                self._parameters = Parameters(live, self._notice_parameters)
+                self._parameters = Parameters(live, lambda name, arguments: self._notice_parameters())
                 self._parameters.open()
         except (OSError, RuntimeError):
             self.close()

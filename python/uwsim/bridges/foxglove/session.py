@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.outbox import Outbox
-from uwsim.bridges.foxglove.parameters import UNSET, described
 from uwsim.bridges.foxglove.protocol import Call
+from uwsim.bridges.live_parameters import UNSET, described
 from uwsim.channels import Channel
 
 if TYPE_CHECKING:

@@ -203,6 +203,11 @@ class RawWriter:
         """Return the number of matching readers, and clear the event that reported a change."""
         return int(self._writer.get_publication_matched_status().current_count)
 
+    def matched(self) -> list[Any]:
+        """Return the matching readers, each a DcpsEndpoint."""
+        found = map(self._writer.get_matched_subscription_data, self._writer.get_matched_subscriptions())
+        return [reader for reader in found if reader is not None]
+
 
 class RawReader:
     """Reads CDR from one topic."""
@@ -218,8 +223,23 @@ class RawReader:
 
     def take(self, limit: int) -> list[bytes]:
         """Return up to `limit` messages that have arrived."""
+        return [data for data, _ in self.take_from(limit)]
+
+    def take_from(self, limit: int) -> list[tuple[bytes, int]]:
+        """Return up to `limit` messages that have arrived, each with the handle of its writer."""
         taken = ddspy_take(self._reader._ref, UNREAD, limit)
-        return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
+        if isinstance(taken, int):
+            return []
+        return [(data, info.publication_handle) for data, info in taken if info.valid_data]
+
+    def writer_of(self, handle: int) -> Any:
+        """Return the writer with a handle, a DcpsEndpoint, or None if it does not match any more."""
+        return self._reader.get_matched_publication_data(handle)
+
+    def matched(self) -> list[Any]:
+        """Return the matching writers, each a DcpsEndpoint."""
+        found = map(self.writer_of, self._reader.get_matched_publications())
+        return [writer for writer in found if writer is not None]
 
     def writers(self) -> int:
         """Return the number of matching writers, and clear the event that reported a change."""
@@ -232,12 +252,12 @@ class Events:
     def __init__(self, participant: DomainParticipant) -> None:
         self._guard = GuardCondition(participant)
         self._set = WaitSet(participant)
-        self._sources: list[RawWriter | RawReader | None] = []
+        self._sources: list[Any] = []
         self._found = (ctypes.c_ssize_t * EVENTS_MAX)()
         self._attach(self._guard, None)
 
-    def attach(self, source: RawWriter | RawReader) -> None:
-        """Add a source to wait for."""
+    def attach(self, source: Any) -> None:
+        """Add a source to wait for: a RawWriter, a RawReader, or any object with such `entities`."""
         for entity in source.entities:
             self._attach(entity, source)
 
@@ -245,7 +265,7 @@ class Events:
         """End a wait, from any thread."""
         self._guard.set(True)
 
-    def wait(self, timeout_s: float) -> Sequence[RawWriter | RawReader]:
+    def wait(self, timeout_s: float) -> Sequence[Any]:
         """Wait for events; return their sources, or none after a timeout or `wake`. Releases the GIL."""
         count = _dds_wait(self._set._ref, ctypes.addressof(self._found), EVENTS_MAX, int(1e9 * timeout_s))
         found = [self._sources[index] for index in self._found[: max(0, min(count, EVENTS_MAX))]]
@@ -253,7 +273,7 @@ class Events:
             self._guard.take()
         return [source for source in found if source is not None]
 
-    def _attach(self, entity: Entity, source: RawWriter | RawReader | None) -> None:
+    def _attach(self, entity: Entity, source: Any) -> None:
         code = _dds_attach(self._set._ref, entity._ref, len(self._sources))
         if code < 0:
             raise OSError(f"DDS: cannot wait for {entity!r} ({code})")

@@ -18,14 +18,21 @@ PRIMITIVES: dict[str, Any] = {
     )},
 }  # fmt: skip
 
+CALL_HEADER: dict[str, Any] = {"call_client": idl.uint64, "call_sequence": idl.int64}
+"""The fields that rmw_cyclonedds puts before a request and its response (cdds_request_header_t in its serdata.hpp)."""
+
 
 @cache
 def idl_type(name: str, distro: Distro) -> type[IdlStruct]:
-    """Return the class for a ROS type; for example, "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS."""
-    package, _, short = name.split("/")
+    """Return the class for a ROS type; for example, "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS.
+
+    Cyclone DDS checks messages against it, also those that are read and written as bytes.
+    """
+    package, group, short = name.split("/")
     definition = store_of(distro).fielddefs[name][1]
-    fields = {field: _field(kind_of(description), distro) for field, description in definition}
-    made: type[IdlStruct] = make_idl_struct(f"{short}_", f"{package}.msg.dds_.{short}_", fields)
+    fields = CALL_HEADER if group == "srv" else {}
+    fields = fields | {field: _field(kind_of(description), distro) for field, description in definition}
+    made: type[IdlStruct] = make_idl_struct(f"{short}_", f"{package}.{group}.dds_.{short}_", fields)
     return made
 
 

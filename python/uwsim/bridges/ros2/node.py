@@ -5,38 +5,51 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.ros2.dds import Participant, RawReader, RawWriter
-from uwsim.bridges.ros2.graph import (
-    ENTITIES,
-    ENTITIES_TOPIC,
-    PARTICIPANT_DATA,
-    dds_name,
-    endpoint_data,
-    entities_info,
-)
+from uwsim.bridges.ros2.graph import dds_name
+from uwsim.bridges.ros2.parameter_events import EVENTS, EVENTS_DEPTH, EVENTS_TOPIC, ParameterEvents
 from uwsim.bridges.ros2.parameter_topic import parameter_channel
-from uwsim.bridges.ros2.qos import DEPTH, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import service_channels
-from uwsim.bridges.ros2.settings import Ros2Settings
+from uwsim.bridges.ros2.settings import Ros2Settings, need_middleware
+from uwsim.bridges.ros2.transport import DEPTH, Call, Reader, Server, Transport, Writer
 from uwsim.channels import Channel, Service, require_live
 from uwsim.channels.cdr import encode, is_as_in_jazzy
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import from_bytes
 from uwsim.channels.names import channels_in, node_name
 from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
+from uwsim.channels.rcl_parameters import rcl_parameter_services
+from uwsim.channels.service_messages import request_values, response_message
+from uwsim.channels.service_types import SERVICE_TYPES, load_service_types, request_type
 from uwsim.live import LiveSimulator
 
 LOOK_S = 0.5  # interval at which idle threads check whether to stop
 PAUSE_S = 0.001  # pause between reads, so that a flood of messages cannot use up the processor
 OPEN_CALLS_MAX = 100
+NO_RESPONSE = (
+    "a client does not use rmw_cyclonedds, so that its calls will not be received: set "
+    "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp there, or publish to the topic of the same name"
+)
+
+
+def transport_of(settings: Ros2Settings, node: str) -> Transport:
+    """Return a new connection by the middleware in the settings. Raises ValueError or OSError."""
+    need_middleware(settings.rmw)
+    if settings.rmw == "zenoh":
+        from uwsim.bridges.ros2.zenoh_transport import ZenohTransport
+
+        return ZenohTransport(settings, node)
+    from uwsim.bridges.ros2.dds_transport import DdsTransport
+
+    return DdsTransport(settings, node)
 
 
 class Ros2Node(Bridge):
-    """The node /uwsim, whose topics are a live simulator's channels; additional topics replace its services.
+    """The node /uwsim: a live simulator's channels as topics, its services, and further topics that call these.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
@@ -65,6 +78,9 @@ class Ros2Node(Bridge):
         self.name = node_name(namespace)
         self.settings = settings or Ros2Settings()
         self._reliable: list[Channel] = []
+        self._has_services = live is not None and self.settings.has_services
+        if self._has_services:
+            load_service_types()
         if live is not None:
             self._reliable = service_channels(services, self.call, self._say)
             self._reliable += channels_in(namespace, [parameter_channel(self._say)])
@@ -72,19 +88,22 @@ class Ros2Node(Bridge):
         for channel in self.channels:
             dds_name(channel.name)
         super().__init__("ros2", live, self.channels, services, feed, open_calls=OPEN_CALLS_MAX)
-        self._writers: dict[str, RawWriter] = {}
+        self._writers: dict[str, Writer] = {}
         self._lines: dict[str, Line[Job]] = {}
-        self._sources: dict[RawWriter | RawReader, Channel] = {}
+        self._sources: dict[Writer | Reader, Channel] = {}
         self._stopping = threading.Event()
-        self._participant = Participant(self.settings, PARTICIPANT_DATA)
+        self._transport = transport_of(self.settings, self.name)
         self._outgoing = Outgoing("uwsim-ros2-write")
-        self._events = self._participant.wait_set()
-        self._log = self._writer(LOG_TOPIC, LOG, LOG_DEPTH, latched=True)
+        self._events = self._transport.wait_set()
+        self._log = self._transport.writer(LOG_TOPIC, LOG, LOG_DEPTH, latched=True)
         self._log_line: Line[Job] = Line(LOG_TOPIC, LOG_DEPTH)
         for channel in self.channels:
             self._join(channel)
+        self._parameter_events: ParameterEvents | None = None
+        if self._has_services:
+            self._serve(require_live(live), services)
         self.keep_up()
-        self._tell_graph()
+        self._transport.announce()
         self._thread = threading.Thread(target=self._listen, name="uwsim-ros2-read", daemon=True)
         self._thread.start()
 
@@ -105,51 +124,71 @@ class Ros2Node(Bridge):
             self._stopping.set()
             self._events.wake()
             self._thread.join(5.0)
+            if self._parameter_events is not None:
+                self._parameter_events.close()
             self._outgoing.close()
-            self._participant.close()
+            self._transport.close()
         return was_open
 
     def _join(self, channel: Channel) -> None:
-        source: RawWriter | RawReader
+        source: Writer | Reader
         if channel.direction == "out":
-            source = self._writer(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
+            depth = 1 if channel.latched else DEPTH
+            source = self._transport.writer(channel.name, channel.type, depth, latched=channel.latched)
             self._writers[channel.name] = source
             self._lines[channel.name] = Line(channel.name, queue_of(channel.type), channel.drops)
         else:
-            qos = reader_qos(DEPTH, reliable=channel in self._reliable, user_data=self._data(channel.type))
-            source = self._participant.reader(dds_name(channel.name), channel.type, qos)
+            source = self._transport.reader(channel.name, channel.type, reliable=channel in self._reliable)
         self._sources[source] = channel
         self._events.attach(source)
 
-    def _writer(self, name: str, type_name: str, depth: int, latched: bool) -> RawWriter:
-        qos = writer_qos(depth, latched=latched, user_data=self._data(type_name))
-        return self._participant.writer(dds_name(name), type_name, qos)
+    def _serve(self, live: LiveSimulator, services: Sequence[Service]) -> None:
+        """Offer the services whose types are defined, and the parameters."""
+        for service in (*services, *rcl_parameter_services(self.name)):
+            if service.type in SERVICE_TYPES:
+                self._events.attach(self._transport.server(service))
+        events = self._transport.writer(EVENTS_TOPIC, EVENTS, EVENTS_DEPTH, latched=False)
+        line: Line[Job] = Line(EVENTS_TOPIC, EVENTS_DEPTH)
 
-    def _data(self, type_name: str) -> bytes:
-        return endpoint_data(type_name, self.settings.distro)
+        def publish(message: Any) -> None:
+            self._outgoing.offer(line, lambda: events.write(encode(message, self.settings.distro)))
 
-    def _tell_graph(self) -> None:
-        """Publish the node's endpoint list, which DDS also sends to participants that join later."""
-        distro = self.settings.distro
-        qos = writer_qos(1, latched=True, user_data=self._data(ENTITIES))
-        self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
-        readers = [source.guid for source in self._sources if isinstance(source, RawReader)]
-        writers = [self._log.guid, *(writer.guid for writer in self._writers.values())]
-        info = entities_info(distro, self._participant.guid, self.name, readers, writers)
-        self._graph.write(encode(info, distro))
+        self._parameter_events = ParameterEvents(live, f"/{self.name}", publish)
+        self._parameter_events.open()
 
     def _listen(self) -> None:
-        """Receive commands, and track when subscribers and publishers come and go."""
+        """Receive commands and calls, and track when subscribers and publishers come and go."""
         while not self._stopping.is_set():
             for source in self._events.wait(LOOK_S):
-                if isinstance(source, RawWriter):
-                    self._notice_readers(self._sources[source], source.readers())
+                channel = self._sources.get(source)  # type: ignore[arg-type]  # a Server is in none
+                if channel is None:
+                    self._take_calls(source)  # type: ignore[arg-type]
+                elif channel.direction == "out":
+                    self._notice_readers(channel, source.readers())  # type: ignore[union-attr]
                 else:
-                    for data in source.take(DEPTH):
-                        self.receive(self._sources[source], data, from_bytes)
-                    if not source.writers():
-                        self.abandon(self._sources[source])
+                    for data in source.take(DEPTH):  # type: ignore[union-attr]
+                        self.receive(channel, data, from_bytes)  # type: ignore[arg-type]
+                    if not source.writers():  # type: ignore[union-attr]
+                        self.abandon(channel)
             self._stopping.wait(PAUSE_S)
+
+    def _take_calls(self, server: Server) -> None:
+        """Make the calls that have arrived."""
+        service = server.service
+        if server.strangers():
+            self._say(WARN, f"/{service.name}: {NO_RESPONSE}")
+        for call in server.take(DEPTH):
+            try:
+                request = request_values(service.type, from_bytes(call.request, request_type(service.type)))
+                self.call(service, request, partial(self._respond, service, call))
+            except (ValueError, RuntimeError) as error:
+                self._respond(service, call, False, str(error))
+
+    def _respond(self, service: Service, call: Call, succeeded: bool, values: Any) -> None:
+        try:
+            call.reply(encode(response_message(service.type, succeeded, values), self.settings.distro))
+        except Exception:  # on a thread whose futures nobody awaits
+            self.log.exception("service '%s': the response could not be sent", service.name)
 
     def _notice_readers(self, channel: Channel, count: int) -> None:
         """Start or stop reading a channel. If its messages build on each other, late readers receive all of them."""

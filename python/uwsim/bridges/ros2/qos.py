@@ -5,7 +5,6 @@ from __future__ import annotations
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
-DEPTH = 10  # messages by which a reader may lag behind; the ROS 2 default
 BLOCKING = duration(milliseconds=50)  # how long a write may wait for a slow reader
 
 

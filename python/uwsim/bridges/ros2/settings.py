@@ -7,11 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from uwsim.base.extras import need_extra
 from uwsim.channels.cdr import Distro
 
 Reach = Literal["localhost", "subnet"]
+Rmw = Literal["fastrtps", "cyclonedds", "zenoh"]
+"""The middleware of the ROS side."""
 DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher domains exceed 65535
 SAFE_DOMAIN_MAX = 101  # Linux assigns the ports of higher domains to outgoing connections
+ZENOH_PORT = 7447  # of a Zenoh router
 PARTICIPANTS_MAX = 32  # participants probed per host without multicast, as in ROS 2
 PORT_BASE, PORTS_PER_DOMAIN, PORTS_PER_PARTICIPANT = 7400, 250, 2  # RTPS 2.5, section 9.6.2.3
 UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
@@ -37,15 +41,21 @@ class Ros2Settings:
     domain_id: like ROS_DOMAIN_ID, [0, 232].
 
     reach: "localhost" for communication within this machine, "subnet" for all hosts reachable by multicast. peers:
-    names or addresses of further hosts that multicast does not reach. Raises ValueError.
+    names or addresses of further hosts that multicast does not reach. rmw: the middleware of the peers. Those with
+    rmw_cyclonedds or rmw_zenoh are offered services; those with rmw_fastrtps are not, since they could not receive our
+    responses. With rmw_zenoh, peers are other machines' routers, HOST or HOST:PORT.
+    Raises ValueError.
     """
 
     distro: Distro = "jazzy"
     domain_id: int = 0
     reach: Reach = "localhost"
     peers: tuple[str, ...] = ()
+    rmw: Rmw = "fastrtps"
 
     def __post_init__(self) -> None:
+        if self.rmw not in get_args(Rmw):
+            raise ValueError(f"ROS 2 rmw = {self.rmw!r}: must be one of {', '.join(get_args(Rmw))}")
         if self.distro not in get_args(Distro):
             raise ValueError(f"ROS 2 distro = {self.distro!r}: must be one of {', '.join(get_args(Distro))}")
         if not 0 <= self.domain_id <= DOMAIN_MAX:
@@ -59,7 +69,13 @@ class Ros2Settings:
     def __str__(self) -> str:
         """Return a short description, shown at start-up."""
         where = "on this machine alone" if self.reach == "localhost" else "on the subnet"
-        return f"{self.distro}, domain {self.domain_id}, {where}"
+        services = "services and parameters" if self.has_services else "no services: its topics call them"
+        return f"{self.distro}, domain {self.domain_id}, {where}, for rmw_{self.rmw} ({services})"
+
+    @property
+    def has_services(self) -> bool:
+        """True if services and parameters are offered."""
+        return self.rmw != "fastrtps"
 
     @property
     def config(self) -> str:
@@ -81,6 +97,14 @@ class Ros2Settings:
         return f"{ours},{theirs}" if theirs else ours
 
 
+def need_middleware(rmw: Rmw) -> None:
+    """Raise MissingExtraError unless the library that speaks to a middleware is installed."""
+    if rmw == "zenoh":
+        need_extra("zenoh", "zenoh", "ROS 2 by Zenoh")
+    else:
+        need_extra("cyclonedds", "ros2", "ROS 2")
+
+
 def settings_from(
     environment: Mapping[str, str],
     *,
@@ -88,10 +112,12 @@ def settings_from(
     domain_id: int | None = None,
     reach: str = "localhost",
     peers: Sequence[str] = (),
+    rmw: str | None = None,
 ) -> Ros2Settings:
     """Return settings from the options, with defaults from the ROS environment variables.
 
-    The variables are ROS_DISTRO (if it is supported), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
+    The variables are ROS_DISTRO and RMW_IMPLEMENTATION (if they are supported), ROS_DOMAIN_ID and ROS_STATIC_PEERS.
+    Raises ValueError.
     """
     if distro is None:
         distro = environment.get("ROS_DISTRO", "")
@@ -102,7 +128,10 @@ def settings_from(
             raise ValueError(f"ROS_DOMAIN_ID = {text!r}: must be a whole number in [0, {DOMAIN_MAX}]")
         domain_id = int(text)
     static = [peer for peer in environment.get("ROS_STATIC_PEERS", "").split(";") if peer]
-    return Ros2Settings(distro, domain_id, reach, (*static, *peers))  # type: ignore[arg-type]  # checked there
+    if rmw is None:
+        rmw = environment.get("RMW_IMPLEMENTATION", "").removeprefix("rmw_").removesuffix("_cpp")
+        rmw = rmw if rmw in get_args(Rmw) else "fastrtps"
+    return Ros2Settings(distro, domain_id, reach, (*static, *peers), rmw)  # type: ignore[arg-type]  # checked there
 
 
 def unicast_port(domain_id: int, participant: int) -> int:

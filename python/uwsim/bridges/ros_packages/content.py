@@ -8,8 +8,10 @@ from uwsim.bridges.ros_packages.rviz import rviz_configuration
 from uwsim.channels.cdr import schema
 from uwsim.channels.message_types import Ros, fields, ros1_typestore
 from uwsim.channels.own_types import OWN_TYPES
+from uwsim.channels.service_types import SERVICE_TYPES
 
 MESSAGES, BRINGUP = "uwsim_msgs", "uwsim_bringup"
+OWN_SERVICES = [name for name in SERVICE_TYPES if name.startswith(f"{MESSAGES}/")]
 VIEWERS: dict[Ros, tuple[str, ...]] = {1: ("rviz", "octomap_server"), 2: ("rviz2", "octomap_server")}
 
 
@@ -20,6 +22,8 @@ def ros_packages() -> dict[str, str]:
         messages, bringup = f"ros{ros}/{MESSAGES}", f"ros{ros}/{BRINGUP}"
         for name, text in OWN_TYPES.items():
             files[f"{messages}/msg/{_short(name)}.msg"] = text
+        for name in OWN_SERVICES if ros == 2 else ():  # ROS 1 knows neither defaults nor bounded lists
+            files[f"{messages}/srv/{_short(name)}.srv"] = SERVICE_TYPES[name]
         files[f"{messages}/package.xml"] = _manifest(
             ros, MESSAGES, "Messages of the simulator uwsim.", _of_messages(ros)
         )
@@ -76,6 +80,7 @@ def _of_messages(ros: Ros) -> str:
 def _build_of_messages(ros: Ros) -> str:
     packages = " ".join(_dependencies(ros))
     names = "".join(f"  {_short(name)}.msg\n" for name in OWN_TYPES)
+    services = "".join(f"  srv/{_short(name)}.srv\n" for name in OWN_SERVICES)
     if ros == 1:
         return f"""cmake_minimum_required(VERSION 3.0.2)
 project({MESSAGES})
@@ -91,7 +96,7 @@ catkin_package(CATKIN_DEPENDS message_runtime {packages})
     return f"""cmake_minimum_required(VERSION 3.8)
 project({MESSAGES})
 {found}rosidl_generate_interfaces(${{PROJECT_NAME}}
-{names.replace("  ", "  msg/")}  DEPENDENCIES {packages})
+{names.replace("  ", "  msg/")}{services}  DEPENDENCIES {packages})
 ament_export_dependencies(rosidl_default_runtime)
 ament_package()
 """
@@ -140,7 +145,7 @@ def _readme() -> str:
 Written by `uwsim ros package`. Copy `ros1/` into the `src` folder of a catkin workspace, or `ros2/` into that of a
 colcon workspace, and build it.
 
-- `{MESSAGES}`: the messages that only uwsim has, such as `/telemetry` and `/map_changes`.
+- `{MESSAGES}`: the messages that only uwsim has, such as `/telemetry` and `/map_changes`, and, for ROS 2, its services.
 - `{BRINGUP}`: `uwsim.launch` sets `use_sim_time` and starts RViz; `octomap:=true` starts octomap_server, too.
 
 | message | ROS 1: md5 | ROS 2: RIHS01 |

@@ -1,4 +1,4 @@
-"""The simulator's parameters for the app: their values in Foxglove's form, and changes from either side."""
+"""A live simulator's parameters for bridges: their values, changes from either side, and Foxglove's form of them."""
 
 from __future__ import annotations
 
@@ -18,16 +18,19 @@ UNSET = object()
 
 
 class Parameters:
-    """A live simulator's parameters. changed: called on the simulator's thread when values may have changed."""
+    """A live simulator's parameters.
 
-    def __init__(self, live: LiveSimulator, changed: Callable[[], object]) -> None:
+    changed: called on the simulator's thread when values may have changed, with the command and its arguments.
+    """
+
+    def __init__(self, live: LiveSimulator, changed: Callable[[str, dict[str, Any]], object]) -> None:
         self._live = live
         self._changed = changed
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
         """Notice a command that has taken effect."""
         if name in CHANGES:
-            self._changed()
+            self._changed(name, arguments)
 
     def open(self) -> None:
         """Start noticing changes. Raises NotRunningError."""

@@ -1,0 +1,251 @@
+"""A ROS 2 node's connection by Zenoh, as rmw_zenoh_cpp has it: see `zenoh_names` for keys, tokens and attachments.
+
+Sessions find each other through a router (`ros2 run rmw_zenoh_cpp rmw_zenohd`), and then connect directly.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import threading
+import time
+import warnings
+from collections import Counter, deque
+from collections.abc import Sequence
+from contextlib import suppress
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Any
+
+import zenoh
+import zenoh.ext
+
+from uwsim.bridges.ros2.settings import ZENOH_PORT, Ros2Settings
+from uwsim.bridges.ros2.transport import DEPTH, Call
+from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_of
+from uwsim.channels import Service
+
+ROUTER_S, LOOK_S = 1.0, 0.02
+CALLS_MAX = 100
+CONFIG_FILE, CONFIG_CHANGES = "ZENOH_SESSION_CONFIG_URI", "ZENOH_CONFIG_OVERRIDE"
+"""Environment variables of rmw_zenoh."""
+
+
+class ZenohTransport:
+    """A `Transport`. node: the node's name. Raises OSError if a session cannot be opened; warns without a router."""
+
+    def __init__(self, settings: Ros2Settings, node: str) -> None:
+        self._settings, self._node = settings, node
+        try:
+            self._session: Any = zenoh.open(config_of(settings))
+        except zenoh.ZError as error:
+            raise OSError(f"cannot open a Zenoh session: {error}") from None
+        self._id = str(self._session.zid())
+        self._numbers = itertools.count(1)
+        self._events = ZenohEvents()
+        self._watched: dict[str, ZenohWriter | ZenohReader] = {}
+        self._lock = threading.Lock()
+        self._others: dict[str, Counter[str]] = {"MP": Counter(), "MS": Counter()}
+        self._tokens: list[Any] = []
+        self._require_router()
+        self._liveliness = self._session.liveliness().declare_subscriber(
+            f"@ros2_lv/{settings.domain_id}/**", self._notice, history=True
+        )
+
+    def writer(self, topic: str, type_name: str, depth: int, *, latched: bool) -> ZenohWriter:
+        """Return a new writer."""
+        entity = self._entity("MP", topic, type_name, depth, latched=latched)
+        if latched:
+            publisher = zenoh.ext.declare_advanced_publisher(
+                self._session, entity.key, cache=zenoh.ext.CacheConfig(max_samples=depth), publisher_detection=True
+            )
+        else:
+            publisher = self._session.declare_publisher(entity.key)
+        writer = ZenohWriter(publisher, gid_of(entity.token), partial(self._count, "MS", entity.key))
+        self._watch("MS", entity, writer)
+        return writer
+
+    def reader(self, topic: str, type_name: str, *, reliable: bool) -> ZenohReader:
+        """Return a new reader."""
+        entity = self._entity("MS", topic, type_name, DEPTH, reliable=reliable)
+        reader = ZenohReader(self._events, partial(self._count, "MP", entity.key))
+        reader.subscriber = self._session.declare_subscriber(entity.key, reader.receive)
+        self._watch("MP", entity, reader)
+        return reader
+
+    def server(self, service: Service) -> ZenohServer:
+        """Return a new server."""
+        entity = self._entity("SS", service.name, service.type, DEPTH)
+        server = ZenohServer(service, entity.key, self._events)
+        server.queryable = self._session.declare_queryable(entity.key, server.receive, complete=True)
+        self._announce(entity)
+        return server
+
+    def wait_set(self) -> ZenohEvents:
+        """Return an object that waits on all of them."""
+        return self._events
+
+    def announce(self) -> None:
+        """Make the node known; its endpoints are known already."""
+        self._announce(Entity("NN", self._settings, self._id, 0, self._node))
+
+    def close(self) -> None:
+        """Close the session; other nodes are notified."""
+        self._session.close()
+
+    def _entity(self, kind: str, name: str, type_name: str, depth: int, **qos: bool) -> Entity:
+        number = next(self._numbers)
+        return Entity(kind, self._settings, self._id, number, self._node, name, type_name, depth, **qos)
+
+    def _announce(self, entity: Entity) -> None:
+        self._tokens.append(self._session.liveliness().declare_token(entity.token))
+
+    def _watch(self, kind: str, entity: Entity, source: ZenohWriter | ZenohReader) -> None:
+        with self._lock:
+            self._watched[kind + entity.key] = source
+            is_matched = self._others[kind][entity.key] > 0
+        if is_matched:
+            self._events.put(source)
+        self._announce(entity)
+
+    def _count(self, kind: str, key: str) -> int:
+        return self._others[kind][key]
+
+    def _notice(self, sample: Any) -> None:
+        """Count a publisher or subscription of another session that came or went, on a thread of Zenoh."""
+        parts = str(sample.key_expr).split("/")
+        if len(parts) != 13 or parts[2] == self._id or parts[5] not in self._others:
+            return
+        kind, key = parts[5], "/".join((parts[1], parts[9].replace("%", "/").strip("/"), parts[10], parts[11]))
+        with self._lock:
+            self._others[kind][key] += 1 if sample.kind == zenoh.SampleKind.PUT else -1
+            source = self._watched.get(kind + key)
+        if source is not None:
+            self._events.put(source)
+
+    def _require_router(self) -> None:
+        deadline = time.monotonic() + ROUTER_S
+        while not self._session.info.routers_zid():
+            if time.monotonic() > deadline:
+                advice = "start one (ros2 run rmw_zenoh_cpp rmw_zenohd), and it will be used"
+                warnings.warn(f"ROS 2: no Zenoh router answers: {advice}", stacklevel=2)
+                return
+            time.sleep(LOOK_S)
+
+
+class ZenohEvents:
+    """The sources with messages, calls, or readers or writers that came or went."""
+
+    def __init__(self) -> None:
+        self._queue: SimpleQueue[Any] = SimpleQueue()
+
+    def attach(self, source: object) -> None:
+        """Do nothing: every source is waited for from the beginning."""
+
+    def put(self, source: object) -> None:
+        """Report an event, on any thread."""
+        self._queue.put(source)
+
+    def wake(self) -> None:
+        """End a wait, from any thread."""
+        self._queue.put(None)
+
+    def wait(self, timeout_s: float) -> Sequence[Any]:
+        """Wait for events; return their sources, or none after a timeout or `wake`."""
+        found = {}
+        with suppress(Empty):
+            found[self._queue.get(timeout=timeout_s)] = True
+            while True:
+                found[self._queue.get_nowait()] = True
+        return [source for source in found if source is not None]
+
+
+class ZenohWriter:
+    """Writes CDR to one topic."""
+
+    def __init__(self, publisher: Any, gid: bytes, readers: Any) -> None:
+        self._publisher, self._gid, self._sequence = publisher, gid, itertools.count(1)
+        self.readers = readers
+
+    def write(self, cdr: memoryview) -> bool:
+        """Write a message; return whether it was accepted."""
+        try:
+            self._publisher.put(bytes(cdr), attachment=attachment(next(self._sequence), time.time_ns(), self._gid))
+        except zenoh.ZError:
+            return False
+        return True
+
+
+class ZenohReader:
+    """Reads CDR from one topic."""
+
+    def __init__(self, events: ZenohEvents, writers: Any) -> None:
+        self._events, self.writers = events, writers
+        self._found: deque[bytes] = deque(maxlen=DEPTH)
+        self.subscriber: Any = None
+
+    def receive(self, sample: Any) -> None:
+        """Queue a message, on a thread of Zenoh."""
+        self._found.append(sample.payload.to_bytes())
+        self._events.put(self)
+
+    def take(self, limit: int) -> list[bytes]:
+        """Return up to `limit` messages that have arrived."""
+        return [self._found.popleft() for _ in range(min(limit, len(self._found)))]
+
+
+class ZenohServer:
+    """A `Server`. key: of its requests and responses."""
+
+    def __init__(self, service: Service, key: str, events: ZenohEvents) -> None:
+        self.service, self._key, self._events = service, key, events
+        self._found: deque[Any] = deque(maxlen=CALLS_MAX)
+        self.queryable: Any = None
+
+    def receive(self, query: Any) -> None:
+        """Queue a call, on a thread of Zenoh."""
+        self._found.append(query)
+        self._events.put(self)
+
+    def take(self, limit: int) -> list[Call]:
+        """Return up to `limit` calls that have arrived. Queries without an attachment are ignored."""
+        queries = [self._found.popleft() for _ in range(min(limit, len(self._found)))]
+        calls = []
+        for query in queries:
+            asked = b"" if query.attachment is None else query.attachment.to_bytes()
+            if query.payload is not None and len(asked) == ATTACHMENT.size:
+                calls.append(Call(query.payload.to_bytes(), partial(self._reply, query, asked)))
+            else:
+                query.drop()
+        return calls
+
+    def strangers(self) -> int:
+        """Return 0: a session that reaches us can call us."""
+        return 0
+
+    def _reply(self, query: Any, asked: bytes, response: memoryview) -> bool:
+        sequence, _, _, gid = ATTACHMENT.unpack(asked)
+        query.reply(self._key, bytes(response), attachment=attachment(sequence, time.time_ns(), gid))
+        query.drop()
+        return True
+
+
+def config_of(settings: Ros2Settings) -> Any:
+    """Return the session's configuration: rmw_zenoh's defaults, unless its environment variables change them."""
+    file = os.environ.get(CONFIG_FILE)
+    config: Any = zenoh.Config.from_file(file) if file else zenoh.Config()
+    if not file:
+        hosts = settings.peers if settings.reach == "subnet" and settings.peers else ("localhost",)
+        endpoints = ", ".join(f'"tcp/{host}"' if ":" in host else f'"tcp/{host}:{ZENOH_PORT}"' for host in hosts)
+        for key, value in {
+            "mode": '"peer"',
+            "connect/endpoints": f"[{endpoints}]",
+            "listen/endpoints": '["tcp/localhost:0"]',
+            "scouting/multicast/enabled": "false",
+            "timestamping/enabled": "true",
+        }.items():
+            config.insert_json5(key, value)
+    for change in filter(None, os.environ.get(CONFIG_CHANGES, "").split(";")):
+        key, _, value = change.partition("=")
+        config.insert_json5(key.strip(), value.strip())
+    return config

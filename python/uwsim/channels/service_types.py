@@ -1,0 +1,111 @@
+"""The service types in use, as .srv definitions: requests and responses for bridges whose peers have typed services.
+
+Each is also a message type, std_srvs/srv/Trigger_Request and std_srvs/srv/Trigger_Response. ROS 2 computes the hash of
+a service from the message type std_srvs/srv/Trigger, whose fields are both and an event; see
+`load_service_types`.
+
+A field of at most one value, such as float64[<=1], is optional. A list of uwsim_msgs/NamedNumber stands for an object
+of numbers by name.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import get_types_from_msg
+
+from uwsim.channels.message_types import EMPTY_PLACEHOLDER, ros1_typestore, typestore
+
+PLACEHOLDER = [(EMPTY_PLACEHOLDER, (Nodetype.BASE, ("uint8", 0)))]
+OUTCOME = "bool success\nstring message\n"
+_NAMED = "rcl_interfaces/Parameter[] parameters\n---\n"
+
+SERVICE_TYPES = {
+    # https://github.com/ros2/common_interfaces
+    "std_srvs/srv/Trigger": f"---\n{OUTCOME}",
+    "std_srvs/srv/SetBool": f"bool data\n---\n{OUTCOME}",
+    # https://github.com/ros2/rcl_interfaces
+    "rcl_interfaces/srv/ListParameters": (
+        "string[] prefixes\nuint64 depth\n---\nrcl_interfaces/ListParametersResult result\n"
+    ),
+    "rcl_interfaces/srv/GetParameters": "string[] names\n---\nrcl_interfaces/ParameterValue[] values\n",
+    "rcl_interfaces/srv/GetParameterTypes": "string[] names\n---\nuint8[] types\n",
+    "rcl_interfaces/srv/DescribeParameters": "string[] names\n---\nrcl_interfaces/ParameterDescriptor[] descriptors\n",
+    "rcl_interfaces/srv/SetParameters": f"{_NAMED}rcl_interfaces/SetParametersResult[] results\n",
+    "rcl_interfaces/srv/SetParametersAtomically": f"{_NAMED}rcl_interfaces/SetParametersResult result\n",
+    # Our own
+    "uwsim_msgs/srv/Step": f"uint32 steps 1\n---\n{OUTCOME}",
+    "uwsim_msgs/srv/SetSpeed": f"float64 speed  # simulated seconds per second; 0: as fast as possible\n---\n{OUTCOME}",
+    "uwsim_msgs/srv/Pace": (
+        "---\nfloat64 speed\nfloat64 factor\nfloat64 lateness_s\nfloat64 slipped_s\nbool paused\nstring error\n"
+        "float64 step_s\n"
+    ),
+    "uwsim_msgs/srv/ListParameters": f"string prefix\n---\n{OUTCOME}string[] names\n",
+    "uwsim_msgs/srv/GetParameters": f"string[] names\n---\n{OUTCOME}string values_json\n",
+    "uwsim_msgs/srv/DescribeParameters": f"string[] names\n---\n{OUTCOME}string descriptions_json\n",
+    "uwsim_msgs/srv/SetParameters": f"string values_json\n---\n{OUTCOME}",
+    "uwsim_msgs/srv/ResetParameters": f"string[] names\n---\n{OUTCOME}",
+    "uwsim_msgs/srv/SetStream": (
+        "bool[<=1] enabled  # values that are not given stay\nfloat64[<=1] rate_hz\nuint32[<=1] width\n"
+        f"uint32[<=1] quality\n---\n{OUTCOME}"
+    ),
+    "uwsim_msgs/srv/SaveMap": f'string name "map.bt"\n---\n{OUTCOME}',
+    "uwsim_msgs/srv/SetWrench": f"float64[3] force_body_n\nfloat64[3] torque_body_nm\n---\n{OUTCOME}",
+    "uwsim_msgs/srv/SetThrusters": f"uwsim_msgs/NamedNumber[] commands  # in [-1, 1]\n---\n{OUTCOME}",
+    "uwsim_msgs/srv/SetFins": f"uwsim_msgs/NamedNumber[] angles_rad\n---\n{OUTCOME}",
+}
+"""The definitions, by name in the spelling of ROS 2. A service whose type is not here takes any JSON."""
+
+
+def request_type(service_type: str) -> str:
+    """Return the name of a service type's request."""
+    return f"{service_type}_Request"
+
+
+def response_type(service_type: str) -> str:
+    """Return the name of a service type's response."""
+    return f"{service_type}_Response"
+
+
+def halves(service_type: str) -> tuple[str, str]:
+    """Return the definitions of a service type's request and response."""
+    request, _, response = SERVICE_TYPES[service_type].partition("---\n")
+    return request, response
+
+
+@cache
+def load_service_types() -> None:
+    """Add all service types to the message types, on first use, since rosbags takes half a second for it."""
+    found = {part: fields for name in SERVICE_TYPES for part, fields in _parts(name).items()}
+    typestore().register(found)
+    ros1_typestore().register(found)
+
+
+def _parts(name: str) -> dict[str, Any]:
+    """Return the message types of a service type, as rosbags stores them."""
+    request, response, event = request_type(name), response_type(name), f"{name}_Event"
+    texts = {
+        request: halves(name)[0],
+        response: halves(name)[1],
+        event: f"service_msgs/ServiceEventInfo info\n{request}[<=1] request\n{response}[<=1] response\n",
+        name: f"{request} request_message\n{response} response_message\n{event} event_message\n",
+    }
+    in_rosbags = {_as_message(part): part for part in texts}  # its parser takes "msg" alone in the middle of a name
+
+    def restored(kind: Any) -> Any:
+        if isinstance(kind, str):
+            return in_rosbags.get(kind, kind)
+        return tuple(map(restored, kind)) if isinstance(kind, tuple) else kind
+
+    found = {}
+    for part, text in texts.items():
+        lines = "\n".join(_as_message(line) if line.startswith(name) else line for line in text.splitlines())
+        constants, fields = get_types_from_msg(lines, _as_message(part))[_as_message(part)]
+        found[part] = constants, [(field, restored(kind)) for field, kind in fields] or PLACEHOLDER
+    return found
+
+
+def _as_message(name: str) -> str:
+    return name.replace("/srv/", "/msg/")

@@ -1,0 +1,135 @@
+"""Services and parameters of the ROS 2 node, as clients with rmw_cyclonedds call them."""
+
+import pytest
+
+from ros2_tools import free_domain, peer, until
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, dds_transport, settings_from
+from uwsim.channels import Table, build
+from uwsim.channels.messages import typestore
+from uwsim.channels.service_messages import request_values, response_message
+from uwsim.channels.service_types import SERVICE_TYPES, load_service_types
+from uwsim.channels.type_hash import type_hash
+from uwsim.live import LiveSimulator
+
+SETTINGS = Ros2Settings(domain_id=free_domain(), rmw="cyclonedds")
+TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
+RCL = "rcl_interfaces/srv/"
+SURGE = "rov.drag.linear.surge"
+PUBLISHED = {  # hashes in ROS 2's own type descriptions
+    "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+    "service_msgs/msg/ServiceEventInfo": "41bcbbe07a75c9b52bc96bfd5c24d7f0fc0a08c0cb7921b3373c5732345a6f45",
+    "rcl_interfaces/msg/ParameterEvent": "043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204",
+    "std_srvs/srv/SetBool_Request": "c62fbb99d94e1b25e8ef9e109f9581956bb1b3361a45a4e5810c36a90d29932e",
+    TRIGGER: "eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f",
+    SET_BOOL: "abe9e4bb6b41b40e6789712c00ec8871923e089af3f667a79992a428cff2da0a",
+    f"{RCL}ListParameters": "3e6062bfbb27bfb8730d4cef2558221f51a11646d78e7bb30a1e83afac3aad9d",
+    f"{RCL}GetParameters": "bf9803d5c74cf989a5de3e0c2e99444599a627c7ff75f97b8c05b01003675cbc",
+    f"{RCL}GetParameterTypes": "da199c878688b3e530bdfe3ca8f74cb9fa0c303101e980a9e8f260e25e1c80ca",
+    f"{RCL}DescribeParameters": "845b484d71eb0673dae682f2e3ba3c4851a65a3dcfb97bddd82c5b57e91e4cff",
+    f"{RCL}SetParameters": "56eed9a67e169f9cb6c1f987bc88f868c14a8fc9f743a263bc734c154015d7e0",
+    f"{RCL}SetParametersAtomically": "0e192ef259c07fc3c07a13191d27002222e65e00ccec653ca05e856f79285fcd",
+}
+
+
+@pytest.fixture(scope="module")
+def live():
+    with LiveSimulator("pool") as live:
+        yield live
+
+
+@pytest.fixture(scope="module")
+def node(live):
+    table = Table(live.simulator)
+    with Ros2Node(live, table.channels, table.services, SETTINGS) as node:
+        yield node
+
+
+@pytest.fixture(scope="module")
+def other(node):
+    with peer(SETTINGS) as other:
+        yield other
+
+
+def parameter(name, **value):
+    return build.message(
+        "rcl_interfaces/msg/Parameter", name=name, value=build.message("rcl_interfaces/msg/ParameterValue", **value)
+    )
+
+
+def test_type_hashes_are_the_published_ones():
+    load_service_types()
+    assert {name: type_hash(typestore(), name) for name in PUBLISHED} == {
+        name: f"RIHS01_{digest}" for name, digest in PUBLISHED.items()
+    }
+
+
+def test_every_service_has_a_type_and_its_response_a_field_for_each_value(live, node):
+    for service in node.services.values():
+        assert service.type in SERVICE_TYPES, service.name
+    response = response_message("uwsim_msgs/srv/Pace", True, node.services["simulation/pace"].call(live, {}))
+    assert response.step_s == live.simulator.step_s
+    assert response_message(TRIGGER, False, "the reason").message == "the reason"
+
+
+def test_optional_fields_and_numbers_by_name_become_plain_values():
+    number = build.message("uwsim_msgs/msg/NamedNumber", name="front", value=0.5)
+    thrusters = build.message("uwsim_msgs/srv/SetThrusters_Request", commands=[number])
+    assert request_values("uwsim_msgs/srv/SetThrusters", thrusters) == {"commands": {"front": 0.5}}
+    stream = build.message("uwsim_msgs/srv/SetStream_Request", rate_hz=[2.0])
+    assert request_values("uwsim_msgs/srv/SetStream", stream) == {"rate_hz": 2.0}
+
+
+def test_services_respond_with_success_or_the_reason_for_a_refusal(other, live):
+    assert other.call("lights/front", SET_BOOL, data=True).success
+    assert live.rov.lamps["front"].on
+    refused = other.call("simulation/set_speed", "uwsim_msgs/srv/SetSpeed", speed=-1.0)
+    assert not refused.success and "speed = -1" in refused.message
+    number = build.message("uwsim_msgs/msg/NamedNumber", name="nothing", value=0.5)
+    unknown = other.call("set_thrusters", "uwsim_msgs/srv/SetThrusters", commands=[number])
+    assert not unknown.success and "nothing" in unknown.message
+
+
+def test_parameters_are_listed_read_described_and_set_and_each_change_is_published(other, live):
+    def call(name, **request):
+        kind = "".join(part.capitalize() for part in name.split("_"))
+        return other.call(f"uwsim/{name}", f"{RCL}{kind}", **request)
+
+    other.listen("parameter_events", "rcl_interfaces/msg/ParameterEvent")
+    listed = call("list_parameters").result
+    assert listed.names == list(live.simulator.parameters) and "rov.drag.linear" in listed.prefixes
+    drag = call("list_parameters", prefixes=["rov.drag.linear"], depth=1).result.names
+    assert SURGE in drag and len(drag) == 6
+    assert call("list_parameters", prefixes=["rov.dr"]).result.names == []
+    known, unknown = call("get_parameters", names=[SURGE, "rov.nothing"]).values
+    assert (known.type, known.double_value, unknown.type) == (3, live.simulator.parameters[SURGE], 0)
+    assert call("get_parameter_types", names=[SURGE, "rov.lamps.front.on"]).types.tolist() == [3, 1]
+    (described,) = call("describe_parameters", names=[SURGE]).descriptors
+    assert described.floating_point_range[0].from_value == 0.0 and "[N s/m]" in described.description
+    good, bad = (parameter(SURGE, type=3, double_value=value) for value in (33.0, -1.0))
+    first, second = call("set_parameters", parameters=[good, bad]).results
+    assert first.successful and not second.successful and f"{SURGE} = -1" in second.reason
+    assert live.simulator.parameters[SURGE] == 33.0
+    event = until(lambda: other.heard("parameter_events"), "an event")[0]
+    assert event.node == "/uwsim" and event.changed_parameters[0].name == SURGE
+    friction = parameter("rov.friction", type=3, double_value=0.7)
+    assert not call("set_parameters_atomically", parameters=[friction, bad]).result.successful
+    assert live.simulator.parameters["rov.friction"] != 0.7, "all or none"
+
+
+def test_a_client_of_another_middleware_is_reported_as_soon_as_it_appears(other, monkeypatch):
+    monkeypatch.setattr(dds_transport, "CYCLONE_DDS", b"\x01\x0f")  # so that our peer passes for another vendor's
+    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+    with peer(SETTINGS) as stranger:
+        qos = dds_transport.writer_qos(10, latched=False, user_data=b"")
+        until(stranger.participant.writer("rq/dockRequest", f"{TRIGGER}_Request", qos).readers, "a match")
+        said: list[str] = []
+        until(lambda: said.extend(log.msg for log in other.heard("rosout")) or "/dock" in str(said), "the sentence")
+    assert "/dock: a client does not use rmw_cyclonedds" in str(said)
+
+
+def test_without_cyclone_dds_no_service_is_offered_and_the_start_says_so(live):
+    assert settings_from({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}).has_services
+    assert not settings_from({}).has_services
+    assert "for rmw_fastrtps (no services: its topics call them)" in str(Ros2Settings())
+    with pytest.raises(ValueError, match="rmw = 'dds': must be one of fastrtps, cyclonedds"):
+        Ros2Settings(rmw="dds")
