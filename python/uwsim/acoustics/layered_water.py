@@ -109,10 +109,11 @@ def _bottom(bottom: str | Sequence[float] | None) -> tuple[float, float, float]:
         if bottom not in BOTTOMS:
             raise ValueError(f"bottom = {bottom!r}: must be one of {', '.join(BOTTOMS)}, or three numbers")
         return BOTTOMS[bottom]
-    density, speed, attenuation = (float(value) for value in bottom)
+    rule = "density [0.5, 10] and speed [0.5, 5] relative to water, and attenuation [0, 10] dB per wavelength"
+    try:
+        density, speed, attenuation = (float(value) for value in bottom)
+    except (TypeError, ValueError):
+        raise ValueError(f"bottom = {bottom!r:.60}: must be three numbers, {rule}") from None
     if not (0.5 <= density <= 10.0 and 0.5 <= speed <= 5.0 and 0.0 <= attenuation <= 10.0):
-        raise ValueError(
-            f"bottom = {tuple(bottom)}: must be density [0.5, 10] and speed [0.5, 5] relative to water, "
-            "and attenuation [0, 10] dB per wavelength"
-        )
+        raise ValueError(f"bottom = {tuple(bottom)}: must be {rule}")
     return density, speed, attenuation

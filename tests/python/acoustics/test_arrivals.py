@@ -124,6 +124,8 @@ def test_the_limits_keep_the_strongest() -> None:
         ({"profile": [1500.0]}, "profile has shape (1,): must be (n, 2)"),
         ({"bottom": "mud"}, "bottom = 'mud': must be one of clay, silt, sand, gravel"),
         ({"bottom": (0.0, 1.0, 1.0)}, "must be density [0.5, 10]"),
+        ({"bottom": (1.5, 1.1)}, "bottom = (1.5, 1.1): must be three numbers, density [0.5, 10]"),
+        ({"bottom": 1.5}, "bottom = 1.5: must be three numbers"),
         ({"frequency_hz": 0.0}, "frequency_hz = 0 Hz: must be at least 1 Hz"),
         ({"range_m": 2e6}, "across_m = 2e+06 m: must be in [0, 1e6] m"),
     ],
