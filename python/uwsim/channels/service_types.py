@@ -16,6 +16,7 @@ from typing import Any
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import get_types_from_msg
 
+from uwsim.channels.cdr import Distro, store_of
 from uwsim.channels.message_types import EMPTY_PLACEHOLDER, ros1_typestore, typestore
 
 PLACEHOLDER = [(EMPTY_PLACEHOLDER, (Nodetype.BASE, ("uint8", 0)))]
@@ -76,11 +77,11 @@ def halves(service_type: str) -> tuple[str, str]:
 
 
 @cache
-def load_service_types() -> None:
+def load_service_types(distro: Distro = "jazzy") -> None:
     """Add all service types to the message types, on first use, since rosbags takes half a second for it."""
     found = {part: fields for name in SERVICE_TYPES for part, fields in _parts(name).items()}
-    typestore().register(found)
-    ros1_typestore().register(found)
+    for store in (typestore(), ros1_typestore(), store_of(distro)):
+        store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
 
 
 def _parts(name: str) -> dict[str, Any]:

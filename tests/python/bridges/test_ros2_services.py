@@ -5,6 +5,7 @@ import pytest
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, dds_transport, settings_from
 from uwsim.channels import Table, build
+from uwsim.channels.cdr import store_of
 from uwsim.channels.messages import typestore
 from uwsim.channels.service_messages import request_values, response_message
 from uwsim.channels.service_types import SERVICE_TYPES, load_service_types
@@ -14,6 +15,7 @@ from uwsim.live import LiveSimulator
 SETTINGS = Ros2Settings(domain_id=free_domain(), rmw="cyclonedds")
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 RCL = "rcl_interfaces/srv/"
+NUMBER = build.message("uwsim_msgs/msg/NamedNumber", name="nothing", value=0.5)
 SURGE = "rov.drag.linear.surge"
 PUBLISHED = {  # hashes in ROS 2's own type descriptions
     "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
@@ -72,9 +74,8 @@ def test_every_service_has_a_type_and_its_response_a_field_for_each_value(live, 
 
 
 def test_optional_fields_and_numbers_by_name_become_plain_values():
-    number = build.message("uwsim_msgs/msg/NamedNumber", name="front", value=0.5)
-    thrusters = build.message("uwsim_msgs/srv/SetThrusters_Request", commands=[number])
-    assert request_values("uwsim_msgs/srv/SetThrusters", thrusters) == {"commands": {"front": 0.5}}
+    thrusters = build.message("uwsim_msgs/srv/SetThrusters_Request", commands=[NUMBER])
+    assert request_values("uwsim_msgs/srv/SetThrusters", thrusters) == {"commands": {"nothing": 0.5}}
     stream = build.message("uwsim_msgs/srv/SetStream_Request", rate_hz=[2.0])
     assert request_values("uwsim_msgs/srv/SetStream", stream) == {"rate_hz": 2.0}
 
@@ -84,8 +85,7 @@ def test_services_respond_with_success_or_the_reason_for_a_refusal(other, live):
     assert live.rov.lamps["front"].on
     refused = other.call("simulation/set_speed", "uwsim_msgs/srv/SetSpeed", speed=-1.0)
     assert not refused.success and "speed = -1" in refused.message
-    number = build.message("uwsim_msgs/msg/NamedNumber", name="nothing", value=0.5)
-    unknown = other.call("set_thrusters", "uwsim_msgs/srv/SetThrusters", commands=[number])
+    unknown = other.call("set_thrusters", "uwsim_msgs/srv/SetThrusters", commands=[NUMBER])
     assert not unknown.success and "nothing" in unknown.message
 
 
@@ -125,6 +125,13 @@ def test_a_client_of_another_middleware_is_reported_as_soon_as_it_appears(other,
         said: list[str] = []
         until(lambda: said.extend(log.msg for log in other.heard("rosout")) or "/dock" in str(said), "the sentence")
     assert "/dock: a client does not use rmw_cyclonedds" in str(said)
+
+
+def test_humble_s_types_have_services_too_even_if_they_were_in_use_before(live):
+    store_of("humble")
+    settings = Ros2Settings("humble", domain_id=free_domain(), rmw="cyclonedds")
+    with Ros2Node(live, [], Table(live.simulator).services, settings), peer(settings) as other:
+        assert not other.call("set_fins", "uwsim_msgs/srv/SetFins", angles_rad=[NUMBER]).success
 
 
 def test_without_cyclone_dds_no_service_is_offered_and_the_start_says_so(live):

@@ -80,7 +80,7 @@ class Ros2Node(Bridge):
         self._reliable: list[Channel] = []
         self._has_services = live is not None and self.settings.has_services
         if self._has_services:
-            load_service_types()
+            load_service_types(self.settings.distro)
         if live is not None:
             self._reliable = service_channels(services, self.call, self._say)
             self._reliable += channels_in(namespace, [parameter_channel(self._say)])
