@@ -2,8 +2,10 @@
 // types, the same codec. It subscribes and publishes as its arguments say, and prints what it saw as lines of JSON.
 //
 //   fast_dds_peer DOMAIN SECONDS [alone] [sub TOPIC TYPE reliable|best_effort volatile|latched]... [pub TOPIC HZ]...
-//   [graph]
+//   [call SERVICE TYPE COUNT]... [graph]
 //
+// call: calls a service with an empty request, as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp, rmw_client.cpp):
+// once both ends are matched, COUNT requests that name the reader of their responses; prints the responses that are its.
 // alone: it does not name the other side, which must find it. pub: geometry_msgs/Twist whose linear.x counts up. A line
 // of standard input ends it before the time.
 
@@ -143,6 +145,47 @@ void publish(fd::DataWriter* writer, double hz, const std::atomic<bool>& stops) 
   }
 }
 
+/// A client of a service. The next request follows each response.
+class Client : public fd::DataReaderListener {
+ public:
+  explicit Client(std::string service, int count) : service_(std::move(service)), left_(count) {}
+
+  fd::DataWriter* requests = nullptr;
+  fd::DataReader* responses = nullptr;
+
+  void send() {
+    Payload empty(20);  // enough zeros for the requests of our tests, which ignore more
+    empty[1] = 1;
+    rtps::WriteParams params;
+    params.related_sample_identity().writer_guid() = responses->guid();
+    requests->write(&empty, params);
+    sent_ = params.sample_identity().sequence_number();
+  }
+
+  void on_data_available(fd::DataReader* reader) override {
+    Payload payload;
+    fd::SampleInfo info;
+    while (reader->take_next_sample(&payload, &info) == ReturnCode_t::RETCODE_OK) {
+      const auto& identity = info.related_sample_identity;
+      if (!info.valid_data || (identity.writer_guid() != responses->guid() && identity.writer_guid() != requests->guid()))
+        continue;
+      std::string hex;
+      for (auto byte : payload) hex += "0123456789abcdef"[byte >> 4], hex += "0123456789abcdef"[byte & 15];
+      {
+        const std::lock_guard lock(output);
+        std::printf("{\"service\":\"%s\",\"is_answer_of_last\":%s,\"hex\":\"%s\"}\n", service_.c_str(),
+                    identity.sequence_number() == sent_ ? "true" : "false", hex.c_str());
+      }
+      if (--left_ > 0) send();
+    }
+  }
+
+ private:
+  std::string service_;
+  int left_;
+  rtps::SequenceNumber_t sent_;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -167,6 +210,7 @@ int main(int argc, char** argv) {
     return participant->create_topic(name, type, fd::TOPIC_QOS_DEFAULT);
   };
   std::vector<std::unique_ptr<Subscription>> subscriptions;
+  std::vector<std::unique_ptr<Client>> clients;
   std::vector<std::thread> threads;
   std::atomic<bool> stops{false};
   while (at < words.size()) {
@@ -189,6 +233,31 @@ int main(int argc, char** argv) {
       if (writer == nullptr) return 1;
       threads.emplace_back(publish, writer, std::stod(words[at + 2]), std::cref(stops));
       at += 3;
+    } else if (words[at] == "call") {
+      clients.push_back(std::make_unique<Client>(words[at + 1], std::stoi(words[at + 3])));
+      fd::DataWriterQos asks;
+      asks.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+      fd::DataReaderQos answers;
+      answers.reliability().kind = fd::RELIABLE_RELIABILITY_QOS;
+      answers.history().depth = 10;
+      answers.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+      auto& client = *clients.back();
+      client.responses = subscriber->create_datareader(
+          topic("rr/" + words[at + 1] + "Reply", words[at + 2] + "_Response_"), answers, &client);
+      client.requests =
+          publisher->create_datawriter(topic("rq/" + words[at + 1] + "Request", words[at + 2] + "_Request_"), asks);
+      if (client.requests == nullptr || client.responses == nullptr) return 1;
+      threads.emplace_back([&client, &stops] {
+        fd::PublicationMatchedStatus asked;
+        fd::SubscriptionMatchedStatus answered;
+        while (!stops && (asked.current_count == 0 || answered.current_count == 0)) {
+          client.requests->get_publication_matched_status(asked);
+          client.responses->get_subscription_matched_status(answered);
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        if (!stops) client.send();
+      });
+      at += 4;
     } else if (words[at] == "graph") {
       ++at;
     } else {

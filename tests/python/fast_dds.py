@@ -33,6 +33,10 @@ class FastDdsPeer:
         """Return the peer's output for messages on a topic, in order of arrival."""
         return [line for line in list(self.lines) if line.get("topic") == topic and "size" in line]
 
+    def answers(self, service: str) -> list[dict[str, Any]]:
+        """Return the responses of a service that the peer took for its own, in order of arrival."""
+        return [line for line in list(self.lines) if line.get("service") == service]
+
     def endpoints(self) -> dict[str, dict[str, Any]]:
         """Return the endpoints that the peer has discovered, by DDS name."""
         return {line["guid"]: line for line in list(self.lines) if "endpoint" in line}

@@ -8,11 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from cyclonedds.idl import IdlStruct, make_idl_struct
+from cyclonedds.idl import types as idl
 from cyclonedds.qos import Policy
+from cyclonedds.topic import Topic
 
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.bridges.ros2.dds import Participant, RawReader, RawWriter
 from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name
+from uwsim.bridges.ros2.idl import idl_type
 from uwsim.bridges.ros2.qos import reader_qos, writer_qos
 from uwsim.bridges.ros2.settings import SAFE_DOMAIN_MAX, unicast_port
 from uwsim.channels import build
@@ -83,16 +87,22 @@ class Peer:
         writer and a sequence number, which the reply repeats.
         """
         identity = b"clientid=1.10.%x;" % id(self)
-        requests = self.participant.writer(
-            f"rq/{service}Request", request_type(service_type), writer_qos(10, latched=False, user_data=identity)
+        names = (
+            (f"rq/{service}Request", request_type(service_type)),
+            (f"rr/{service}Reply", response_type(service_type)),
         )
-        replies = self.participant.reader(
-            f"rr/{service}Reply", response_type(service_type), reader_qos(10, reliable=True, user_data=identity)
-        )
+        for name, kind in names:
+            self.participant._topics[name] = Topic(self.participant.entity, name, _with_header(kind))
+        requests = self.participant.writer(*names[0], writer_qos(10, latched=False, user_data=identity))
+        replies = self.participant.reader(*names[1], reader_qos(10, reliable=True, user_data=identity))
+        asked, answered = requests._writer, replies._reader
         until(
             lambda: (
-                {_identity(one, b"serviceid=") for one in requests.matched()}
-                & {_identity(one, b"serviceid=") for one in replies.matched()}
+                {_service_id(asked.get_matched_subscription_data(one)) for one in asked.get_matched_subscriptions()}
+                & {
+                    _service_id(answered.get_matched_publication_data(one))
+                    for one in answered.get_matched_publications()
+                }
             ),
             f"/{service} was not available",
         )
@@ -108,9 +118,16 @@ class Peer:
         return until(lambda: self.heard(topic), f"/{topic} was silent")[0]
 
 
-def _identity(endpoint: Any, key: bytes) -> bytes:
+def _with_header(name: str) -> type[IdlStruct]:
+    """Return a request's or a response's type with the fields of cdds_request_header_t: the wheel checks raw data."""
+    plain = idl_type(name, "jazzy")
+    fields = {"call_client": idl.uint64, "call_sequence": idl.int64, **plain.__annotations__}
+    return make_idl_struct(plain.__name__, plain.__idl_typename__, fields)
+
+
+def _service_id(endpoint: Any) -> bytes:
     entries: list[bytes] = endpoint.qos[Policy.Userdata].data.split(b";")
-    return next(entry for entry in entries if entry.startswith(key))
+    return next(entry for entry in entries if entry.startswith(b"serviceid="))
 
 
 @contextmanager

@@ -43,8 +43,8 @@ Rmw = Annotated[
     str | None,
     typer.Option(
         "--rmw",
-        help="ROS 2: the middleware of its nodes. Services and parameters need cyclonedds or zenoh; fastrtps has only "
-        "topics. Default: the environment's RMW_IMPLEMENTATION, else fastrtps.",
+        help="ROS 2: the middleware of its nodes; fastrtps and cyclonedds are served alike. Default: the environment's "
+        "RMW_IMPLEMENTATION, else fastrtps.",
         **one_of("fastrtps", "cyclonedds", "zenoh"),
     ),
 ]

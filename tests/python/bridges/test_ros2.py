@@ -157,8 +157,9 @@ def test_the_graph_tells_the_node_and_all_its_endpoints(node, other):
     (entry,) = info.node_entities_info_seq
     assert (entry.node_namespace, entry.node_name) == ("/", "uwsim")
     outputs = [channel for channel in node.channels if channel.direction == "out"]
-    assert len(entry.writer_gid_seq) == len(outputs) + 1  # plus /rosout
-    assert len(entry.reader_gid_seq) == len(node.channels) - len(outputs)
+    servers = len(node.services) + 6  # those of parameters
+    assert len(entry.writer_gid_seq) == len(outputs) + 2 + servers  # plus /rosout and /parameter_events
+    assert len(entry.reader_gid_seq) == len(node.channels) - len(outputs) + servers
     assert all(len(gid.data) == 16 for gid in entry.writer_gid_seq)
 
 

@@ -11,18 +11,20 @@ import pytest
 from channel_tools import stamp_ns
 from fast_dds import BINARY, fast_dds_peer, sub
 from ros2_tools import free_domain, peer, until
-from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.channels import Channel, Table, build, channels
 from uwsim.channels.cdr import schema, store_of
 from uwsim.channels.feed import Feed
+from uwsim.channels.messages import from_bytes
 from uwsim.live import LiveSimulator
 
 pytestmark = pytest.mark.skipif(not BINARY.is_file(), reason="fast_dds_peer is built by tools/setup --dev")
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
 IMAGE, TWIST, ODOMETRY = "sensor_msgs/msg/Image", "geometry_msgs/msg/Twist", "nav_msgs/msg/Odometry"
 MESSAGES = 40
+RCL = "rcl_interfaces::srv::dds_::"
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +36,25 @@ def live():
 @pytest.fixture
 def settings():
     return Ros2Settings(domain_id=free_domain())
+
+
+def test_calls_as_rmw_fastrtps_makes_them_are_answered_even_in_fragments(live, settings, monkeypatch):
+    monkeypatch.setattr(rtps, "FRAGMENT", 4000)
+    services = {"uwsim/list_parameters": f"{RCL}ListParameters", "simulation/resume": "std_srvs::srv::dds_::Trigger"}
+    words = [word for name, kind in services.items() for word in ("call", name, kind, "3")]
+    with (
+        Ros2Node(live, [], Table(live.simulator).services, settings) as node,
+        fast_dds_peer(settings.domain_id, "graph", *words) as other,
+    ):
+        for name in services:
+            answers = until(lambda: len(found := other.answers(name)) == 3 and found, name)  # noqa: B023
+            assert all(answer["is_answer_of_last"] for answer in answers)
+            if name == "uwsim/list_parameters":
+                data = bytes.fromhex(answers[-1]["hex"])
+                listed = from_bytes(data, "rcl_interfaces/srv/ListParameters_Response").result.names
+                assert len(data) > 3 * rtps.FRAGMENT and listed == list(live.simulator.parameters)
+        types = {one["topic"]: one["type"] for one in other.endpoints().values() if one["endpoint"] == "writer"}
+        assert types[f"rr/{node.name}/get_parametersReply"] == f"{RCL}GetParameters_Response_"
 
 
 def test_fast_dds_reads_the_values_that_were_sent(live, settings):

@@ -1,9 +1,12 @@
 """Services and parameters of the ROS 2 node, as clients with rmw_cyclonedds call them."""
 
+from contextlib import suppress
+
 import pytest
 
 from ros2_tools import free_domain, peer, until
-from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, dds_transport, settings_from
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps
+from uwsim.bridges.ros2.rtps_participant import Track
 from uwsim.channels import Table, build
 from uwsim.channels.cdr import store_of
 from uwsim.channels.messages import typestore
@@ -12,7 +15,7 @@ from uwsim.channels.service_types import SERVICE_TYPES, load_service_types
 from uwsim.channels.type_hash import type_hash
 from uwsim.live import LiveSimulator
 
-SETTINGS = Ros2Settings(domain_id=free_domain(), rmw="cyclonedds")
+SETTINGS = Ros2Settings(domain_id=free_domain())
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 RCL = "rcl_interfaces/srv/"
 NUMBER = build.message("uwsim_msgs/msg/NamedNumber", name="nothing", value=0.5)
@@ -116,27 +119,27 @@ def test_parameters_are_listed_read_described_and_set_and_each_change_is_publish
     assert live.simulator.parameters["rov.friction"] != 0.7, "all or none"
 
 
-def test_a_client_of_another_middleware_is_reported_as_soon_as_it_appears(other, monkeypatch):
-    monkeypatch.setattr(dds_transport, "CYCLONE_DDS", b"\x01\x0f")  # so that our peer passes for another vendor's
-    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
-    with peer(SETTINGS) as stranger:
-        qos = dds_transport.writer_qos(10, latched=False, user_data=b"")
-        until(stranger.participant.writer("rq/dockRequest", f"{TRIGGER}_Request", qos).readers, "a match")
-        said: list[str] = []
-        until(lambda: said.extend(log.msg for log in other.heard("rosout")) or "/dock" in str(said), "the sentence")
-    assert "/dock: a client does not use rmw_cyclonedds" in str(said)
-
-
 def test_humble_s_types_have_services_too_even_if_they_were_in_use_before(live):
     store_of("humble")
-    settings = Ros2Settings("humble", domain_id=free_domain(), rmw="cyclonedds")
+    settings = Ros2Settings("humble", domain_id=free_domain())
     with Ros2Node(live, [], Table(live.simulator).services, settings), peer(settings) as other:
         assert not other.call("set_fins", "uwsim_msgs/srv/SetFins", angles_rad=[NUMBER]).success
 
 
-def test_without_cyclone_dds_no_service_is_offered_and_the_start_says_so(live):
-    assert settings_from({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}).has_services
-    assert not settings_from({}).has_services
-    assert "for rmw_fastrtps (no services: its topics call them)" in str(Ros2Settings())
-    with pytest.raises(ValueError, match="rmw = 'dds': must be one of fastrtps, cyclonedds"):
-        Ros2Settings(rmw="dds")
+def test_a_damaged_packet_is_refused_and_a_sample_is_counted_once():
+    prefix, writer = b"\1\x0f" + bytes(10), b"\0\0\1\3"
+    parts = [*rtps.data(rtps.UNKNOWN, writer, 7, bytes(8), rtps.parameters([(0x83, bytes(24))]))]
+    parts += [rtps.heartbeat(rtps.UNKNOWN, writer, 3, 9, 1), rtps.missing(rtps.UNKNOWN, writer, 40, [41, 90], 2)]
+    packet = rtps.header(prefix, b"\1\x0f") + rtps.to_participant(bytes(12)) + b"".join(parts)
+    vendor, sender, found = rtps.read(packet, prefix)
+    assert (vendor, sender) == (b"\1\x0f", prefix)
+    sample, beat, wanted = found
+    assert (sample.number, sample.payload, sample.qos) == (7, bytes(8), {0x83: bytes(24)})
+    assert (beat.first, beat.last, wanted.base, wanted.numbers) == (3, 9, 40, (41, 90))
+    for end in range(len(packet)):
+        with suppress(ValueError):
+            rtps.read(packet[:end], prefix)
+    track = Track()
+    track.skip_to(3)
+    assert [track.add(number) for number in (5, 5, 3, 2)] == [True, False, True, False]
+    assert track.base == 4 and track.missing(7) == [4, 6, 7]

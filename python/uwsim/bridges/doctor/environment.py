@@ -19,11 +19,8 @@ def environment(variables: Mapping[str, str], settings: Ros2Settings) -> list[Fi
     if rmw and ("zenoh" in rmw) != (settings.rmw == "zenoh"):
         advice = f"--rmw {'zenoh' if 'zenoh' in rmw else 'fastrtps'} here"
         found.append(Finding("RMW_IMPLEMENTATION", f"{rmw}, ours is rmw_{settings.rmw}", "wrong", advice))
-    elif settings.has_services:
-        found.append(Finding("RMW_IMPLEMENTATION", f"rmw_{settings.rmw}: topics, services and parameters"))
-    else:
-        advice = "for services: rmw_cyclonedds_cpp or rmw_zenoh_cpp, on both sides; we cannot respond to rmw_fastrtps"
-        found.append(Finding("RMW_IMPLEMENTATION", f"{rmw or 'not set'}: topics alone", "note", advice))
+    elif rmw:
+        found.append(Finding("RMW_IMPLEMENTATION", rmw))
     if server := variables.get("ROS_DISCOVERY_SERVER"):
         advice = "unset ROS_DISCOVERY_SERVER: we do not ask Fast DDS's discovery server"
         found.append(Finding("ROS_DISCOVERY_SERVER", server, "wrong", advice))

@@ -8,7 +8,7 @@ import socket
 import stat
 import threading
 import warnings
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -203,11 +203,6 @@ class RawWriter:
         """Return the number of matching readers, and clear the event that reported a change."""
         return int(self._writer.get_publication_matched_status().current_count)
 
-    def matched(self) -> list[Any]:
-        """Return the matching readers, each a DcpsEndpoint."""
-        found = map(self._writer.get_matched_subscription_data, self._writer.get_matched_subscriptions())
-        return [reader for reader in found if reader is not None]
-
 
 class RawReader:
     """Reads CDR from one topic."""
@@ -223,23 +218,8 @@ class RawReader:
 
     def take(self, limit: int) -> list[bytes]:
         """Return up to `limit` messages that have arrived."""
-        return [data for data, _ in self.take_from(limit)]
-
-    def take_from(self, limit: int) -> list[tuple[bytes, int]]:
-        """Return up to `limit` messages that have arrived, each with the handle of its writer."""
         taken = ddspy_take(self._reader._ref, UNREAD, limit)
-        if isinstance(taken, int):
-            return []
-        return [(data, info.publication_handle) for data, info in taken if info.valid_data]
-
-    def writer_of(self, handle: int) -> Any:
-        """Return the writer with a handle, a DcpsEndpoint, or None if it does not match any more."""
-        return self._reader.get_matched_publication_data(handle)
-
-    def matched(self) -> list[Any]:
-        """Return the matching writers, each a DcpsEndpoint."""
-        found = map(self.writer_of, self._reader.get_matched_publications())
-        return [writer for writer in found if writer is not None]
+        return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
 
     def writers(self) -> int:
         """Return the number of matching writers, and clear the event that reported a change."""
@@ -254,12 +234,18 @@ class Events:
         self._set = WaitSet(participant)
         self._sources: list[Any] = []
         self._found = (ctypes.c_ssize_t * EVENTS_MAX)()
+        self._put: deque[object] = deque()
         self._attach(self._guard, None)
 
     def attach(self, source: Any) -> None:
         """Add a source to wait for: a RawWriter, a RawReader, or any object with such `entities`."""
         for entity in source.entities:
             self._attach(entity, source)
+
+    def put(self, source: object) -> None:
+        """Report an event of a source that is not of Cyclone DDS, from any thread."""
+        self._put.append(source)
+        self.wake()
 
     def wake(self) -> None:
         """End a wait, from any thread."""
@@ -271,6 +257,8 @@ class Events:
         found = [self._sources[index] for index in self._found[: max(0, min(count, EVENTS_MAX))]]
         if None in found:
             self._guard.take()
+        while self._put:
+            found.append(self._put.popleft())
         return [source for source in found if source is not None]
 
     def _attach(self, entity: Entity, source: Any) -> None:

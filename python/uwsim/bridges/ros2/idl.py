@@ -18,9 +18,6 @@ PRIMITIVES: dict[str, Any] = {
     )},
 }  # fmt: skip
 
-CALL_HEADER: dict[str, Any] = {"call_client": idl.uint64, "call_sequence": idl.int64}
-"""The fields that rmw_cyclonedds puts before a request and its response (cdds_request_header_t in its serdata.hpp)."""
-
 
 @cache
 def idl_type(name: str, distro: Distro) -> type[IdlStruct]:
@@ -30,8 +27,7 @@ def idl_type(name: str, distro: Distro) -> type[IdlStruct]:
     """
     package, group, short = name.split("/")
     definition = store_of(distro).fielddefs[name][1]
-    fields = CALL_HEADER if group == "srv" else {}
-    fields = fields | {field: _field(kind_of(description), distro) for field, description in definition}
+    fields = {field: _field(kind_of(description), distro) for field, description in definition}
     made: type[IdlStruct] = make_idl_struct(f"{short}_", f"{package}.{group}.dds_.{short}_", fields)
     return made
 

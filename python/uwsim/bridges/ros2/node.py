@@ -30,10 +30,6 @@ from uwsim.live import LiveSimulator
 LOOK_S = 0.5  # interval at which idle threads check whether to stop
 PAUSE_S = 0.001  # pause between reads, so that a flood of messages cannot use up the processor
 OPEN_CALLS_MAX = 100
-NO_RESPONSE = (
-    "a client does not use rmw_cyclonedds, so that its calls will not be received: set "
-    "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp there, or publish to the topic of the same name"
-)
 
 
 def transport_of(settings: Ros2Settings, node: str) -> Transport:
@@ -78,10 +74,8 @@ class Ros2Node(Bridge):
         self.name = node_name(namespace)
         self.settings = settings or Ros2Settings()
         self._reliable: list[Channel] = []
-        self._has_services = live is not None and self.settings.has_services
-        if self._has_services:
-            load_service_types(self.settings.distro)
         if live is not None:
+            load_service_types(self.settings.distro)
             self._reliable = service_channels(services, self.call, self._say)
             self._reliable += channels_in(namespace, [parameter_channel(self._say)])
         self.channels = [*channels, *self._reliable]
@@ -100,8 +94,8 @@ class Ros2Node(Bridge):
         for channel in self.channels:
             self._join(channel)
         self._parameter_events: ParameterEvents | None = None
-        if self._has_services:
-            self._serve(require_live(live), services)
+        if live is not None:
+            self._serve(live, services)
         self.keep_up()
         self._transport.announce()
         self._thread = threading.Thread(target=self._listen, name="uwsim-ros2-read", daemon=True)
@@ -175,8 +169,6 @@ class Ros2Node(Bridge):
     def _take_calls(self, server: Server) -> None:
         """Make the calls that have arrived."""
         service = server.service
-        if server.strangers():
-            self._say(WARN, f"/{service.name}: {NO_RESPONSE}")
         for call in server.take(DEPTH):
             try:
                 request = request_values(service.type, from_bytes(call.request, request_type(service.type)))

@@ -41,10 +41,9 @@ class Ros2Settings:
     domain_id: like ROS_DOMAIN_ID, [0, 232].
 
     reach: "localhost" for communication within this machine, "subnet" for all hosts reachable by multicast. peers:
-    names or addresses of further hosts that multicast does not reach. rmw: the middleware of the peers. Those with
-    rmw_cyclonedds or rmw_zenoh are offered services; those with rmw_fastrtps are not, since they could not receive our
-    responses. With rmw_zenoh, peers are other machines' routers, HOST or HOST:PORT.
-    Raises ValueError.
+    names or addresses of further hosts that multicast does not reach. rmw: the middleware of the peers;
+    "fastrtps" and "cyclonedds" are both DDS, and served alike. With "zenoh", peers are other machines' routers, HOST or
+    HOST:PORT. Raises ValueError.
     """
 
     distro: Distro = "jazzy"
@@ -69,13 +68,7 @@ class Ros2Settings:
     def __str__(self) -> str:
         """Return a short description, shown at start-up."""
         where = "on this machine alone" if self.reach == "localhost" else "on the subnet"
-        services = "services and parameters" if self.has_services else "no services: its topics call them"
-        return f"{self.distro}, domain {self.domain_id}, {where}, for rmw_{self.rmw} ({services})"
-
-    @property
-    def has_services(self) -> bool:
-        """True if services and parameters are offered."""
-        return self.rmw != "fastrtps"
+        return f"{self.distro}, domain {self.domain_id}, {where}" + (" by Zenoh" if self.rmw == "zenoh" else "")
 
     @property
     def config(self) -> str:

@@ -45,9 +45,6 @@ class Server(Protocol):
     def take(self, limit: int) -> list[Call]:
         """Return up to `limit` calls that have arrived."""
 
-    def strangers(self) -> int:
-        """Return the number of peers newly found that cannot call it."""
-
 
 class Events(Protocol):
     """Waits for messages and calls, and for readers and writers that come and go."""

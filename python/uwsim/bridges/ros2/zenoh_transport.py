@@ -219,10 +219,6 @@ class ZenohServer:
                 query.drop()
         return calls
 
-    def strangers(self) -> int:
-        """Return 0: a session that reaches us can call us."""
-        return 0
-
     def _reply(self, query: Any, asked: bytes, response: memoryview) -> bool:
         sequence, _, _, gid = ATTACHMENT.unpack(asked)
         query.reply(self._key, bytes(response), attachment=attachment(sequence, time.time_ns(), gid))

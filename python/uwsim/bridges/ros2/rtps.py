@@ -1,0 +1,193 @@
+"""RTPS 2.2 messages, as far as services need them: data, heartbeats, acknowledgements and lists of parameters.
+
+The sections are those of the OMG's RTPS 2.5 specification.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK, INFO_DST = 0x15, 0x16, 0x08, 0x07, 0x06, 0x0E  # section 9.4.5
+PL_CDR_LE = b"\x00\x03\x00\x00"
+LITTLE, INLINE_QOS, HAS_DATA = 0x01, 0x02, 0x04
+SENTINEL, TOPIC_NAME, DEFAULT_UNICAST, METATRAFFIC_UNICAST = 0x01, 0x05, 0x31, 0x32  # section 9.6.3
+PARTICIPANT_GUID, ENDPOINT_GUID = 0x50, 0x5A
+RELATED_IDENTITIES = (0x83, 0x800F)  # related sample identity: of DDS-RPC, and of earlier versions of Fast DDS
+FRAGMENT = 60_000
+WINDOW = 256  # numbers in one set
+UNKNOWN = bytes(4)
+
+
+class Data(NamedTuple):
+    """A sample. qos: its inline QoS, parameters by their numbers."""
+
+    reader: bytes
+    writer: bytes
+    number: int
+    qos: Mapping[int, bytes]
+    payload: bytes
+
+
+class Heartbeat(NamedTuple):
+    """The samples that a writer has."""
+
+    reader: bytes
+    writer: bytes
+    first: int
+    last: int
+    is_final: bool
+
+
+class Missing(NamedTuple):
+    """An acknowledgement of all samples before `base`, and the samples that a reader lacks."""
+
+    reader: bytes
+    writer: bytes
+    base: int
+    numbers: tuple[int, ...]
+
+
+class Gap(NamedTuple):
+    """Samples that will not come."""
+
+    reader: bytes
+    writer: bytes
+    numbers: tuple[int, ...]
+
+
+Submessage = Data | Heartbeat | Missing | Gap
+
+
+def header(prefix: bytes, vendor: bytes) -> bytes:
+    """Return the header of a message. prefix: of the sender's GUID."""
+    return b"RTPS\x02\x02" + vendor + prefix
+
+
+def to_participant(prefix: bytes) -> bytes:
+    """Return the submessage that names the receiver of those behind it."""
+    return _submessage(INFO_DST, 0, prefix)
+
+
+def data(reader: bytes, writer: bytes, number: int, payload: bytes, qos: bytes = b"") -> list[bytes]:
+    """Return the submessages of a sample, one or, if it is long, fragments, each for a message of its own."""
+    head = reader + writer + _number(number)
+    if len(payload) <= FRAGMENT:
+        flags = HAS_DATA | (INLINE_QOS if qos else 0)
+        return [_submessage(DATA, flags, struct.pack("<HH", 0, 16) + head + qos + payload)]
+    found = []
+    for k, start in enumerate(range(0, len(payload), FRAGMENT), start=1):
+        part = payload[start : start + FRAGMENT]
+        body = struct.pack("<HH", 0, 28) + head + struct.pack("<IHHI", k, 1, FRAGMENT, len(payload))
+        flags = INLINE_QOS if qos and k == 1 else 0
+        found.append(_submessage(DATA_FRAG, flags, body + (qos if flags else b"") + part))
+    return found
+
+
+def heartbeat(reader: bytes, writer: bytes, first: int, last: int, count: int) -> bytes:
+    """Return the submessage that demands an acknowledgement."""
+    return _submessage(HEARTBEAT, 0, reader + writer + _number(first) + _number(last) + struct.pack("<i", count))
+
+
+def missing(reader: bytes, writer: bytes, base: int, numbers: Sequence[int], count: int) -> bytes:
+    """Return an acknowledgement of all samples before `base` that requests others, less than WINDOW beyond it."""
+    bits = max(numbers) - base + 1 if numbers else 0
+    words = [0] * -(-bits // 32)
+    for number in numbers:
+        words[(number - base) // 32] |= 0x8000_0000 >> (number - base) % 32
+    body = _number(base) + struct.pack(f"<I{len(words)}I", bits, *words)
+    return _submessage(ACKNACK, 0 if numbers else 0x02, reader + writer + body + struct.pack("<i", count))
+
+
+def parameters(values: Sequence[tuple[int, bytes]]) -> bytes:
+    """Return a list of parameters, ended by a sentinel."""
+    padded = [(number, value + bytes(-len(value) % 4)) for number, value in values]
+    return b"".join(struct.pack("<HH", number, len(value)) + value for number, value in padded) + b"\x01\0\0\0"
+
+
+def text(value: str) -> bytes:
+    """Return a string in CDR."""
+    encoded = value.encode() + b"\0"
+    return struct.pack("<I", len(encoded)) + encoded
+
+
+def read_parameters(content: bytes, order: str = "<") -> tuple[list[tuple[int, bytes]], int]:
+    """Return the parameters at the beginning of `content`, and the length of the list. Raises ValueError."""
+    found: list[tuple[int, bytes]] = []
+    at = 0
+    while True:
+        number, length = _unpack(f"{order}HH", content, at)
+        at += 4
+        if number == SENTINEL:
+            return found, at
+        found.append((number, content[at : at + length]))
+        at += length
+
+
+def read(packet: bytes, ours: bytes) -> tuple[bytes, bytes, list[Submessage]]:
+    """Return the vendor and the prefix of a message's sender, and its submessages for `ours`. Raises ValueError."""
+    if packet[:4] != b"RTPS" or len(packet) < 20:
+        raise ValueError(f"{len(packet)} bytes: no RTPS message")
+    return packet[6:8], packet[8:20], list(_read(packet, ours))
+
+
+def _read(packet: bytes, ours: bytes) -> Iterator[Submessage]:
+    at, is_for_us = 20, True
+    while at + 4 <= len(packet):
+        kind, flags = packet[at], packet[at + 1]
+        order = "<" if flags & LITTLE else ">"
+        (length,) = _unpack(f"{order}H", packet, at + 2)
+        body = packet[at + 4 : at + 4 + length] if length else packet[at + 4 :]
+        at += 4 + len(body)
+        if kind == INFO_DST:
+            is_for_us = body[:12] in (ours, bytes(12))
+        elif is_for_us and kind == DATA:
+            yield _read_data(body, flags, order)
+        elif is_for_us and kind == HEARTBEAT:
+            first, last = _read_number(body, 8, order), _read_number(body, 16, order)
+            yield Heartbeat(body[:4], body[4:8], first, last, bool(flags & 0x02))
+        elif is_for_us and kind == ACKNACK:
+            base, numbers = _read_set(body, 8, order)
+            yield Missing(body[:4], body[4:8], base, numbers)
+        elif is_for_us and kind == GAP:
+            start, (base, numbers) = _read_number(body, 8, order), _read_set(body, 16, order)
+            yield Gap(body[:4], body[4:8], (*range(start, min(base, start + WINDOW)), *numbers))
+
+
+def _read_data(body: bytes, flags: int, order: str) -> Data:
+    (to_qos,) = _unpack(f"{order}H", body, 2)
+    at, qos = 4 + to_qos, {}
+    if flags & INLINE_QOS:
+        found, length = read_parameters(body[at:], order)
+        qos, at = dict(found), at + length
+    return Data(body[4:8], body[8:12], _read_number(body, 12, order), qos, body[at:])
+
+
+def _submessage(kind: int, flags: int, body: bytes) -> bytes:
+    body += bytes(-len(body) % 4)
+    return struct.pack("<BBH", kind, flags | LITTLE, len(body)) + body
+
+
+def _number(number: int) -> bytes:
+    return struct.pack("<iI", number >> 32, number & 0xFFFF_FFFF)
+
+
+def _read_number(body: bytes, at: int, order: str) -> int:
+    high, low = _unpack(f"{order}iI", body, at)
+    return int(high << 32 | low)
+
+
+def _read_set(body: bytes, at: int, order: str) -> tuple[int, tuple[int, ...]]:
+    base, (bits,) = _read_number(body, at, order), _unpack(f"{order}I", body, at + 8)
+    if bits > WINDOW:
+        raise ValueError(f"a set of {bits} numbers: must be {WINDOW} at most")
+    words = _unpack(f"{order}{-(-bits // 32)}I", body, at + 12)
+    return base, tuple(base + k for k in range(bits) if words[k // 32] & 0x8000_0000 >> k % 32)
+
+
+def _unpack(form: str, content: bytes, at: int) -> tuple[int, ...]:
+    try:
+        return struct.unpack_from(form, content, at)
+    except struct.error as error:
+        raise ValueError(f"an RTPS message ends too early: {error}") from None

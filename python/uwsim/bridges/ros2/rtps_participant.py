@@ -1,0 +1,374 @@
+"""A small RTPS participant beside that of Cyclone DDS, for calls by peers with rmw_fastrtps or rmw_cyclonedds.
+
+The former match a response to its request by an inline QoS, the related sample identity, which the Cyclone DDS library
+cannot write; the latter by a header before the message. This participant has what services need: discovery (RTPS 2.5,
+sections 8.5.3 and 8.5.4) and, for each service, a reliable reader of requests and a reliable writer of responses.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import struct
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
+
+from uwsim.bridges.ros2 import rtps
+from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name, endpoint_data
+from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2Settings, multicast_port, unicast_port
+from uwsim.bridges.ros2.transport import Call
+from uwsim.channels import Service
+from uwsim.channels.service_types import request_type, response_type
+
+Address = tuple[str, int]
+OURS, FAST_DDS, CYCLONE_DDS = b"\0\0", b"\x01\x0f", b"\x01\x10"  # vendors, section 9.3.1.3; ours is "unknown"
+PARTICIPANT = b"\0\0\x01\xc1"  # entities, section 9.3.1.3
+SPDP_WRITER, SPDP_READER = b"\0\x01\0\xc2", b"\0\x01\0\xc7"
+PUBLICATIONS, SUBSCRIPTIONS = b"\0\0\x03\xc2", b"\0\0\x04\xc2"  # the writers by which endpoints are announced
+READER_OF = {PUBLICATIONS: b"\0\0\x03\xc7", SUBSCRIPTIONS: b"\0\0\x04\xc7"}
+PROTOCOL_VERSION, VENDOR, LEASE, BUILTIN_ENDPOINTS = 0x15, 0x16, 0x02, 0x58
+TYPE_NAME, RELIABILITY, DURABILITY, USER_DATA = 0x07, 0x1A, 0x1D, 0x2C
+BUILTINS = 0x3F  # participants, publications, subscriptions: announced and detected
+CDR_HEADER, CALL_HEADER = 4, 16  # bytes
+ANNOUNCE_S, LEASE_S = 1.0, 20
+KEPT = 100  # responses that may be sent again
+CALLS_MAX, PEERS_MAX, CLIENTS_MAX = 100, 200, 1000
+PACKET_BYTES = 65_536
+
+
+class History:
+    """The samples of a writer of ours: (number, submessages)."""
+
+    def __init__(self, writer: bytes, reader: bytes = rtps.UNKNOWN, kept: int | None = None) -> None:
+        self.writer, self.reader, self.last = writer, reader, 0
+        self.samples: deque[tuple[int, list[bytes]]] = deque(maxlen=kept)
+
+    def add(self, payload: bytes, qos: bytes = b"") -> list[bytes]:
+        """Add a sample; return its submessages."""
+        self.last += 1
+        self.samples.append((self.last, rtps.data(self.reader, self.writer, self.last, payload, qos)))
+        return self.samples[-1][1]
+
+    def heartbeat(self, count: int) -> bytes:
+        """Return a heartbeat for all samples."""
+        first = self.samples[0][0] if self.samples else 1
+        return rtps.heartbeat(self.reader, self.writer, first, self.last, count)
+
+
+class Track:
+    """The samples of another writer: all before `base` have arrived, or will not come."""
+
+    def __init__(self) -> None:
+        self.base = 1
+        self._beyond: set[int] = set()
+
+    def add(self, number: int) -> bool:
+        """Count a sample; return whether it is new. Those far beyond the others wait until they are sent again."""
+        if number < self.base or number in self._beyond or number >= self.base + 2 * rtps.WINDOW:
+            return False
+        self._beyond.add(number)
+        self._advance()
+        return True
+
+    def skip_to(self, first: int) -> None:
+        """Stop waiting for samples before `first`."""
+        self.base = max(self.base, first)
+        self._beyond = {number for number in self._beyond if number >= self.base}
+        self._advance()
+
+    def missing(self, last: int) -> list[int]:
+        """Return the numbers to request, up to `last`."""
+        upto = min(last, self.base + rtps.WINDOW - 1)
+        return [number for number in range(self.base, upto + 1) if number not in self._beyond]
+
+    def _advance(self) -> None:
+        while self.base in self._beyond:
+            self._beyond.remove(self.base)
+            self.base += 1
+
+
+class Peer:
+    """Another participant. Ports: of its discovery, and of its other endpoints."""
+
+    def __init__(self, vendor: bytes, host: str, discovery_port: int, port: int) -> None:
+        self.vendor = vendor
+        self.discovery: Address = (host, discovery_port)
+        self.address: Address = (host, port)
+        self.heard_s = time.monotonic()
+        self.tracks: dict[bytes, Track] = {}
+        self.clients: dict[bytes, RtpsServer] = {}  # by their writers
+        self.awaited: dict[bytes, int] = {}  # for each writer of ours, the first sample not acknowledged
+
+
+class RtpsServer:
+    """A `Server` by DDS."""
+
+    entities = ()  # of Cyclone DDS; its events are reported with `put`
+
+    def __init__(self, service: Service, number: int, put: Callable[[RtpsServer], object]) -> None:
+        self.service = service
+        self.reader, self.history = (
+            number.to_bytes(3, "big") + b"\x04",
+            History(number.to_bytes(3, "big") + b"\x03", kept=KEPT),
+        )
+        self._put = put
+        self._calls: deque[Call] = deque(maxlen=CALLS_MAX)
+
+    def receive(self, call: Call) -> None:
+        """Queue a call."""
+        self._calls.append(call)
+        self._put(self)
+
+    def take(self, limit: int) -> list[Call]:
+        """Return up to `limit` calls that have arrived."""
+        return [self._calls.popleft() for _ in range(min(limit, len(self._calls)))]
+
+
+class RtpsParticipant:
+    """The participant. `start` follows the last `server`. Raises OSError."""
+
+    def __init__(self, settings: Ros2Settings) -> None:
+        self._settings = settings
+        self.prefix = OURS + os.urandom(10)
+        self._host = "127.0.0.1" if settings.reach == "localhost" else _own_address()
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((self._host, 0))
+        self._socket.settimeout(0.2)
+        self._port: int = self._socket.getsockname()[1]
+        self._lock = threading.Lock()
+        self._peers: dict[bytes, Peer] = {}
+        self._servers: dict[str, RtpsServer] = {}  # by the topics of their requests
+        self._histories = {writer: History(writer, reader) for writer, reader in READER_OF.items()}
+        self._count = 0
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="uwsim-ros2-rtps", daemon=True)
+
+    def server(self, service: Service, put: Callable[[RtpsServer], object]) -> RtpsServer:
+        """Return a new server. put: called on the participant's thread when a call has arrived."""
+        server = RtpsServer(service, len(self._servers) + 1, put)
+        identity = f"serviceid={'.'.join(f'{byte:x}' for byte in self.prefix + server.reader)};"
+        name, (package, _, short) = dds_name(service.name).removeprefix("rt/"), service.type.split("/")
+        for writer, entity, topic, part, type_name in (
+            (SUBSCRIPTIONS, server.reader, f"rq/{name}Request", "Request", request_type(service.type)),
+            (PUBLICATIONS, server.history.writer, f"rr/{name}Reply", "Response", response_type(service.type)),
+        ):
+            hashed = identity.encode() + endpoint_data(type_name, self._settings.distro)
+            found = [
+                (rtps.ENDPOINT_GUID, self.prefix + entity),
+                (rtps.PARTICIPANT_GUID, self.prefix + PARTICIPANT),
+                (rtps.TOPIC_NAME, rtps.text(topic)),
+                (TYPE_NAME, rtps.text(f"{package}::srv::dds_::{short}_{part}_")),
+                (RELIABILITY, struct.pack("<IiI", 2, 0, 0x1999_9999)),
+                (DURABILITY, bytes(4)),
+                (USER_DATA, struct.pack("<I", len(hashed)) + hashed),
+            ]
+            self._histories[writer].add(rtps.PL_CDR_LE + rtps.parameters(found))
+        self._servers[f"rq/{name}Request"] = server
+        self._histories[server.history.writer] = server.history
+        return server
+
+    def guids(self) -> tuple[list[bytes], list[bytes]]:
+        """Return the identifiers of all readers and all writers."""
+        servers = self._servers.values()
+        return [self.prefix + one.reader for one in servers], [self.prefix + one.history.writer for one in servers]
+
+    def start(self) -> None:
+        """Announce the participant and its endpoints, and receive calls."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop."""
+        self._stopping.set()
+        if self._thread.is_alive():
+            self._thread.join(2.0)
+        self._socket.close()
+
+    def _run(self) -> None:
+        next_s = 0.0
+        while not self._stopping.is_set():
+            if time.monotonic() >= next_s:
+                next_s = time.monotonic() + ANNOUNCE_S
+                self._announce()
+            try:
+                packet, (host, _) = self._socket.recvfrom(PACKET_BYTES)
+            except OSError:  # a timeout, or a report that a port is closed
+                continue
+            try:
+                vendor, prefix, found = rtps.read(packet, self.prefix)
+                if vendor in (FAST_DDS, CYCLONE_DDS):
+                    with self._lock:
+                        for submessage in found:
+                            self._receive(vendor, prefix, host, submessage)
+            except ValueError as error:
+                logging.getLogger("uwsim.ros2").debug("%s", error)
+
+    # Discovery
+
+    def _announce(self) -> None:
+        """Announce the participant to all possible places, and repeat heartbeats that were not acknowledged."""
+        for address in self._places():
+            self._send(address, b"", self._participant_data())
+        with self._lock:
+            for prefix, peer in list(self._peers.items()):
+                if time.monotonic() - peer.heard_s > LEASE_S:
+                    del self._peers[prefix]
+                for writer, base in peer.awaited.items():
+                    if base <= self._histories[writer].last:
+                        self._send_to(prefix, peer, writer, self._heartbeat(self._histories[writer]))
+
+    def _places(self) -> Iterator[Address]:
+        domain, peers = self._settings.domain_id, self._settings.peers
+        if self._settings.reach == "subnet":
+            yield MULTICAST_GROUP, multicast_port(domain)
+        for host in (*peers, "127.0.0.1") if self._settings.reach == "localhost" else peers:
+            for participant in range(PARTICIPANTS_MAX):
+                yield host, unicast_port(domain, participant)
+
+    def _participant_data(self) -> bytes:
+        locator = struct.pack("<iI12x", 1, self._port) + socket.inet_aton(self._host)
+        found = [
+            (PROTOCOL_VERSION, b"\x02\x02"),
+            (VENDOR, OURS),
+            (rtps.PARTICIPANT_GUID, self.prefix + PARTICIPANT),
+            (rtps.DEFAULT_UNICAST, locator),
+            (rtps.METATRAFFIC_UNICAST, locator),
+            (LEASE, struct.pack("<iI", LEASE_S, 0)),
+            (BUILTIN_ENDPOINTS, struct.pack("<I", BUILTINS)),
+            (USER_DATA, struct.pack("<I", len(PARTICIPANT_DATA)) + PARTICIPANT_DATA),
+        ]
+        return rtps.data(SPDP_READER, SPDP_WRITER, 1, rtps.PL_CDR_LE + rtps.parameters(found))[0]
+
+    def _meet(self, vendor: bytes, prefix: bytes, host: str, payload: bytes) -> None:
+        """Notice a participant's announcement; send ours and our endpoints to a new one."""
+        if prefix in self._peers:
+            self._peers[prefix].heard_s = time.monotonic()
+            return
+        order = _order_of(payload)
+        found = dict(rtps.read_parameters(payload[4:], order)[0])
+        ports = []
+        for name in (rtps.METATRAFFIC_UNICAST, rtps.DEFAULT_UNICAST):
+            if len(found.get(name, b"")) != 24:
+                return  # it announces no address, or it leaves
+            ports.append(int(struct.unpack_from(f"{order}I", found[name], 4)[0]))
+        if len(self._peers) >= PEERS_MAX:
+            return
+        peer = self._peers[prefix] = Peer(vendor, host, *ports)
+        self._send(peer.discovery, prefix, self._participant_data())
+        for writer in READER_OF:
+            history = self._histories[writer]
+            for _, submessages in history.samples:
+                self._send(peer.discovery, prefix, *submessages)
+            peer.awaited[writer] = 1
+            self._send(peer.discovery, prefix, self._heartbeat(history))
+
+    # Samples
+
+    def _receive(self, vendor: bytes, prefix: bytes, host: str, found: rtps.Submessage) -> None:
+        if isinstance(found, rtps.Data) and found.writer == SPDP_WRITER:
+            self._meet(vendor, prefix, host, found.payload)
+        peer = self._peers.get(prefix)
+        if peer is None or found.writer == SPDP_WRITER:
+            return
+        if isinstance(found, rtps.Missing):
+            self._resend(prefix, peer, found)
+        elif isinstance(found, rtps.Data):
+            self._take(prefix, peer, found)
+        elif reader := READER_OF.get(found.writer) or self._reader_for(peer, found):
+            track = peer.tracks.setdefault(found.writer, Track())
+            if isinstance(found, rtps.Gap):
+                for number in found.numbers:
+                    track.add(number)
+            else:
+                track.skip_to(found.first)
+                wanted = track.missing(found.last)
+                if wanted or not found.is_final:
+                    self._count += 1
+                    answer = rtps.missing(reader, found.writer, track.base, wanted, self._count)
+                    self._send_to(prefix, peer, found.writer, answer)
+
+    def _reader_for(self, peer: Peer, found: rtps.Gap | rtps.Heartbeat) -> bytes | None:
+        server = peer.clients.get(found.writer)
+        return None if server is None else server.reader
+
+    def _take(self, prefix: bytes, peer: Peer, found: rtps.Data) -> None:
+        """Take a sample: the announcement of an endpoint, or a request."""
+        server = peer.clients.get(found.writer)
+        if found.writer not in READER_OF and server is None:
+            return  # its writer has not been announced yet: it will be sent again
+        if not peer.tracks.setdefault(found.writer, Track()).add(found.number) or not found.payload:
+            return
+        if found.writer == PUBLICATIONS:
+            known = dict(rtps.read_parameters(found.payload[4:], _order_of(found.payload))[0])
+            topic = known.get(rtps.TOPIC_NAME, b"")[4:].split(b"\0")[0].decode(errors="replace")
+            if topic in self._servers and len(peer.clients) < CLIENTS_MAX:
+                peer.clients[known.get(rtps.ENDPOINT_GUID, bytes(16))[12:]] = self._servers[topic]
+        elif server is not None and peer.vendor == CYCLONE_DDS:
+            start = CDR_HEADER + CALL_HEADER
+            if len(found.payload) >= start:
+                order = "<" if found.payload[1] & 1 else ">"
+                identity = struct.pack("<Qq", *struct.unpack(f"{order}Qq", found.payload[CDR_HEADER:start]))
+                request = found.payload[:CDR_HEADER] + found.payload[start:]
+                server.receive(Call(request, partial(self._respond, prefix, server.history, identity)))
+        elif server is not None:
+            client = next((found.qos[name] for name in rtps.RELATED_IDENTITIES if name in found.qos), bytes(16))[:16]
+            client = client if any(client) else prefix + found.writer
+            identity = client + struct.pack("<iI", found.number >> 32, found.number & 0xFFFF_FFFF)
+            server.receive(Call(found.payload, partial(self._respond, prefix, server.history, identity)))
+
+    def _respond(self, prefix: bytes, history: History, identity: bytes, response: memoryview) -> bool:
+        """Send a response, from the thread of a service."""
+        with self._lock:
+            peer = self._peers.get(prefix)
+            if peer is None:
+                return False
+            if peer.vendor == CYCLONE_DDS:
+                payload = bytes(response[:CDR_HEADER]) + identity + bytes(response[CDR_HEADER:])
+                submessages = history.add(payload)
+            else:
+                qos = rtps.parameters([(name, identity) for name in rtps.RELATED_IDENTITIES])
+                submessages = history.add(bytes(response), qos)
+            peer.awaited.setdefault(history.writer, 1)
+            for submessage in submessages:
+                self._send(peer.address, prefix, submessage)
+            self._send(peer.address, prefix, self._heartbeat(history))
+        return True
+
+    def _resend(self, prefix: bytes, peer: Peer, found: rtps.Missing) -> None:
+        history = self._histories.get(found.writer)
+        if history is None:
+            return
+        peer.awaited[found.writer] = found.base
+        for number, submessages in history.samples:
+            if number in found.numbers:
+                for submessage in submessages:
+                    self._send_to(prefix, peer, found.writer, submessage)
+        if found.numbers:
+            self._send_to(prefix, peer, found.writer, self._heartbeat(history))
+
+    def _heartbeat(self, history: History) -> bytes:
+        self._count += 1
+        return history.heartbeat(self._count)
+
+    def _send_to(self, prefix: bytes, peer: Peer, writer: bytes, submessage: bytes) -> None:
+        self._send(peer.discovery if writer in READER_OF else peer.address, prefix, submessage)
+
+    def _send(self, address: Address, prefix: bytes, submessage: bytes) -> None:
+        receiver = rtps.to_participant(prefix) if prefix else b""
+        with suppress(OSError):  # nothing listens there; what is lost is sent again
+            self._socket.sendto(rtps.header(self.prefix, OURS) + receiver + submessage, address)
+
+
+def _order_of(payload: bytes) -> str:
+    return "<" if payload[1:2] == b"\x03" else ">"
+
+
+def _own_address() -> str:
+    """Return this host's address in the network of the multicast group."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect((MULTICAST_GROUP, 1))
+        return str(probe.getsockname()[0])
