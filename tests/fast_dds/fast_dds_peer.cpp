@@ -4,10 +4,10 @@
 //   fast_dds_peer DOMAIN SECONDS [alone] [sub TOPIC TYPE reliable|best_effort volatile|latched]... [pub TOPIC HZ]...
 //   [call SERVICE TYPE COUNT]... [graph]
 //
-// call: calls a service with an empty request, as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp, rmw_client.cpp):
-// once both ends are matched, COUNT requests that name the reader of their responses; prints the responses that are its.
-// alone: it does not name the other side, which must find it. pub: geometry_msgs/Twist whose linear.x counts up. A line
-// of standard input ends it before the time.
+// call: calls a service with an empty request, as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp,
+// rmw_client.cpp): once both ends are matched, COUNT requests that name the reader of their responses; prints the
+// responses that are its. alone: it does not name the other side, which must find it. pub: geometry_msgs/Twist whose
+// linear.x counts up. A line of standard input ends it before the time.
 
 #include <poll.h>
 
@@ -167,7 +167,8 @@ class Client : public fd::DataReaderListener {
     fd::SampleInfo info;
     while (reader->take_next_sample(&payload, &info) == ReturnCode_t::RETCODE_OK) {
       const auto& identity = info.related_sample_identity;
-      if (!info.valid_data || (identity.writer_guid() != responses->guid() && identity.writer_guid() != requests->guid()))
+      if (!info.valid_data ||
+          (identity.writer_guid() != responses->guid() && identity.writer_guid() != requests->guid()))
         continue;
       std::string hex;
       for (auto byte : payload) hex += "0123456789abcdef"[byte >> 4], hex += "0123456789abcdef"[byte & 15];

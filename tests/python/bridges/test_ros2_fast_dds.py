@@ -11,7 +11,7 @@ import pytest
 from channel_tools import stamp_ns
 from fast_dds import BINARY, fast_dds_peer, sub
 from ros2_tools import free_domain, peer, until
-from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps, rtps_participant
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.channels import Channel, Table, build, channels
@@ -55,6 +55,20 @@ def test_calls_as_rmw_fastrtps_makes_them_are_answered_even_in_fragments(live, s
                 assert len(data) > 3 * rtps.FRAGMENT and listed == list(live.simulator.parameters)
         types = {one["topic"]: one["type"] for one in other.endpoints().values() if one["endpoint"] == "writer"}
         assert types[f"rr/{node.name}/get_parametersReply"] == f"{RCL}GetParameters_Response_"
+
+
+def test_a_server_that_leaves_is_unmatched_at_once(live, settings, monkeypatch):
+    monkeypatch.setattr(rtps_participant, "LEASE_S", 1000)
+    services = [service for service in Table(live.simulator).services if service.name == "dock"]
+    words = ["sub", "rr/dockReply", "std_srvs::srv::dds_::Trigger_Response_", "reliable", "volatile"]
+    with fast_dds_peer(settings.domain_id, *words) as other:
+
+        def counts():
+            return [line["count"] for line in list(other.lines) if "matched" in line]
+
+        with Ros2Node(live, [], services, settings):
+            until(lambda: counts() == [1], "a match")
+        until(lambda: counts() == [1, 0], "its end")
 
 
 def test_fast_dds_reads_the_values_that_were_sent(live, settings):

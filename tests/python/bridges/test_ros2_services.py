@@ -6,7 +6,7 @@ import pytest
 
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps
-from uwsim.bridges.ros2.rtps_participant import Track
+from uwsim.bridges.ros2.rtps_endpoints import Track
 from uwsim.channels import Table, build
 from uwsim.channels.cdr import store_of
 from uwsim.channels.messages import typestore

@@ -12,7 +12,8 @@ from uwsim.bridges.ros2.graph import (
     entities_info,
 )
 from uwsim.bridges.ros2.qos import reader_qos, writer_qos
-from uwsim.bridges.ros2.rtps_participant import RtpsParticipant, RtpsServer
+from uwsim.bridges.ros2.rtps_endpoints import RtpsServer
+from uwsim.bridges.ros2.rtps_participant import RtpsParticipant
 from uwsim.bridges.ros2.settings import Ros2Settings
 from uwsim.bridges.ros2.transport import DEPTH
 from uwsim.channels import Service

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK, INFO_DST = 0x15, 0x16, 0x08, 0x07, 0x06, 0x0E  # section 9.4.5
 PL_CDR_LE = b"\x00\x03\x00\x00"
-LITTLE, INLINE_QOS, HAS_DATA = 0x01, 0x02, 0x04
+LITTLE, INLINE_QOS, HAS_DATA, HAS_KEY = 0x01, 0x02, 0x04, 0x08
 SENTINEL, TOPIC_NAME, DEFAULT_UNICAST, METATRAFFIC_UNICAST = 0x01, 0x05, 0x31, 0x32  # section 9.6.3
-PARTICIPANT_GUID, ENDPOINT_GUID = 0x50, 0x5A
+PARTICIPANT_GUID, ENDPOINT_GUID, KEY_HASH, STATUS_INFO = 0x50, 0x5A, 0x70, 0x71
+DISPOSED_AND_UNREGISTERED = b"\0\0\0\3"  # section 9.6.4.9
 RELATED_IDENTITIES = (0x83, 0x800F)  # related sample identity: of DDS-RPC, and of earlier versions of Fast DDS
 FRAGMENT = 60_000
 WINDOW = 256  # numbers in one set
@@ -83,6 +84,13 @@ def data(reader: bytes, writer: bytes, number: int, payload: bytes, qos: bytes =
         flags = INLINE_QOS if qos and k == 1 else 0
         found.append(_submessage(DATA_FRAG, flags, body + (qos if flags else b"") + part))
     return found
+
+
+def gone(reader: bytes, writer: bytes, number: int, guid: bytes) -> bytes:
+    """Return the submessage by which a participant leaves: it disposes of its announcement, whose key is its GUID."""
+    qos = parameters([(KEY_HASH, guid), (STATUS_INFO, DISPOSED_AND_UNREGISTERED)])
+    body = struct.pack("<HH", 0, 16) + reader + writer + _number(number) + qos
+    return _submessage(DATA, INLINE_QOS | HAS_KEY, body + PL_CDR_LE + parameters([(PARTICIPANT_GUID, guid)]))
 
 
 def heartbeat(reader: bytes, writer: bytes, first: int, last: int, count: int) -> bytes:

@@ -13,13 +13,13 @@ import socket
 import struct
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 
 from uwsim.bridges.ros2 import rtps
 from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name, endpoint_data
+from uwsim.bridges.ros2.rtps_endpoints import History, Peer, RtpsServer, Track
 from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2Settings, multicast_port, unicast_port
 from uwsim.bridges.ros2.transport import Call
 from uwsim.channels import Service
@@ -36,97 +36,8 @@ TYPE_NAME, RELIABILITY, DURABILITY, USER_DATA = 0x07, 0x1A, 0x1D, 0x2C
 BUILTINS = 0x3F  # participants, publications, subscriptions: announced and detected
 CDR_HEADER, CALL_HEADER = 4, 16  # bytes
 ANNOUNCE_S, LEASE_S = 1.0, 20
-KEPT = 100  # responses that may be sent again
-CALLS_MAX, PEERS_MAX, CLIENTS_MAX = 100, 200, 1000
+PEERS_MAX, CLIENTS_MAX = 200, 1000
 PACKET_BYTES = 65_536
-
-
-class History:
-    """The samples of a writer of ours: (number, submessages)."""
-
-    def __init__(self, writer: bytes, reader: bytes = rtps.UNKNOWN, kept: int | None = None) -> None:
-        self.writer, self.reader, self.last = writer, reader, 0
-        self.samples: deque[tuple[int, list[bytes]]] = deque(maxlen=kept)
-
-    def add(self, payload: bytes, qos: bytes = b"") -> list[bytes]:
-        """Add a sample; return its submessages."""
-        self.last += 1
-        self.samples.append((self.last, rtps.data(self.reader, self.writer, self.last, payload, qos)))
-        return self.samples[-1][1]
-
-    def heartbeat(self, count: int) -> bytes:
-        """Return a heartbeat for all samples."""
-        first = self.samples[0][0] if self.samples else 1
-        return rtps.heartbeat(self.reader, self.writer, first, self.last, count)
-
-
-class Track:
-    """The samples of another writer: all before `base` have arrived, or will not come."""
-
-    def __init__(self) -> None:
-        self.base = 1
-        self._beyond: set[int] = set()
-
-    def add(self, number: int) -> bool:
-        """Count a sample; return whether it is new. Those far beyond the others wait until they are sent again."""
-        if number < self.base or number in self._beyond or number >= self.base + 2 * rtps.WINDOW:
-            return False
-        self._beyond.add(number)
-        self._advance()
-        return True
-
-    def skip_to(self, first: int) -> None:
-        """Stop waiting for samples before `first`."""
-        self.base = max(self.base, first)
-        self._beyond = {number for number in self._beyond if number >= self.base}
-        self._advance()
-
-    def missing(self, last: int) -> list[int]:
-        """Return the numbers to request, up to `last`."""
-        upto = min(last, self.base + rtps.WINDOW - 1)
-        return [number for number in range(self.base, upto + 1) if number not in self._beyond]
-
-    def _advance(self) -> None:
-        while self.base in self._beyond:
-            self._beyond.remove(self.base)
-            self.base += 1
-
-
-class Peer:
-    """Another participant. Ports: of its discovery, and of its other endpoints."""
-
-    def __init__(self, vendor: bytes, host: str, discovery_port: int, port: int) -> None:
-        self.vendor = vendor
-        self.discovery: Address = (host, discovery_port)
-        self.address: Address = (host, port)
-        self.heard_s = time.monotonic()
-        self.tracks: dict[bytes, Track] = {}
-        self.clients: dict[bytes, RtpsServer] = {}  # by their writers
-        self.awaited: dict[bytes, int] = {}  # for each writer of ours, the first sample not acknowledged
-
-
-class RtpsServer:
-    """A `Server` by DDS."""
-
-    entities = ()  # of Cyclone DDS; its events are reported with `put`
-
-    def __init__(self, service: Service, number: int, put: Callable[[RtpsServer], object]) -> None:
-        self.service = service
-        self.reader, self.history = (
-            number.to_bytes(3, "big") + b"\x04",
-            History(number.to_bytes(3, "big") + b"\x03", kept=KEPT),
-        )
-        self._put = put
-        self._calls: deque[Call] = deque(maxlen=CALLS_MAX)
-
-    def receive(self, call: Call) -> None:
-        """Queue a call."""
-        self._calls.append(call)
-        self._put(self)
-
-    def take(self, limit: int) -> list[Call]:
-        """Return up to `limit` calls that have arrived."""
-        return [self._calls.popleft() for _ in range(min(limit, len(self._calls)))]
 
 
 class RtpsParticipant:
@@ -182,10 +93,13 @@ class RtpsParticipant:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop."""
+        """Stop, and notify the other participants, which would otherwise wait for its responses."""
         self._stopping.set()
         if self._thread.is_alive():
             self._thread.join(2.0)
+            gone = rtps.gone(SPDP_READER, SPDP_WRITER, 2, self.prefix + PARTICIPANT)
+            for prefix, peer in self._peers.items():
+                self._send(peer.discovery, prefix, gone)
         self._socket.close()
 
     def _run(self) -> None:
