@@ -95,6 +95,10 @@ def test_five_processes_make_the_map_of_one(tmp_path):
     assert len((tmp_path / "chain.bt").read_bytes()) > 20_000
 
 
+def test_the_map_is_octomaps_own():
+    assert MapBuilder().map.engine == "octomap"
+
+
 def test_clouds_wait_for_the_transforms_of_their_time():
     builder = MapBuilder()
     stamp = default_message("builtin_interfaces/msg/Time")

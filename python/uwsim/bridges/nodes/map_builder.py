@@ -20,10 +20,13 @@ REACH_M = 95.0
 
 
 class MapBuilder:
-    """A map in odom with 0.2 m voxels. inserted: number of clouds in the map."""
+    """A map in odom with 0.2 m voxels, built by OctoMap's own insertPointCloud, as in the paper.
+
+    inserted: number of clouds in the map.
+    """
 
     def __init__(self) -> None:
-        self.map = OccupancyMap(VOXEL_M, on_outside="count")
+        self.map = OccupancyMap(VOXEL_M, engine="octomap", on_outside="count")
         self.inserted = 0
         self._poses: dict[tuple[str, str], deque[tuple[int, NDArray[np.float64]]]] = {
             link: deque(maxlen=REMEMBERED) for link in CHAIN
