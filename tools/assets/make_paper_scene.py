@@ -1,4 +1,4 @@
-"""Generate the meshes of the scenario `paper`: station, ring gate and rocks; needs manifold3d and trimesh.
+"""Generate the meshes of the scenario `paper`: station and rocks; needs manifold3d and trimesh.
 
 Metres, z up. Their dimensions are those of the published simulator's scene (LawnTest.unity), as far as it has them;
 their shapes are our own.
@@ -6,7 +6,6 @@ their shapes are our own.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,6 @@ LEG_M = 8.12
 """Half of the distance between the legs' axes."""
 PIVOT_M = (9.15, 8.65, -6.4)
 """The middle of the platform at the waterline, seen from the published station's origin, from which it is ranged."""
-RING_M, BAR_M, SEGMENTS = 6.6, 0.38, 24
 
 
 def rails() -> list[Manifold]:
@@ -82,27 +80,6 @@ def station() -> dict[Colour, list[Manifold]]:
     }
 
 
-def ring_gate() -> dict[Colour, list[Manifold]]:
-    """Return a ring to fly through along x, in two colours by turns."""
-    light, deep = (0.02, 0.75, 0.80), (0.02, 0.08, 0.60)
-    rows: dict[Colour, list[Manifold]] = {light: [], deep: []}
-    angles = np.linspace(0, 2 * math.pi, SEGMENTS + 1)
-    discs = [_disc(angle) for angle in angles]
-    for k in range(SEGMENTS):
-        rows[light if k // 2 % 2 else deep].append(hull([*discs[k], *discs[k + 1]]))
-    return rows
-
-
-def _disc(angle: float) -> list[tuple[float, float, float]]:
-    """Return a cross-section of the ring's bar."""
-    turns = np.linspace(0, 2 * math.pi, 12, endpoint=False)
-    radii = RING_M + BAR_M * np.cos(turns)
-    return [
-        (float(BAR_M * math.sin(turn)), float(radius * math.cos(angle)), float(radius * math.sin(angle)))
-        for turn, radius in zip(turns, radii, strict=True)
-    ]
-
-
 def rocks() -> Manifold:
     """Return a field of boulders on a bed at z = 0, of 30 m across."""
     random = np.random.default_rng(33)
@@ -120,7 +97,6 @@ def main() -> None:
     """Write the meshes."""
     platform, colours = united_by_colour(station())
     write_glb(platform.translate(PIVOT_M), colours, MESHES / "paper_station.glb")
-    write_glb(*united_by_colour(ring_gate()), MESHES / "ring_gate.glb")
     write_obj(rocks(), MESHES / "rocks.obj", "made by tools/assets/make_paper_scene.py; metres, z up")
 
 

@@ -86,7 +86,7 @@ def test_it_lies_between_mountains_of_many_times_the_height_of_its_station(paper
 
 def test_gates_are_rings_that_a_vehicle_can_fly_through(paper):
     gates = [item for item in paper.scenario.obstacles if item.name.startswith("gate")]
-    assert len(gates) == 4
+    assert [gate.kind for gate in gates] == ["ring"] * 4
     for gate in gates:
         yaw = math.radians(gate.yaw_pitch_roll_deg[0])
         ahead, across = (math.cos(yaw), math.sin(yaw), 0.0), (-math.sin(yaw), math.cos(yaw), 0.0)

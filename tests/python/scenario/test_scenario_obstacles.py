@@ -48,6 +48,17 @@ def test_boxes_and_cylinders_have_their_size_and_pose() -> None:
     np.testing.assert_allclose(lying.vertices[:, :2].max(axis=0), reach + 0.5 * reach[::-1] / 3, atol=0.02)
 
 
+def test_a_ring_is_a_torus_that_can_be_flown_through_along_its_x() -> None:
+    ring = build(
+        kind="ring", major_radius_m=3, minor_radius_m=0.5, position_m=[1, 2, -9], yaw_pitch_roll_deg=[90, 0, 0]
+    )
+    np.testing.assert_allclose(ring.bounds, [[-2.5, 1.5, -12.5], [4.5, 2.5, -5.5]], atol=1e-9)
+    assert ring.volume == pytest.approx(2 * np.pi * 3 * POLYGON_AREA * 0.25, rel=2e-3)  # Pappus
+    assert not is_hit(ring, [1, -5, -9])
+    assert is_hit(ring, [1, -5, -6])
+    assert is_hit(ring, [3.8, -5, -9])
+
+
 @given(
     bend_deg=st.floats(-120, 120),
     climb=st.floats(-0.5, 0.5),
@@ -99,6 +110,10 @@ def test_an_obstacle_outside_the_terrain_is_refused() -> None:
     [
         ({"kind": "pipeline", "points_m": [[0, 0], [10, 0], [0, 1]], "radius_m": 1}, "the pipe bends by 174 deg"),
         ({"kind": "pipeline", "points_m": [[0, 0], [0, 0]], "radius_m": 1}, "occurs twice in a row"),
+        (
+            {"kind": "ring", "position_m": [0, 0, -5], "major_radius_m": 1, "minor_radius_m": 1},
+            r"below major_radius_m \(1 m\)",
+        ),
         ({"kind": "gate", "position_m": [0, 0], "width_m": 1, "height_m": 1, "bar_radius_m": 0.5}, "below half"),
         ({"kind": "gate", "position_m": [0, 0], "width_m": 2, "height_m": 1, "lower_bar_m": 1}, "below height_m"),
     ],

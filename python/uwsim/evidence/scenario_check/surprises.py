@@ -60,7 +60,8 @@ def _of_obstacle(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
         yield f"{name} is {100 * obstacle.buried_share:.0f} % below the bed; {_hint(obstacle)}"
     if obstacle.above_water_share > HIDDEN:
         yield f"{name} is all above the water"
-    elif obstacle.clearance_m > FLOATING_M and obstacle.highest_m < 0.0:  # what reaches the surface may float
+    elif obstacle.kind != "ring" and obstacle.clearance_m > FLOATING_M and obstacle.highest_m < 0.0:
+        # Rings are made to hang, and what reaches the surface may float.
         yield f"{name} hangs {obstacle.clearance_m:.1f} m above the bed; {_hint(obstacle)}"
 
 

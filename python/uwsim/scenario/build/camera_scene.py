@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import numpy as np
 
 from uwsim import _core
 from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.read.textures import Texture, load_texture
+from uwsim.scenario.build.obstacles import RING_SEGMENTS, SIDES
+from uwsim.scenario.read.textures import Texture, load_texture, palette_texture
 from uwsim.scenario.spec.material import Material
-from uwsim.scenario.spec.obstacle import Gate, MeshObstacle, ObstacleSpec, Pipeline
+from uwsim.scenario.spec.obstacle import Gate, MeshObstacle, ObstacleSpec, Pipeline, Ring
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 
-CLASSES: dict[type, str] = {Pipeline: "pipeline", Gate: "gate"}
+CLASSES: dict[type, str] = {Pipeline: "pipeline", Gate: "gate", Ring: "gate"}
 """Surface classes by kind of obstacle; all other kinds are structures."""
+STRIPES = 12
+"""Stripes around a ring."""
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
@@ -23,11 +26,12 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     scene.set_ground(ground.bed, ground.steep, ground.land)
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
-        file = obstacle.file if isinstance(obstacle, MeshObstacle) else None
-        _set_appearance(scene, label_of[obstacle.name], _class(obstacle), obstacle.material, file)
+        texture = _texture(obstacle)
+        _set_appearance(scene, label_of[obstacle.name], _class(obstacle), obstacle.material, texture)
     if "station" in label_of:
         station = scenario.station
-        _set_appearance(scene, label_of["station"], "station", station.material, station.mesh)
+        texture = load_texture(station.mesh) if station.mesh is not None and station.material.colour is None else None
+        _set_appearance(scene, label_of["station"], "station", station.material, texture)
     for vehicle in scenario.vehicles:
         material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
         texture = _hull_texture(vehicle.model, len(triangles))
@@ -39,14 +43,25 @@ def _class(obstacle: ObstacleSpec) -> str:
     return CLASSES.get(type(obstacle), "structure")
 
 
+def _texture(obstacle: ObstacleSpec) -> Texture | None:
+    """Return the stripes of a ring, or the colours of a mesh file unless the material has its own."""
+    if isinstance(obstacle, Ring) and obstacle.stripes is not None:
+        each = np.repeat(np.tile(np.array(obstacle.stripes), (STRIPES // 2, 1)), RING_SEGMENTS // STRIPES, axis=0)
+        return palette_texture(np.repeat(each, 2 * SIDES, axis=0))
+    if isinstance(obstacle, MeshObstacle) and obstacle.material.colour is None:
+        return load_texture(obstacle.file)
+    return None
+
+
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
     """Return the colours of the mesh file, unless the material has one or closing the mesh changed its triangles."""
     texture = load_texture(model.mesh) if model.material.colour is None else None
     return texture if texture is not None and len(texture[1]) == triangles else None
 
 
-def _set_appearance(scene: _core.CameraScene, label: int, kind: str, material: Material, file: Path | None) -> None:
-    """Set the material of a solid; the colours of its mesh file, if any, apply unless the material has its own."""
-    texture = load_texture(file) if file is not None and material.colour is None else None
+def _set_appearance(
+    scene: _core.CameraScene, label: int, kind: str, material: Material, texture: Texture | None
+) -> None:
+    """Set the material of a solid; a texture overrides its colour."""
     colour = None if texture is not None else material.colour
     scene.set_appearance(label, material.kind, kind, colour, *texture or ())

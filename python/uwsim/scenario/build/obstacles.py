@@ -1,4 +1,4 @@
-"""Obstacles in the world frame: closed triangle meshes, and exact shapes for round ones.
+"""Obstacles in the world frame: closed triangle meshes, and exact shapes for round ones except rings.
 
 Rays hit the exact shapes. Contacts, and the ground truth for map scores, use the mesh: its vertices lie on the round
 surface, and its facets at most 0.5 % of the radius inside it.
@@ -20,18 +20,20 @@ from uwsim.scenario.build.terrain import Terrain
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, joined, load_mesh
-from uwsim.scenario.spec.obstacle import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline, Sphere
+from uwsim.scenario.spec.obstacle import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline, Ring, Sphere
 
 SIDES = 32
 """Sides of a round cross-section: their midpoints are r (1 - cos(pi / 32)) = 0.48 % of the radius inside the circle."""
 BALL_SUBDIVISIONS = 4
 """Subdivisions of an icosahedron: the facets lie at most 0.1 % of the radius inside the sphere."""
+RING_SEGMENTS = 72
+"""Segments around a ring; the chords of its axis are 0.1 % of the major radius inside the circle."""
 POST_FOOT_M = 0.5
 """Depth of a gate's posts below the bed, which hides their ends on a slope."""
 
 Mesh = tuple[Vertices, Triangles]
 Shapes = list[_core.RoundShape]
-Standing = Box | Cylinder | Sphere | MeshObstacle
+Standing = Box | Cylinder | Sphere | Ring | MeshObstacle
 
 
 class Solid(NamedTuple):
@@ -64,6 +66,8 @@ def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
             vertices, triangles = _created("icosphere", BALL_SUBDIVISIONS, obstacle.radius_m)
             shape = _core.RoundShape.sphere(obstacle.position_m, obstacle.radius_m)
             return Solid(vertices + np.asarray(obstacle.position_m), triangles, [shape])
+        case Ring():
+            return Solid(*_posed(_torus(obstacle.major_radius_m, obstacle.minor_radius_m), obstacle), [])
         case MeshObstacle():
             return Solid(*_posed(load_mesh(obstacle.file, scale=obstacle.scale, up=obstacle.up), obstacle), [])
         case _:
@@ -93,13 +97,26 @@ def _created(shape: str, *arguments: Any) -> Mesh:
     return cast(Mesh, cached_arrays(make, shape, *given))
 
 
-def _in_world(obstacle: Box | Cylinder | MeshObstacle, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_world(obstacle: Box | Cylinder | Ring | MeshObstacle, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
     turn = of_yaw_pitch_roll_deg(obstacle.yaw_pitch_roll_deg)
     return turned(turn, points_m) + np.asarray(obstacle.position_m, np.float64)
 
 
-def _posed(mesh: Mesh, obstacle: Box | MeshObstacle) -> Mesh:
+def _posed(mesh: Mesh, obstacle: Box | Ring | MeshObstacle) -> Mesh:
     return _in_world(obstacle, mesh[0]), mesh[1]
+
+
+def _torus(major_m: float, minor_m: float) -> Mesh:
+    """Return a torus about x, one segment after the other."""
+    around = np.linspace(0, 2 * np.pi, RING_SEGMENTS, endpoint=False)[:, None]
+    along = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)[None, :]
+    radius_m = major_m + minor_m * np.cos(along)
+    points = [np.broadcast_to(minor_m * np.sin(along), (RING_SEGMENTS, SIDES))]
+    points += [radius_m * np.cos(around), radius_m * np.sin(around)]
+    a = np.arange(RING_SEGMENTS * SIDES).reshape(RING_SEGMENTS, SIDES)
+    b, after, beyond = np.roll(a, -1, axis=1), np.roll(a, -1, axis=0), np.roll(a, (-1, -1), axis=(0, 1))
+    triangles = np.stack([a, beyond, b, a, after, beyond], axis=-1).reshape(-1, 3)
+    return np.stack(points, axis=-1).reshape(-1, 3), triangles.astype(np.uint32)
 
 
 def _bars(lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], radius_m: float) -> Solid:

@@ -67,8 +67,17 @@ def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
     if not given:
         return None
     linear = np.concatenate(parts)
+    return _encoded(linear)
+
+
+def _encoded(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # IEC 61966-2-1
     return np.asarray(np.rint(255.0 * encoded), np.uint8)
+
+
+def palette_texture(albedos: NDArray[np.float64]) -> Texture:
+    """Return a texture that gives each triangle its albedo (m, 3)."""
+    return _palette(_encoded(albedos))
 
 
 def _palette(colours: NDArray[np.uint8]) -> Texture:

@@ -1,6 +1,7 @@
 """Fixed obstacles in the water, selected by `kind`. All of them collide and produce echoes.
 
-For round obstacles, rays intersect the exact shapes; contacts and map scores use meshes, see build/obstacles.py.
+For round obstacles except rings, rays intersect the exact shapes; contacts and map scores use meshes, see
+build/obstacles.py.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
+from uwsim.scenario.spec.camera import Colour
 from uwsim.scenario.spec.fields import (
     AssetFile,
     Degrees,
@@ -147,6 +149,30 @@ class Sphere(Placed):
     radius_m: Size
 
 
+class Ring(Placed):
+    """A torus, such as a gate that hangs in the water; the passage is along its own x.
+
+    position_m: its centre (world), unless it is on_bed. major_radius_m: from the centre to the axis of the bar.
+    minor_radius_m: radius of the bar. stripes: albedos, by turns, of twelve stripes around the ring; they override the
+    material's.
+    """
+
+    kind: Literal["ring"]
+    name: Name
+    material: MaterialSpec = Material(kind="paint")
+    yaw_pitch_roll_deg: YawPitchRoll = LEVEL
+    major_radius_m: Size
+    minor_radius_m: Size
+    stripes: tuple[Colour, Colour] | None = None
+
+    @model_validator(mode="after")
+    def _is_open(self) -> Ring:
+        if self.minor_radius_m >= self.major_radius_m:
+            rule = f"must be below major_radius_m ({self.major_radius_m:g} m)"
+            raise broken(rule, at=("minor_radius_m",), value=self.minor_radius_m, unit="m")
+        return self
+
+
 class MeshObstacle(Placed):
     """An obstacle from a mesh file.
 
@@ -164,4 +190,4 @@ class MeshObstacle(Placed):
     up: Literal["y", "z"] | None = None
 
 
-ObstacleSpec = Annotated[Pipeline | Gate | Box | Cylinder | Sphere | MeshObstacle, Field(discriminator="kind")]
+ObstacleSpec = Annotated[Pipeline | Gate | Box | Cylinder | Sphere | Ring | MeshObstacle, Field(discriminator="kind")]
