@@ -18,9 +18,11 @@ def validate(
     suites: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Any of dynamics, sonar, imaging, camera, link, sound, control, estimation (default: all of these); reality, "
-            "which needs --data; peers, which compares with the libraries gsw, mujoco and opencv-python-headless.",
-            **one_of("dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation", "reality", "peers"),
+            help="Any of dynamics, sonar, imaging, camera, link, sound, control, estimation (default: all of these); "
+            "reality, which needs --data; peers, which compares with the libraries gsw, mujoco and opencv-python-headless.",
+            **one_of(
+                "dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation", "reality", "peers"
+            ),
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
