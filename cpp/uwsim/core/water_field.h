@@ -1,8 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <limits>
-#include <span>
 
 #include "uwsim/core/volume_parts.h"
 
@@ -37,11 +38,24 @@ struct DensityLayer {
   double at(double z_world_m) const { return density_kg_m3 + gradient_kg_m4 * (z_world_m - reference_m); }
 };
 
-/// The surface's height at the centre of an area, and conservative bounds over the whole area [m].
-struct SurfaceSpan {
-  double low_m = 0;
-  double high_m = 0;
-  double middle_m = 0;
+/// The surface over an area: conservative bounds of its height [m], and the plane that has its mean height and slopes.
+struct WaterSurface {
+  double low_m = 0, high_m = 0;
+  double mean_m = 0;  ///< height of the plane at the area's middle
+  double slope_x = 0, slope_y = 0;
+};
+
+/// An area of the surface: everything within `radius_m` of its middle. The mean is taken over a part of it, whose
+/// second moment per unit area about the middle is `spread_m2`: xx, xy, yy.
+struct SurfaceArea {
+  double x_world_m = 0, y_world_m = 0, radius_m = 0;
+  std::array<double, 3> spread_m2{};
+};
+
+/// Force [N] and moment about a volume's centroid [N m] per unit density [kg/m^3], world frame.
+struct VolumeLoad {
+  Eigen::Vector3d force_m4_s2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment_m5_s2 = Eigen::Vector3d::Zero();
 };
 
 /// The interface between the water and the force models: density, pressure, surface and motion at a position (world
@@ -58,21 +72,24 @@ class WaterField {
   virtual DensityLayer density_layer_at(double z_world_m) const = 0;
   /// Conservative bound on the surface's distance from z = 0 [m]; 0 if the surface is flat.
   virtual double wave_bound_m() const = 0;
-  /// Bounds of the surface within `radius_m` of a point: everything below low_m is wet, everything above high_m is dry.
-  virtual SurfaceSpan surface_span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const = 0;
+  /// Everything below low_m is wet, everything above high_m is dry.
+  virtual WaterSurface surface_over(const SurfaceArea& area, double time_s) const = 0;
   virtual double surface_height_at(double x_world_m, double y_world_m, double time_s) const = 0;  ///< [m]
   /// Pressure above atmospheric; 0 above the surface [Pa].
   virtual double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
   /// The gauge pressure of still water [Pa] that acts on hulls: the integral of rho g from z up to the surface at z =
   /// 0, without the effect of the water's compression. Negative above the surface.
   virtual double still_pressure_at(double z_world_m) const = 0;
-  /// Pressure head of each point: the height of still water [m] that exerts the same pressure, such that the gauge
+  /// Pressure head at a point: the height of still water [m] that exerts the same pressure, such that the gauge
   /// pressure is still_pressure_at(-head). Above the surface, it is minus the height above the surface.
-  virtual void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
-                              std::span<double> heads_m) const = 0;
+  virtual double pressure_head_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
   virtual WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
   /// The flow averaged over a volume, which may be as long as a wave.
   virtual VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const = 0;
+  /// The index of the division of a volume whose slices are short compared with the waves.
+  virtual std::size_t division_of(const VolumeParts& parts, double centre_z_m) const = 0;
+  /// The load due to the gradient of the waves' pressure on a volume below the surface, world frame.
+  virtual VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const = 0;
 };
 
 /// Water of uniform density with a flat surface at z = 0 and one steady, uniform current.
@@ -88,18 +105,17 @@ class EvenWater : public WaterField {
   bool has_one_density() const override { return true; }
   DensityLayer density_layer_at(double) const override { return {.density_kg_m3 = density_kg_m3}; }
   double wave_bound_m() const override { return 0; }
-  SurfaceSpan surface_span_at(double, double, double, double) const override { return {}; }
+  WaterSurface surface_over(const SurfaceArea&, double) const override { return {}; }
   double surface_height_at(double, double, double) const override { return 0; }
   double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double) const override {
     return point_world_m.z() < 0 ? still_pressure_at(point_world_m.z()) : 0;
   }
   double still_pressure_at(double z_world_m) const override { return -density_kg_m3 * gravity_m_s2 * z_world_m; }
-  void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double,
-                      std::span<double> heads_m) const override {
-    for (std::size_t k = 0; k < points_world_m.size(); ++k) heads_m[k] = -points_world_m[k].z();
-  }
+  double pressure_head_at(const Eigen::Vector3d& point_world_m, double) const override { return -point_world_m.z(); }
   WaterFlow flow_at(const Eigen::Vector3d&, double) const override { return {.velocity_m_s = current_world_m_s}; }
   VolumeFlow flow_over(const PlacedVolume&, double) const override { return {{.velocity_m_s = current_world_m_s}}; }
+  std::size_t division_of(const VolumeParts&, double) const override { return 0; }
+  VolumeLoad wave_load_on(const VolumePart&, const WaterSurface&, double) const override { return {}; }
 };
 
 }  // namespace uwsim

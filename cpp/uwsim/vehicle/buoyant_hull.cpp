@@ -8,11 +8,13 @@
 #include <limits>
 #include <utility>
 
+#include "uwsim/vehicle/mesh_slice.h"
+
 namespace uwsim {
 namespace {
 
-constexpr double kEdgePerRadius = 0.25;  // longest edge of a triangle under waves
-constexpr double kThinnest = 1e-9;       // slices with less than this fraction of the volume are left out
+constexpr double kThinnest = 1e-9;  // parts with less than this fraction of the volume are left out
+constexpr double kWavePitch = 3;    // see CutVolume
 
 /// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
 double smooth_step(double x) {
@@ -20,42 +22,77 @@ double smooth_step(double x) {
   return x * x * (3 - 2 * x);
 }
 
+/// `moments` are about `origin_m`.
+VolumePart part_of(const VolumeMoments& moments, const Eigen::Vector3d& origin_m) {
+  const Eigen::Vector3d centre = moments.first_m4 / moments.volume_m3;
+  return {moments.volume_m3, origin_m + centre, moments.second_m5 - moments.volume_m3 * centre * centre.transpose()};
+}
+
 }  // namespace
 
-/// A pose with derived values: the world's up in the body frame and the height of the hull's middle.
+BuoyantHull::Slice::Slice(TriangleMesh mesh, double pitch) {
+  Eigen::Vector3d low = mesh.vertices_m.front(), high = low;
+  for (const Eigen::Vector3d& v : mesh.vertices_m) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  middle_body_m = 0.5 * (low + high);
+  half_size_m = 0.5 * (high - low);
+  for (Eigen::Vector3d& v : mesh.vertices_m) {
+    v -= middle_body_m;
+    radius_m = std::max(radius_m, v.norm());
+  }
+  volume = CutVolume(mesh, pitch);
+}
+
+/// A slice and the direction in which heights are measured, such as the world's up, in the body frame.
+struct BuoyantHull::Cut {
+  const CutVolume& volume;
+  Eigen::Vector3d up_body;
+  double middle_z_m;     // height of the slice's middle
+  double half_height_m;  // conservative bound on how far the slice extends above and below its middle
+
+  Cut(const Slice& slice, const Eigen::Vector3d& up, double middle_z)
+      : volume(slice.volume),
+        up_body(up),
+        middle_z_m(middle_z),
+        half_height_m(std::min(slice.radius_m, up.cwiseAbs().dot(slice.half_size_m))) {}
+
+  /// Relative to the slice's middle.
+  VolumeMoments moments_below(double level_m, bool with_second) const {
+    if (middle_z_m + half_height_m <= level_m) return volume.whole();
+    if (middle_z_m - half_height_m >= level_m) return {};
+    return volume.below(up_body, level_m - middle_z_m, with_second);
+  }
+};
+
+/// A pose, and the whole hull at it.
 struct BuoyantHull::Placed {
   const Eigen::Vector3d& position_world_m;
   const Eigen::Matrix3d& world_from_body;
-  Eigen::Vector3d up_body;
-  double middle_z_m;
-  double half_height_m;  // conservative bound on how far the hull extends above and below its middle
+  Cut hull;
 
-  Placed(const BuoyantHull& hull, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
+  Placed(const BuoyantHull& of, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
       : position_world_m(position),
         world_from_body(rotation),
-        up_body(rotation.row(2)),
-        middle_z_m(position.z() + up_body.dot(hull.middle_body_m_)),
-        half_height_m(std::min(hull.radius_m_, up_body.cwiseAbs().dot(hull.half_size_m_))) {}
+        hull(of.whole_, rotation.row(2), position.z() + Eigen::Vector3d(rotation.row(2)).dot(of.whole_.middle_body_m)) {
+  }
+
+  double bottom_m() const { return hull.middle_z_m - hull.half_height_m; }
+  double top_m() const { return hull.middle_z_m + hull.half_height_m; }
+};
+
+/// Mass of displaced water, and its moment about a slice's middle.
+struct BuoyantHull::DisplacedMass {
+  double mass_kg = 0;
+  Eigen::Vector3d moment_kg_m = Eigen::Vector3d::Zero();
 };
 
 BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_body)) {
   require_closed(mesh_body_, "hull");
   solid_ = solid_properties(mesh_body_);
-  Eigen::Vector3d low = mesh_body_.vertices_m.front(), high = low;
-  for (const Eigen::Vector3d& v : mesh_body_.vertices_m) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  middle_body_m_ = 0.5 * (low + high);
-  half_size_m_ = 0.5 * (high - low);
-  TriangleMesh centred = mesh_body_;
-  for (Eigen::Vector3d& v : centred.vertices_m) {
-    v -= middle_body_m_;
-    radius_m_ = std::max(radius_m_, v.norm());
-  }
-  volume_ = CutVolume(centred);
+  whole_ = Slice(mesh_body_, 1);
   cut_into_slices();
-  pressure_ = HullPressure(mesh_body_, kEdgePerRadius * radius_m_);
 }
 
 void BuoyantHull::cut_into_slices() {
@@ -66,20 +103,21 @@ void BuoyantHull::cut_into_slices() {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(second);
   parts_.spread_m = axes.eigenvectors() * (3 / solid_.volume_m3 * axes.eigenvalues()).cwiseSqrt().asDiagonal();
   Eigen::Index longest = 0;
-  parts_.length_m = 2 * half_size_m_.maxCoeff(&longest);
-  const Eigen::Vector3d along = Eigen::Vector3d::Unit(longest);
+  parts_.length_m = 2 * whole_.half_size_m.maxCoeff(&longest);
+  slices_[0].emplace_back(mesh_body_, kWavePitch);
   for (std::size_t division = 1, count = 2; division < parts_.slices.size(); ++division, count *= 2) {
-    VolumeMoments before;
-    for (std::size_t k = 1; k <= count; ++k) {
-      const double level_m = half_size_m_(longest) * (2.0 * static_cast<double>(k) / static_cast<double>(count) - 1);
-      const VolumeMoments below = k == count ? volume_.whole() : volume_.below(along, level_m, true);
-      const double volume_m3 = below.volume_m3 - before.volume_m3;
-      if (volume_m3 > kThinnest * solid_.volume_m3) {
-        const Eigen::Vector3d centre = (below.first_m4 - before.first_m4) / volume_m3;
-        const Eigen::Matrix3d about = below.second_m5 - before.second_m5 - volume_m3 * centre * centre.transpose();
-        parts_.slices[division].push_back({volume_m3, middle_body_m_ + centre, about});
-      }
-      before = below;
+    const double thickness_m = parts_.length_m / static_cast<double>(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double low_m = whole_.middle_body_m(longest) - 0.5 * parts_.length_m + static_cast<double>(k) * thickness_m;
+      constexpr double kBeyond = std::numeric_limits<double>::max();
+      TriangleMesh mesh =
+          slice_between(mesh_body_, longest, k == 0 ? -kBeyond : low_m, k + 1 == count ? kBeyond : low_m + thickness_m);
+      if (mesh.triangles.empty()) continue;
+      Slice slice(std::move(mesh), kWavePitch);
+      const VolumeMoments& all = slice.volume.whole();
+      if (all.volume_m3 <= kThinnest * solid_.volume_m3) continue;
+      parts_.slices[division].push_back(part_of(all, slice.middle_body_m));
+      slices_[division].push_back(std::move(slice));
     }
   }
 }
@@ -90,23 +128,53 @@ VolumeFlow BuoyantHull::flow_at(const Placed& at, const Eigen::Vector3d& centre_
   return water.flow_over({parts_, centre, at.world_from_body}, time_s);
 }
 
-VolumeMoments BuoyantHull::moments_below(const Placed& at, double level_m, bool with_second) const {
-  if (at.middle_z_m + at.half_height_m <= level_m) return volume_.whole();
-  if (at.middle_z_m - at.half_height_m >= level_m) return {};
-  return volume_.below(at.up_body, level_m - at.middle_z_m, with_second);
-}
-
 Displacement BuoyantHull::displacement(const Pose& world_from_body, double level_m) const {
   const Eigen::Matrix3d rotation = world_from_body.rotation();
-  const VolumeMoments wet = moments_below({*this, world_from_body.position_m, rotation}, level_m, false);
+  const Placed at(*this, world_from_body.position_m, rotation);
+  const VolumeMoments wet = at.hull.moments_below(level_m, false);
   if (wet.volume_m3 <= 0) return {0, world_from_body.position_m};
-  return {wet.volume_m3, world_from_body.position_m + rotation * (middle_body_m_ + wet.first_m4 / wet.volume_m3)};
+  return {wet.volume_m3, world_from_body.position_m + rotation * (whole_.middle_body_m + wet.first_m4 / wet.volume_m3)};
 }
 
-double BuoyantHull::level_m(const Pose& world_from_body, const WaterField& water, double time_s) const {
-  if (water.wave_bound_m() == 0) return 0;
-  const Eigen::Vector3d middle = world_from_body.point(middle_body_m_);
-  return water.surface_height_at(middle.x(), middle.y(), time_s);
+WaterSurface BuoyantHull::surface_over(const Placed& at, const Slice& slice, const VolumePart& part,
+                                       const WaterField& water, double time_s) const {
+  const Eigen::Matrix3d& rotation = at.world_from_body;
+  const Eigen::Vector3d middle = at.position_world_m + rotation * slice.middle_body_m;
+  const Eigen::RowVector3d x = rotation.row(0), y = rotation.row(1);
+  const Eigen::Vector3d cx = part.second_moment_m5 * x.transpose() / part.volume_m3,
+                        cy = part.second_moment_m5 * y.transpose() / part.volume_m3;
+  return water.surface_over({middle.x(), middle.y(), slice.radius_m, {x * cx, x * cy, y * cy}}, time_s);
+}
+
+/// Calls visit(slice, cut, wet) for each slice that is wet, with heights measured from the plane that cuts it.
+template <typename Visit>
+void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, double time_s,
+                                   const WaterSurface& over_hull, const Visit& visit) const {
+  const std::size_t division = water.division_of(parts_, at.hull.middle_z_m);
+  const std::vector<Slice>& slices = slices_[division];
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const Slice& slice = slices[k];
+    const WaterSurface surface =
+        division == 0 ? over_hull : surface_over(at, slice, parts_.slices[division][k], water, time_s);
+    const Eigen::Vector3d normal = Eigen::Vector3d(-surface.slope_x, -surface.slope_y, 1).normalized();
+    const double middle_z_m = at.position_world_m.z() + at.hull.up_body.dot(slice.middle_body_m);
+    const Cut cut(slice, at.world_from_body.transpose() * normal, normal.z() * (middle_z_m - surface.mean_m));
+    const VolumeMoments wet = cut.moments_below(0, true);
+    if (wet.volume_m3 > kThinnest * solid_.volume_m3) visit(slice, cut, wet, surface);
+  }
+}
+
+double BuoyantHull::submerged_volume_m3(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  const double bound_m = water.wave_bound_m();
+  if (bound_m == 0) return displacement(world_from_body).volume_m3;
+  const Eigen::Matrix3d rotation = world_from_body.rotation();
+  const Placed at(*this, world_from_body.position_m, rotation);
+  if (at.top_m() <= -bound_m) return solid_.volume_m3;
+  double sum = 0;
+  visit_wet_slices(
+      at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s),
+      [&sum](const Slice&, const Cut&, const VolumeMoments& wet, const WaterSurface&) { sum += wet.volume_m3; });
+  return sum;
 }
 
 Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
@@ -118,16 +186,14 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
     if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s);
     return still;
   }
-  if (at.middle_z_m + 2 * radius_m_ <= -bound_m) {
+  if (at.hull.middle_z_m + 2 * whole_.radius_m <= -bound_m) {
     return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s));
   }
-  const Eigen::Vector3d middle = position_world_m + world_from_body * middle_body_m_;
-  const SurfaceSpan span = water.surface_span_at(middle.x(), middle.y(), radius_m_, time_s);
-  if (at.middle_z_m - at.half_height_m >= span.high_m) return {};
-  const double cover_m = span.low_m - (at.middle_z_m + at.half_height_m);
-  const double deep = smooth_step(cover_m / radius_m_);
+  const WaterSurface surface = surface_over(at, whole_, parts_.whole(), water, time_s);
+  if (at.bottom_m() >= surface.high_m) return {};
+  const double deep = smooth_step((surface.low_m - at.top_m()) / whole_.radius_m);
   if (deep == 1) return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s));
-  Buoyancy sum = through_waves(at, water, time_s, span.middle_m);
+  Buoyancy sum = through_waves(at, water, time_s, surface);
   if (sum.volume_m3 > 0) sum.flow = flow_at(at, sum.centre_body_m, water, time_s);
   if (deep == 0) return sum;
   const Buoyancy below = below_waves(at, water, time_s, sum.flow);
@@ -138,44 +204,50 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
 
 /// The buoyancy under a flat surface at z = `surface_m`, with the density of still water.
 Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, double surface_m) const {
-  const double top_m = at.middle_z_m + at.half_height_m;
-  const DensityLayer layer = water.density_layer_at(std::min(top_m, surface_m));
-  const bool in_one_layer = at.middle_z_m - at.half_height_m >= layer.low_m;
-  if (!in_one_layer || (layer.gradient_kg_m4 != 0 && top_m > surface_m)) {
-    return in_layers(at, water, surface_m, moments_below(at, surface_m, true));
-  }
+  const Cut& hull = at.hull;
+  const double gravity = water.gravity();
+  const DensityLayer layer = water.density_layer_at(std::min(at.top_m(), surface_m));
+  const bool in_one_layer = at.bottom_m() >= layer.low_m;
   Buoyancy wet;
-  if (top_m <= surface_m) {
+  if (!in_one_layer || (layer.gradient_kg_m4 != 0 && at.top_m() > surface_m)) {
+    const VolumeMoments part = hull.moments_below(surface_m, true);
+    if (part.volume_m3 <= 0) return {};
+    const DisplacedMass displaced = mass_in_layers(hull, water, surface_m, part);
+    const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
+    wet.volume_m3 = part.volume_m3;
+    wet.centre_body_m = whole_.middle_body_m + part.first_m4 / part.volume_m3;
+    wet.force_body_n = displaced.mass_kg * weight_per_kg;
+    wet.moment_body_nm = whole_.middle_body_m.cross(wet.force_body_n) + displaced.moment_kg_m.cross(weight_per_kg);
+    return wet;
+  }
+  if (at.top_m() <= surface_m) {
     wet.volume_m3 = solid_.volume_m3;
     wet.centre_body_m = solid_.centroid_m;
   } else {
-    const VolumeMoments part = moments_below(at, surface_m, false);
+    const VolumeMoments part = hull.moments_below(surface_m, false);
     if (part.volume_m3 <= 0) return {};
     wet.volume_m3 = part.volume_m3;
-    wet.centre_body_m = middle_body_m_ + part.first_m4 / part.volume_m3;
+    wet.centre_body_m = whole_.middle_body_m + part.first_m4 / part.volume_m3;
   }
-  const double centre_z_m = at.position_world_m.z() + at.up_body.dot(wet.centre_body_m);
-  const double gravity = water.gravity();
-  wet.force_body_n = layer.at(centre_z_m) * gravity * wet.volume_m3 * at.up_body;
+  const double centre_z_m = at.position_world_m.z() + hull.up_body.dot(wet.centre_body_m);
+  wet.force_body_n = layer.at(centre_z_m) * gravity * wet.volume_m3 * hull.up_body;
   wet.moment_body_nm = wet.centre_body_m.cross(wet.force_body_n);
   if (layer.gradient_kg_m4 != 0) {  // the centre of mass of the displaced water is shifted towards the denser side
-    const Eigen::Vector3d shift = parts_.whole().second_moment_m5 * at.up_body;
-    wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(at.up_body);
+    const Eigen::Vector3d shift = parts_.whole().second_moment_m5 * hull.up_body;
+    wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(hull.up_body);
   }
   return wet;
 }
 
-/// The buoyancy of a hull in several density layers. The whole wet volume contributes with the top layer's density; for
+/// The mass displaced in several density layers. The whole wet volume contributes with the top layer's density; for
 /// each further layer, the volume below its upper boundary contributes with the density difference from the layer
 /// above.
-Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, double surface_m,
-                                const VolumeMoments& wet) const {
-  if (wet.volume_m3 <= 0) return {};
-  double mass_kg = 0;
-  Eigen::Vector3d mass_moment_kg_m = Eigen::Vector3d::Zero();  // about the hull's middle
+BuoyantHull::DisplacedMass BuoyantHull::mass_in_layers(const Cut& at, const WaterField& water, double surface_m,
+                                                       const VolumeMoments& wet) const {
+  DisplacedMass sum;
   const auto add = [&](const VolumeMoments& part, double density_at_middle, double gradient) {
-    mass_kg += density_at_middle * part.volume_m3 + gradient * at.up_body.dot(part.first_m4);
-    mass_moment_kg_m += density_at_middle * part.first_m4 + gradient * (part.second_m5 * at.up_body);
+    sum.mass_kg += density_at_middle * part.volume_m3 + gradient * at.up_body.dot(part.first_m4);
+    sum.moment_kg_m += density_at_middle * part.first_m4 + gradient * (part.second_m5 * at.up_body);
   };
   const double bottom_m = at.middle_z_m - at.half_height_m;
   DensityLayer layer = water.density_layer_at(std::min(at.middle_z_m + at.half_height_m, surface_m));
@@ -183,30 +255,38 @@ Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, doubl
   while (layer.low_m > bottom_m) {
     const DensityLayer next =
         water.density_layer_at(std::nextafter(layer.low_m, -std::numeric_limits<double>::infinity()));
-    add(moments_below(at, layer.low_m, true), next.at(at.middle_z_m) - layer.at(at.middle_z_m),
+    add(at.moments_below(layer.low_m, true), next.at(at.middle_z_m) - layer.at(at.middle_z_m),
         next.gradient_kg_m4 - layer.gradient_kg_m4);
     layer = next;
   }
-  const Eigen::Vector3d weight_per_kg = water.gravity() * at.up_body;
-  Buoyancy sum;
-  sum.volume_m3 = wet.volume_m3;
-  sum.centre_body_m = middle_body_m_ + wet.first_m4 / wet.volume_m3;
-  sum.force_body_n = mass_kg * weight_per_kg;
-  sum.moment_body_nm = middle_body_m_.cross(sum.force_body_n) + mass_moment_kg_m.cross(weight_per_kg);
   return sum;
 }
 
-/// The buoyancy of a hull that the surface, `surface_m` above the hull's middle, may cut: the pressure integrated over
-/// the wetted triangles.
-Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const {
-  const HullPressure::Load load = pressure_.load(at.position_world_m, at.world_from_body, water, time_s);
-  const VolumeMoments wet = moments_below(at, surface_m, false);
+/// The buoyancy of a hull that the surface may cut. Layers of density are taken to be parallel to the surface.
+Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s,
+                                    const WaterSurface& over_hull) const {
+  const Eigen::Matrix3d& rotation = at.world_from_body;
+  const Eigen::Vector3d weight_per_kg = water.gravity() * at.hull.up_body;
   Buoyancy sum;
-  sum.volume_m3 = std::max(0.0, wet.volume_m3);
-  sum.centre_body_m =
-      wet.volume_m3 > 0 ? Eigen::Vector3d(middle_body_m_ + wet.first_m4 / wet.volume_m3) : middle_body_m_;
-  sum.force_body_n = load.force_body_n;
-  sum.moment_body_nm = load.moment_body_nm;
+  Eigen::Vector3d first_m4 = Eigen::Vector3d::Zero();
+  visit_wet_slices(
+      at, water, time_s, over_hull,
+      [&](const Slice& slice, const Cut& cut, const VolumeMoments& moments, const WaterSurface& surface) {
+        const DisplacedMass displaced = mass_in_layers(cut, water, 0, moments);
+        const VolumePart wet = part_of(moments, slice.middle_body_m);
+        const VolumePart placed{wet.volume_m3, at.position_world_m + rotation * wet.centroid_m,
+                                rotation * wet.second_moment_m5 * rotation.transpose()};
+        const VolumeLoad load = water.wave_load_on(placed, surface, time_s);
+        const double density = water.density_at(cut.middle_z_m + cut.up_body.dot(wet.centroid_m - slice.middle_body_m));
+        const Eigen::Vector3d weight = displaced.mass_kg * weight_per_kg,
+                              force = density * (rotation.transpose() * load.force_m4_s2);
+        sum.volume_m3 += wet.volume_m3;
+        first_m4 += wet.volume_m3 * wet.centroid_m;
+        sum.force_body_n += weight + force;
+        sum.moment_body_nm += slice.middle_body_m.cross(weight) + displaced.moment_kg_m.cross(weight_per_kg) +
+                              wet.centroid_m.cross(force) + density * (rotation.transpose() * load.moment_m5_s2);
+      });
+  if (sum.volume_m3 > 0) sum.centre_body_m = first_m4 / sum.volume_m3;
   return sum;
 }
 
@@ -215,8 +295,7 @@ Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, d
 Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s,
                                   const VolumeFlow& flow) const {
   const Eigen::Vector3d centroid = at.position_world_m + at.world_from_body * solid_.centroid_m;
-  double head_m = -centroid.z();
-  if (!water.has_one_density()) water.pressure_heads({&centroid, 1}, time_s, {&head_m, 1});
+  const double head_m = water.has_one_density() ? -centroid.z() : water.pressure_head_at(centroid, time_s);
   Eigen::Vector3d shifted = at.position_world_m;
   shifted.z() -= centroid.z() + head_m;
   Buoyancy sum = in_still_water({*this, shifted, at.world_from_body}, water, std::numeric_limits<double>::infinity());

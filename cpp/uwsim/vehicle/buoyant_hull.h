@@ -1,13 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "uwsim/core/pose.h"
 #include "uwsim/core/triangle_mesh.h"
 #include "uwsim/core/volume_parts.h"
 #include "uwsim/core/water_field.h"
-#include "uwsim/vehicle/hull_pressure.h"
 #include "uwsim/vehicle/volume_moments.h"
 
 namespace uwsim {
@@ -20,7 +20,7 @@ struct Displacement {
 
 /// The force of the water's pressure on a hull, body frame; the moment is about the body's origin.
 struct Buoyancy {
-  double volume_m3 = 0;                                     ///< submerged volume; see BuoyantHull::level_m
+  double volume_m3 = 0;                                     ///< submerged volume
   Eigen::Vector3d centre_body_m = Eigen::Vector3d::Zero();  ///< of the submerged volume
   Eigen::Vector3d force_body_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment_body_nm = Eigen::Vector3d::Zero();
@@ -34,10 +34,13 @@ struct Buoyancy {
 /// piecewise linear in depth. The result is exact for any closed mesh, and continuous through the surface. A hull that
 /// is fully submerged in one layer, or completely dry, requires no work on triangles.
 ///
-/// Waves: the integral of the pressure p over the wetted triangles, each cut where p falls to atmospheric pressure,
-/// with p linear over triangles whose edges are at most a quarter of the hull's radius. For a hull deep enough below
-/// the waves, force and moment follow from the acceleration of the displaced water instead (VolumeFlow). The two are
-/// blended smoothly over one radius of depth.
+/// Waves: the integral of -grad p over the wet volume, which equals that of the pressure p over the wetted surface,
+/// since p is 0 at the water's surface (Gauss). The hull is cut into slices along its longest side that are short
+/// compared with the waves (WaterField::division_of), and each slice is cut by the plane that has the mean height and
+/// slopes of the surface over it. To first order in the waves' steepness, the error is that of the plane, 1 % of the
+/// wave's load for slices of a quarter of its length. For a hull deep enough below the waves, force and moment follow
+/// from the acceleration of the displaced water instead (VolumeFlow), which includes the second-order part of the
+/// pressure. The two are blended smoothly over one radius of depth.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward.
@@ -48,19 +51,37 @@ class BuoyantHull {
   const SolidProperties& solid() const { return solid_; }
   /// The part below the plane z = level_m.
   Displacement displacement(const Pose& world_from_body, double level_m = 0) const;
-  /// Height of the water's surface above the hull's middle. `buoyancy` treats the volume below it as submerged.
-  double level_m(const Pose& world_from_body, const WaterField& water, double time_s) const;
+  /// The volume that `buoyancy` treats as submerged [m^3].
+  double submerged_volume_m3(const Pose& world_from_body, const WaterField& water, double time_s) const;
   /// `world_from_body` is the rotation of the body located at `position_world_m`.
   Buoyancy buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                     const WaterField& water, double time_s) const;
 
  private:
   struct Placed;
+  struct Cut;
+  struct DisplacedMass;
 
-  VolumeMoments moments_below(const Placed& at, double level_m, bool with_second) const;
+  /// A part of the hull between two planes at right angles to its longest side. `volume` is relative to the middle of
+  /// its bounding box.
+  struct Slice {
+    Eigen::Vector3d middle_body_m = Eigen::Vector3d::Zero(), half_size_m = Eigen::Vector3d::Zero();
+    double radius_m = 0;
+    CutVolume volume;
+
+    Slice() = default;
+    Slice(TriangleMesh mesh, double pitch);
+  };
+
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
-  Buoyancy in_layers(const Placed& at, const WaterField& water, double surface_m, const VolumeMoments& wet) const;
-  Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const;
+  DisplacedMass mass_in_layers(const Cut& at, const WaterField& water, double surface_m,
+                               const VolumeMoments& wet) const;
+  WaterSurface surface_over(const Placed& at, const Slice& slice, const VolumePart& part, const WaterField& water,
+                            double time_s) const;
+  template <typename Visit>
+  void visit_wet_slices(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull,
+                        const Visit& visit) const;
+  Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull) const;
   Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s, const VolumeFlow& flow) const;
   VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
                      double time_s) const;
@@ -69,11 +90,8 @@ class BuoyantHull {
   TriangleMesh mesh_body_;
   SolidProperties solid_;
   VolumeParts parts_;
-  Eigen::Vector3d middle_body_m_;  // of the bounding sphere
-  Eigen::Vector3d half_size_m_;    // of the bounding box
-  double radius_m_ = 0;
-  CutVolume volume_;  // relative to the middle
-  HullPressure pressure_;
+  Slice whole_;
+  std::array<std::vector<Slice>, 4> slices_;  // as in parts_; for waves
 };
 
 }  // namespace uwsim

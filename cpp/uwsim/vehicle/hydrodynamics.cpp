@@ -158,7 +158,7 @@ Matrix6d Craft::inverse_mass_at(double submerged) const {
 }
 
 double Craft::submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const {
-  return fraction(hull_->displacement(world_from_body, hull_->level_m(world_from_body, water, time_s)).volume_m3);
+  return fraction(hull_->submerged_volume_m3(world_from_body, water, time_s));
 }
 
 double Craft::fraction(double wet_volume_m3) const {

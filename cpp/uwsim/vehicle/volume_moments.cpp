@@ -12,8 +12,9 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kClusterSize = 8;
-// Size of a cell of planes: the spacing of each component of `up`, and that of the level as a fraction of the mesh's
-// radius. Small cells list few triangles; large cells stay valid for more steps of a moving body.
+// Size of a cell of planes, for a pitch of 1: the spacing of each component of `up`, and that of the level as a
+// fraction of the mesh's radius. Small cells list few triangles; large cells stay valid for more steps of a moving
+// body.
 constexpr double kTiltPitch = 1.0 / 256;
 constexpr double kLevelPitch = 1.0 / 128;
 constexpr double kRounding = 1e-9;  // relative; exceeds the error of heights
@@ -60,13 +61,15 @@ VolumeMoments& VolumeMoments::operator+=(const VolumeMoments& other) {
   return *this;
 }
 
-CutVolume::CutVolume(const TriangleMesh& mesh) {
+CutVolume::CutVolume(const TriangleMesh& mesh, double pitch) : pitch_(pitch) {
   static std::atomic<std::uint64_t> made{0};
   number_ = ++made;
   std::vector<Triangle> triangles = mesh.triangles;
   sort_spatially(triangles, mesh);
-  for (const Triangle& t : triangles)
+  for (const Triangle& t : triangles) {
     triangles_m_.push_back({mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]});
+    tetrahedra_.push_back(tetrahedron(triangles_m_.back()));
+  }
   for (const Eigen::Vector3d& v : mesh.vertices_m) radius_m_ = std::max(radius_m_, v.norm());
   for (std::size_t k = 0; k < triangles_m_.size(); k += kClusterSize) {
     add_cluster(k, std::min(k + kClusterSize, triangles_m_.size()));
@@ -80,7 +83,7 @@ void CutVolume::add_cluster(std::size_t first, std::size_t last) {
   cluster.last = last;
   Eigen::Vector3d low = triangles_m_[first][0], high = low;
   for (std::size_t k = first; k < last; ++k) {
-    cluster.moments += tetrahedron(triangles_m_[k]);
+    cluster.moments += tetrahedra_[k];
     for (const Eigen::Vector3d& corner : triangles_m_[k]) {
       low = low.cwiseMin(corner);
       high = high.cwiseMax(corner);
@@ -119,12 +122,12 @@ struct CutVolume::Near {
     blocks.clear();
     count = 0;
   }
-  void add(const Corners& corners_m) {
+  void add(const Corners& corners_m, double volume_m3) {
     const std::size_t lane = count++ % kCutLanes;
     if (lane == 0) blocks.emplace_back(CutBlock{});
-    for (std::size_t k = 0; k < 9; ++k)
-      blocks.back().corner_m[k][lane] = corners_m[k / 3][static_cast<Eigen::Index>(k % 3)];
-    blocks.back().volume_m3[lane] = corners_m[0].dot(corners_m[1].cross(corners_m[2])) / 6;
+    CutBlock& block = blocks.back();
+    for (std::size_t k = 0; k < 9; ++k) block.corner_m[k][lane] = corners_m[k / 3].data()[k % 3];
+    block.volume_m3[lane] = volume_m3;
   }
 };
 
@@ -143,8 +146,9 @@ struct CutVolume::Memory {
 
 CutVolume::PlaneCell CutVolume::cell_of(const Eigen::Vector3d& up, double level_m) const {
   const auto rounded = [](double value, double pitch) { return std::nearbyint(value / pitch) * pitch; };
-  return {{rounded(up.x(), kTiltPitch), rounded(up.y(), kTiltPitch), rounded(up.z(), kTiltPitch)},
-          rounded(level_m, kLevelPitch * radius_m_),
+  const double tilt = pitch_ * kTiltPitch;
+  return {{rounded(up.x(), tilt), rounded(up.y(), tilt), rounded(up.z(), tilt)},
+          rounded(level_m, pitch_ * kLevelPitch * radius_m_),
           number_};
 }
 
@@ -167,10 +171,11 @@ void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
   // The largest amount by which a point's height over any of the cell's planes differs from its height over the central
   // plane.
   const double margin_m =
-      0.5 * (std::sqrt(3.0) * kTiltPitch + kLevelPitch) * radius_m_ * (1 + kRounding) + kRounding * radius_m_;
+      0.5 * pitch_ * (std::sqrt(3.0) * kTiltPitch + kLevelPitch) * radius_m_ * (1 + kRounding) + kRounding * radius_m_;
   for (const Cluster& cluster : clusters_) {
     const double middle_m = cell.up.dot(cluster.middle_m) - cell.level_m;
-    const double half_m = std::min((1 + kTiltPitch) * cluster.radius_m, cell.up.cwiseAbs().dot(cluster.half_size_m));
+    const double half_m =
+        std::min((1 + pitch_ * kTiltPitch) * cluster.radius_m, cell.up.cwiseAbs().dot(cluster.half_size_m));
     if (middle_m - half_m > margin_m) continue;
     if (middle_m + half_m < -margin_m) {
       near.below += cluster.moments;
@@ -182,9 +187,9 @@ void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
       const auto [low_m, high_m] = std::minmax({heights_m[0], heights_m[1], heights_m[2]});
       if (low_m - cell.level_m > margin_m) continue;
       if (high_m - cell.level_m < -margin_m) {
-        near.below += tetrahedron(triangles_m_[k]);
+        near.below += tetrahedra_[k];
       } else {
-        near.add(triangles_m_[k]);
+        near.add(triangles_m_[k], tetrahedra_[k].volume_m3);
       }
     }
   }

@@ -29,8 +29,9 @@ struct VolumeMoments {
 class CutVolume {
  public:
   CutVolume() = default;
-  /// `mesh` must be closed; for accuracy, its middle should be near the origin.
-  explicit CutVolume(const TriangleMesh& mesh);
+  /// `mesh` must be closed; for accuracy, its middle should be near the origin. `pitch` is the size of the cells:
+  /// larger cells suit planes that move faster, such as the surface of waves.
+  explicit CutVolume(const TriangleMesh& mesh, double pitch = 1);
 
   /// The moments of the whole volume.
   const VolumeMoments& whole() const { return whole_; }
@@ -57,8 +58,10 @@ class CutVolume {
 
   std::uint64_t number_ = 0;                                 // unique to this mesh; shared by copies
   std::vector<std::array<Eigen::Vector3d, 3>> triangles_m_;  // neighbours in space are also neighbours in the list
+  std::vector<VolumeMoments> tetrahedra_;                    // from the origin to each of them
   std::vector<Cluster> clusters_;
   VolumeMoments whole_;
+  double pitch_ = 1;
   double radius_m_ = 0;  // of a sphere about the origin that encloses the mesh
 };
 

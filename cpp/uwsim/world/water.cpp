@@ -103,8 +103,8 @@ DensityLayer Water::density_layer_at(double z_world_m) const {
   return profile->density_layer_at(z_world_m);
 }
 
-SurfaceSpan Water::surface_span_at(double x, double y, double radius_m, double time_s) const {
-  return waves ? waves->span_at(x, y, radius_m, time_s) : SurfaceSpan{};
+WaterSurface Water::surface_over(const SurfaceArea& area, double time_s) const {
+  return waves ? waves->surface_over(area, time_s) : WaterSurface{};
 }
 
 double Water::surface_height_at(double x, double y, double time_s) const {
@@ -128,10 +128,8 @@ double Water::still_pressure_at(double z_world_m) const {
   return gravity_m_s2 * (profile ? profile->column_kg_m2(z_world_m) : -density_kg_m3 * z_world_m);
 }
 
-void Water::pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
-                           std::span<double> heads_m) const {
-  if (waves) return waves->heads(points_world_m, time_s, heads_m);
-  EvenWater::pressure_heads(points_world_m, time_s, heads_m);
+double Water::pressure_head_at(const Eigen::Vector3d& point_world_m, double time_s) const {
+  return waves ? waves->head_at(point_world_m, time_s) : -point_world_m.z();
 }
 
 WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s) const {
@@ -169,6 +167,14 @@ VolumeFlow Water::flow_over(const PlacedVolume& volume, double time_s) const {
   VolumeFlow flow = current_over(volume, time_s);
   if (waves) waves->add_flow_over(volume, time_s, flow);
   return flow;
+}
+
+std::size_t Water::division_of(const VolumeParts& parts, double centre_z_m) const {
+  return waves ? waves->division_of(parts, centre_z_m) : 0;
+}
+
+VolumeLoad Water::wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const {
+  return waves ? waves->load_on(wet_world, surface, time_s) : VolumeLoad{};
 }
 
 WaterFlow Water::flow_at(const Eigen::Vector3d& point_world_m, double time_s) const {

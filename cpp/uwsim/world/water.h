@@ -61,14 +61,15 @@ class Water : public EvenWater {
   bool has_one_density() const override { return !profile || profile->even(); }
   DensityLayer density_layer_at(double z_world_m) const override;
   double wave_bound_m() const override { return waves ? waves->bound_m() : 0; }
-  SurfaceSpan surface_span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const override;
+  WaterSurface surface_over(const SurfaceArea& area, double time_s) const override;
   double surface_height_at(double x_world_m, double y_world_m, double time_s) const override;
   double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
   double still_pressure_at(double z_world_m) const override;
-  void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
-                      std::span<double> heads_m) const override;
+  double pressure_head_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
   WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
   VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const override;
+  std::size_t division_of(const VolumeParts& parts, double centre_z_m) const override;
+  VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const override;
 
  private:
   double compressed_pa(double still_pa, double depth_m) const;

@@ -4,6 +4,26 @@
 
 namespace uwsim {
 
+/// Eight waves, one array per value; see Waves. Unused slots have zero amplitude.
+struct alignas(64) WaveBlock {
+  static constexpr std::size_t kLanes = 8;
+
+  double amplitude_m[kLanes] = {};
+  double omega_rad_s[kLanes] = {1, 1, 1, 1, 1, 1, 1, 1},
+         period_s_rad[kLanes] = {1, 1, 1, 1, 1, 1, 1, 1};  ///< w and 1/w
+  double number_rad_m[kLanes] = {1, 1, 1, 1, 1, 1, 1, 1};
+  double number_x_rad_m[kLanes] = {}, number_y_rad_m[kLanes] = {}, phase_rad[kLanes] = {};
+  double deep[kLanes] = {1, 1, 1, 1, 1, 1, 1, 1};  ///< weight of exp(k z) in cosh(k (z + h)) / cosh(k h)
+  double rise_rad_s[kLanes] = {};                  ///< vertical velocity relative to pressure head: w / tanh(k h)
+  double along_m_s[kLanes] = {};                   ///< horizontal velocity relative to head times wave number
+  bool is_deep = true;                             ///< whether `deep` is 1 for all
+};
+
+/// The waves of a block at a position and time: amplitude times cosine and sine of the phase.
+struct alignas(64) CrestBlock {
+  double cosine_m[WaveBlock::kLanes], sine_m[WaveBlock::kLanes];
+};
+
 /// Sums over waves at one position and time; see Waves::motion_under.
 struct WaveMotionSums {
   double velocity_m_s[3], local_m_s2[3];
@@ -11,9 +31,15 @@ struct WaveMotionSums {
   double gradient[5];  ///< of the velocity: xx, xy, yy, xz, yz
 };
 
+/// The surface's height and its two slopes, averaged over an area.
+struct WaveSurfaceSums {
+  double mean_m, slope_x, slope_y;
+};
+
 /// A volume in waves; see Waves::add_flow_over.
 struct WavesOnVolume {
   double z_m, depth_m;  ///< the height at which linear theory is evaluated, and the water's depth
+  double stretch;       ///< the rate at which that height changes with the height of a point
   double volume_m3;
   double second_m5[3][3];  ///< the volume's second moment about its centroid
 };
@@ -22,23 +48,27 @@ struct WavesOnVolume {
 /// each of these, all per unit of gravity.
 struct WaveIntegrals {
   double velocity[3], turning[3], rate[3], turning_rate[3];
+  double rise_gradient[2];  ///< of the derivatives of the rate's vertical component with respect to x and y
 };
 
 /// The loops over waves that need a sine or an exponential for each wave, compiled for each instruction set. All
-/// versions produce the same bits. Waves are rows of eight values: amplitude, angular frequency, wave number, its x and
-/// y components, phase, `deep` and `shallow` (see Waves). Crests are pairs, the amplitude times the cosine and sine of
-/// the phase, with room for blocks of eight.
+/// versions produce the same bits. `count` is the number of blocks.
 struct WaveSumKernels {
-  static constexpr std::size_t kNumbers = 8;
   static constexpr double kMostPhase_rad = 1e6;  ///< largest phase that can be reduced to within rounding
 
-  /// Sets the crests, zero in unused slots of the last block, and adds up the cosines. Returns false if a phase is too
-  /// large.
-  bool (*crests)(const double* waves, std::size_t count, double x_m, double y_m, double time_s, double* crests,
+  /// Sets the crests and adds up their cosines. Returns false if a phase is too large.
+  bool (*crests)(const WaveBlock* waves, std::size_t count, double x_m, double y_m, double time_s, CrestBlock* crests,
                  double& height_m);
-  void (*motion)(const double* waves, std::size_t count, const double* crests, double z_m, double depth_m,
+  void (*motion)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, double z_m, double depth_m,
                  WaveMotionSums& sums);
-  void (*over)(const double* waves, std::size_t count, const double* crests, const WavesOnVolume& on,
+  /// `spread_m2` is the second moment of the area, per unit area, about the position of the crests: xx, xy, yy.
+  void (*surface)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const double* spread_m2,
+                  WaveSurfaceSums& sums);
+  /// All but `rise_gradient`.
+  void (*over)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
+               WaveIntegrals& integrals);
+  /// All but those of the velocity.
+  void (*load)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
                WaveIntegrals& integrals);
 };
 

@@ -4,20 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/with_unit.h"
-#include "uwsim/world/wave_sums.h"
 
 namespace uwsim {
 namespace {
 
 // Depth, in units of 1 / k, below which less than 2e-7 of a wave's motion remains.
 constexpr double kDepthOfMotion = 15.5;
-// Depth, in units of 1 / k, below which less than 1e-3 of a wave's motion remains.
-constexpr double kDepthOfEffect = 7;
-constexpr double kSliceTurn_rad = 2;  // change of phase over a slice
 
 }  // namespace
 
@@ -58,10 +53,10 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
                       1 / std::tanh(k * depth_m)});
     bound_m_ += c.amplitude_m;
     slope_ += c.amplitude_m * k;
-    for (std::size_t n = 0; n < moments_.size(); ++n) moments_[n] += c.amplitude_m * std::pow(k, n);
   }
   std::stable_sort(waves_.begin(), waves_.end(),
                    [](const Wave& a, const Wave& b) { return a.number_rad_m < b.number_rad_m; });
+  put_into_blocks();
   require(bound_m_ < depth_m, "water.surface", with_unit(bound_m_, "m, the sum of the amplitudes"),
           "must be less than the depth");
   stretched_m_ = std::min(0.5 * significant_height_m(), depth_m_);
@@ -87,25 +82,48 @@ std::vector<WaveComponent> Waves::components() const {
   return out;
 }
 
+void Waves::put_into_blocks() {
+  blocks_.resize((waves_.size() + WaveBlock::kLanes - 1) / WaveBlock::kLanes);
+  for (std::size_t k = 0; k < waves_.size(); ++k) {
+    const Wave& w = waves_[k];
+    WaveBlock& block = blocks_[k / WaveBlock::kLanes];
+    const std::size_t lane = k % WaveBlock::kLanes;
+    block.amplitude_m[lane] = w.amplitude_m;
+    block.omega_rad_s[lane] = w.omega_rad_s;
+    block.period_s_rad[lane] = 1 / w.omega_rad_s;
+    block.number_rad_m[lane] = w.number_rad_m;
+    block.number_x_rad_m[lane] = w.number_x_rad_m;
+    block.number_y_rad_m[lane] = w.number_y_rad_m;
+    block.phase_rad[lane] = w.phase_rad;
+    block.deep[lane] = w.deep;
+    block.rise_rad_s[lane] = w.omega_rad_s * w.shallow;
+    block.along_m_s[lane] = w.omega_rad_s * w.shallow / w.number_rad_m;
+    block.is_deep = block.is_deep && w.deep == 1;
+  }
+}
+
 std::size_t Waves::count_reaching(double z_m) const {
-  if (z_m > -kTroughs * bound_m_) return waves_.size();  // within the stretched layer of the deepest trough
+  if (z_m > -kTroughs * bound_m_) return blocks_.size();  // within the stretched layer of the deepest trough
   const double limit = kDepthOfMotion / -z_m;
   const auto end =
       std::partition_point(waves_.begin(), waves_.end(), [limit](const Wave& w) { return w.number_rad_m < limit; });
-  return static_cast<std::size_t>(end - waves_.begin());
+  return (static_cast<std::size_t>(end - waves_.begin()) + WaveBlock::kLanes - 1) / WaveBlock::kLanes;
 }
 
-/// Computes the crests of the first `count` waves, padded with zeros to a whole block; returns the surface's height,
-/// which is the sum of their cosines.
-double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const {
+/// Computes the crests of the first `count` blocks; returns the surface's height, which is the sum of their cosines.
+double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crests& crests) const {
   double height = 0;
-  if (wave_sum_kernels().crests(&waves_[0].amplitude_m, count, x, y, time_s, &crests[0].cosine, height)) return height;
+  if (wave_sum_kernels().crests(blocks_.data(), count, x, y, time_s, crests.data(), height)) return height;
   height = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Wave& w = waves_[k];
-    const double phase = w.number_x_rad_m * x + w.number_y_rad_m * y - w.omega_rad_s * time_s + w.phase_rad;
-    crests[k] = {w.amplitude_m * std::cos(phase), w.amplitude_m * std::sin(phase)};
-    height += crests[k].cosine;
+  for (std::size_t k = 0; k < count * WaveBlock::kLanes; ++k) {
+    const WaveBlock& w = blocks_[k / WaveBlock::kLanes];
+    const std::size_t lane = k % WaveBlock::kLanes;
+    const double phase =
+        w.number_x_rad_m[lane] * x + w.number_y_rad_m[lane] * y - w.omega_rad_s[lane] * time_s + w.phase_rad[lane];
+    CrestBlock& crest = crests[k / WaveBlock::kLanes];
+    crest.cosine_m[lane] = w.amplitude_m[lane] * std::cos(phase);
+    crest.sine_m[lane] = w.amplitude_m[lane] * std::sin(phase);
+    height += crest.cosine_m[lane];
   }
   return height;
 }
@@ -114,9 +132,9 @@ double Waves::layer_m(double height_m) const {
   return std::min(std::max(stretched_m_, -kTroughs * height_m), depth_m_);
 }
 
-/// At and above the surface, z_m is 0.
+/// Above the surface, z_m is 0.
 Waves::Stretched Waves::stretched(double z_m, double height_m) const {
-  if (z_m >= height_m) return {0, 0, 0};
+  if (z_m > height_m) return {0, 0, 0};
   const double layer = layer_m(height_m);
   if (z_m <= -layer) return {std::max(z_m, -depth_m_), 1, 0};
   const double under = layer + height_m, factor = layer / under;
@@ -126,28 +144,33 @@ Waves::Stretched Waves::stretched(double z_m, double height_m) const {
 }
 
 double Waves::height_at(double x, double y, double time_s) const {
-  std::array<Crest, kMaxComponents> crests;
-  return crests_at(x, y, time_s, waves_.size(), crests.data());
+  Crests crests;
+  return crests_at(x, y, time_s, blocks_.size(), crests);
 }
 
-SurfaceSpan Waves::span_at(double x, double y, double radius_m, double time_s) const {
-  const double height = height_at(x, y, time_s), change = slope_ * radius_m;
-  return {std::max(-bound_m_, height - change), std::min(bound_m_, height + change), height};
+WaterSurface Waves::surface_over(const SurfaceArea& area, double time_s) const {
+  Crests crests;
+  const double height = crests_at(area.x_world_m, area.y_world_m, time_s, blocks_.size(), crests),
+               change = slope_ * area.radius_m;
+  WaveSurfaceSums sums;
+  wave_sum_kernels().surface(blocks_.data(), blocks_.size(), crests.data(), area.spread_m2.data(), sums);
+  return {std::max(-bound_m_, height - change), std::min(bound_m_, height + change), sums.mean_m, sums.slope_x,
+          sums.slope_y};
 }
 
 double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
   const std::size_t count = count_reaching(p.z());
   if (count == 0) return -p.z();
-  std::array<Crest, kMaxComponents> crests;
-  const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
+  Crests crests;
+  const double height = crests_at(p.x(), p.y(), time_s, count, crests);
   if (p.z() >= height) return height - p.z();
   const double z = unstretched(p.z(), height);
   double head = -p.z();
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < std::min(count * WaveBlock::kLanes, waves_.size()); ++k) {
     const Wave& w = waves_[k];
     double decay = w.deep * std::exp(w.number_rad_m * z);
     if (w.deep < 1) decay += w.deep * std::exp(-w.number_rad_m * (z + 2 * depth_m_));
-    head += crests[k].cosine * decay;
+    head += crests[k / WaveBlock::kLanes].cosine_m[k % WaveBlock::kLanes] * decay;
   }
   return head;
 }
@@ -156,13 +179,12 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
 /// the flow of linear theory has neither rotation nor divergence. A particle at z' has the velocity that linear theory
 /// predicts at z(z', eta), so its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, where Dz/Dt follows from the
 /// chain rule.
-WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double height, double z_m,
+WaveMotion Waves::motion_under(const Crests& crests, std::size_t count, double height, double z_m,
                                const Eigen::Vector3d& current_m_s) const {
   WaveMotion sum;
   const Stretched at = stretched(z_m, height);
-  static_assert(sizeof(Wave) == WaveSumKernels::kNumbers * sizeof(double) && sizeof(Crest) == 2 * sizeof(double));
   WaveMotionSums sums;
-  wave_sum_kernels().motion(&waves_[0].amplitude_m, count, &crests[0].cosine, at.z_m, depth_m_, sums);
+  wave_sum_kernels().motion(blocks_.data(), count, crests.data(), at.z_m, depth_m_, sums);
   sum.velocity_m_s = Eigen::Map<const Eigen::Vector3d>(sums.velocity_m_s);
   sum.local_m_s2 = Eigen::Map<const Eigen::Vector3d>(sums.local_m_s2);
   // derivatives of eta with respect to x, y and t
@@ -180,9 +202,9 @@ WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double he
 WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen::Vector3d& current_m_s) const {
   const std::size_t count = count_reaching(p.z());
   if (count == 0) return {};
-  std::array<Crest, kMaxComponents> crests;
-  const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
-  return motion_under(crests.data(), count, height, p.z(), current_m_s);
+  Crests crests;
+  const double height = crests_at(p.x(), p.y(), time_s, count, crests);
+  return motion_under(crests, count, height, p.z(), current_m_s);
 }
 
 void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
@@ -194,59 +216,6 @@ void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) c
 double Waves::bernoulli_head_at(const Eigen::Vector3d& p, double time_s) const {
   const WaveMotion motion = motion_at(p, time_s, Eigen::Vector3d::Zero());
   return -motion.fade * motion.velocity_m_s.squaredNorm() / (2 * gravity_m_s2_);
-}
-
-std::size_t Waves::division_of(const VolumeParts& parts, double centre_z_m) const {
-  const double cover_m = std::max(-centre_z_m - parts.length_m / 2, kDepthOfEffect / resolved_rad_m_);
-  double turn = kDepthOfEffect / cover_m * parts.length_m;
-  std::size_t division = 0;
-  for (; turn > kSliceTurn_rad && division + 1 < parts.slices.size(); turn /= 2) ++division;
-  return division;
-}
-
-/// Each wave is eta exp(kappa . r) with kappa = (i k_x, i k_y, +-k). The integral of its gradient over a slice is kappa
-/// V (1 + x + x^2 / 3), and that of the gradient's moment about the centroid (C kappa) x kappa (1 + 0.65 x), where C is
-/// the slice's second moment and x = kappa^T C kappa / (2 V). The terms of lowest order hold for any symmetric shape;
-/// the next ones have factors of 0.3 and 0.6 for a box along the wave, 5/14 and 5/7 for an ellipsoid. The convective
-/// part is assumed uniform over the volume.
-void Waves::add_flow_over(const PlacedVolume& volume, double time_s, VolumeFlow& flow) const {
-  const Eigen::Vector3d& middle = volume.centroid_world_m;
-  const Eigen::Matrix3d& rotation = volume.world_from_body;
-  const VolumeParts& parts = volume.parts;
-  const std::size_t division = division_of(parts, middle.z());
-  std::array<Crest, kMaxComponents> crests;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turning = velocity, rate = velocity, turning_rate = velocity;
-  Eigen::Vector3d convective = velocity;
-  const auto add_convective = [&](std::size_t count, double height) {
-    convective = motion_under(crests.data(), count, height, middle.z(), flow.velocity_m_s).convective_m_s2;
-  };
-  for (const VolumePart& part : parts.slices[division]) {
-    const Eigen::Vector3d arm = rotation * (part.centroid_m - parts.whole().centroid_m), at = middle + arm;
-    const std::size_t count = count_reaching(at.z());
-    if (count == 0) continue;
-    const double height = crests_at(at.x(), at.y(), time_s, count, crests.data());
-    WavesOnVolume on{unstretched(at.z(), height), depth_m_, part.volume_m3, {}};
-    Eigen::Map<Eigen::Matrix3d>(&on.second_m5[0][0]) = rotation * part.second_moment_m5 * rotation.transpose();
-    WaveIntegrals sums;
-    wave_sum_kernels().over(&waves_[0].amplitude_m, count, &crests[0].cosine, on, sums);
-    const Eigen::Map<const Eigen::Vector3d> part_velocity(sums.velocity), part_rate(sums.rate);
-    velocity += part_velocity;
-    rate += part_rate;
-    turning += Eigen::Map<const Eigen::Vector3d>(sums.turning) + arm.cross(part_velocity);
-    turning_rate += Eigen::Map<const Eigen::Vector3d>(sums.turning_rate) + arm.cross(part_rate);
-    if (division == 0) add_convective(count, height);
-  }
-  if (const std::size_t count = count_reaching(middle.z()); division > 0 && count > 0) {
-    add_convective(count, crests_at(middle.x(), middle.y(), time_s, count, crests.data()));
-  }
-  const double by_volume = gravity_m_s2_ / parts.whole().volume_m3;
-  const auto turned = [&](const Eigen::Vector3d& momentum) -> Eigen::Vector3d {
-    return gravity_m_s2_ * (rotation * (parts.inverse_inertia_1_m5 * (rotation.transpose() * momentum)));
-  };
-  flow.velocity_m_s += by_volume * velocity;
-  flow.angular_velocity_rad_s += turned(turning);
-  flow.wave_acceleration_m_s2 += by_volume * rate + convective;
-  flow.wave_angular_acceleration_rad_s2 += turned(turning_rate);
 }
 
 }  // namespace uwsim

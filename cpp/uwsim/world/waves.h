@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "uwsim/core/water_field.h"
-#include "uwsim/world/wave_kernels.h"
+#include "uwsim/world/wave_sums.h"
 
 namespace uwsim {
 
@@ -93,15 +93,11 @@ class Waves {
   std::vector<WaveComponent> components() const;
 
   double height_at(double x_world_m, double y_world_m, double time_s) const;
-  SurfaceSpan span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const;
-  /// Pressure head (WaterField::pressure_heads): eta K(z) - z, where K is the decay of the waves' pressure with depth;
-  /// above the surface, eta - z. First-order: see bernoulli_head_at for the second-order part.
+  /// The effect of waves that are short compared with the area fades out, as in add_flow_over.
+  WaterSurface surface_over(const SurfaceArea& area, double time_s) const;
+  /// Pressure head (WaterField::pressure_head_at): eta K(z) - z, where K is the decay of the waves' pressure with
+  /// depth; above the surface, eta - z. First-order: see bernoulli_head_at for the second-order part.
   double head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  /// Pressure heads of many points, such as those of a hull. If these are close together compared with the wave
-  /// lengths, one polynomial covers all of them, within 5e-4 of the sum of the amplitudes. To make it so, the shortest
-  /// waves, with at most 2 % of the energy, are left out: that is a sea's tail above 3 times the peak frequency. At a
-  /// single point all waves count.
-  void heads(std::span<const Eigen::Vector3d> points_world_m, double time_s, std::span<double> heads_m) const;
   /// The second-order part of the pressure head, -u^2 / (2 g). It fades out towards the surface, where stretching
   /// lowers the mean pressure by the same amount.
   double bernoulli_head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
@@ -113,47 +109,47 @@ class Waves {
   /// third of the shortest wave that matters at its depth. The effect of waves along the volume that are shorter than
   /// 0.4 times its length fades out: their crests and troughs nearly cancel.
   void add_flow_over(const PlacedVolume& volume, double time_s, VolumeFlow& flow) const;
+  /// WaterField::wave_load_on: the integrals over the volume of -g grad h and of its moment, where h is the waves'
+  /// pressure head, stretched. The stretching is assumed linear over the volume.
+  VolumeLoad load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const;
+  /// WaterField::division_of
+  std::size_t division_of(const VolumeParts& parts, double centre_z_m) const;
 
  private:
-  static constexpr double kTroughs = 2;     // depth of the stretched layer in units of the trough's depth
-  static constexpr double kLeftOut = 0.02;  // fraction of the energy in the shortest waves that hulls may leave out
+  static constexpr double kTroughs = 2;  // depth of the stretched layer in units of the trough's depth
+  static constexpr double kLeftOut =
+      0.02;  // fraction of the energy in the shortest waves, which slices need not resolve
 
   struct Wave {
     double amplitude_m, omega_rad_s, number_rad_m, number_x_rad_m, number_y_rad_m, phase_rad;
     double deep;     // 1 / (1 + exp(-2 k h)): weight of exp(k z) in cosh(k (z + h)) / cosh(k h); 1 in deep water
     double shallow;  // 1 / tanh(k h): velocity relative to pressure; 1 in deep water
   };
-  struct Crest {
-    double cosine, sine;  // amplitude times cosine and sine of the phase
-  };
+  using Crests = std::array<CrestBlock, kMaxComponents / WaveBlock::kLanes>;
   /// The height at which linear theory is evaluated for a point, and its derivatives with respect to the heights of the
   /// point and the surface.
   struct Stretched {
     double z_m, by_point, by_surface;
   };
-  /// The coarsest division of a volume whose slices are short compared with the waves.
-  std::size_t division_of(const VolumeParts& parts, double centre_z_m) const;
-  /// Number of waves, counted from the longest, whose motion reaches `z_m`.
+  void put_into_blocks();
+  /// Number of blocks, counted from the longest waves, whose motion reaches `z_m`.
   std::size_t count_reaching(double z_m) const;
-  double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
-  WaveMotion motion_under(const Crest* crests, std::size_t count, double height_m, double z_m,
+  double crests_at(double x, double y, double time_s, std::size_t count, Crests& crests) const;
+  WaveMotion motion_under(const Crests& crests, std::size_t count, double height_m, double z_m,
                           const Eigen::Vector3d& current_m_s) const;
   /// Depth D of the stretched layer for a surface height of `height_m`.
   double layer_m(double height_m) const;
   Stretched stretched(double z_m, double height_m) const;
   double unstretched(double z_m, double height_m) const { return stretched(z_m, height_m).z_m; }
-  int polynomial_order(double radius_m, std::size_t count) const;
-  WavePatch patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests, std::size_t count,
-                        const WaveKernels::Order& kernels) const;
 
-  std::vector<Wave> waves_;  // longest first
+  std::vector<Wave> waves_;        // longest first
+  std::vector<WaveBlock> blocks_;  // the same
   double depth_m_;
   double gravity_m_s2_;
   double bound_m_ = 0;
-  double stretched_m_ = 0;            // D unless a trough is deep
-  double resolved_rad_m_ = 0;         // number of the shortest wave but for kLeftOut of the energy
-  double slope_ = 0;                  // upper bound of the surface's slope: sum of a k
-  std::array<double, 11> moments_{};  // sum of a k^n, n = 0 .. 10
+  double stretched_m_ = 0;     // D unless a trough is deep
+  double resolved_rad_m_ = 0;  // number of the shortest wave but for kLeftOut of the energy
+  double slope_ = 0;           // upper bound of the surface's slope: sum of a k
 };
 
 }  // namespace uwsim

@@ -2,17 +2,12 @@
 
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <numbers>
-#include <utility>
 
 #include "meshes.h"
-#include "uwsim/core/instruction_set.h"
-#include "uwsim/core/random.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/buoyant_hull.h"
-#include "uwsim/vehicle/pressure_kernels.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -35,6 +30,29 @@ Buoyancy buoyancy(const BuoyantHull& hull, const Pose& pose, const WaterField& w
   return hull.buoyancy(pose.position_m, pose.rotation(), water, time_s);
 }
 
+/// Force and moment of the pressure on the wet surface: each edge is divided into `parts`, and the pressure is that at
+/// the middle of each small triangle.
+Vector6d load_of_pressure(const TriangleMesh& mesh, const Pose& pose, const WaterField& water, double time_s,
+                          int parts) {
+  Vector6d load = Vector6d::Zero();
+  for (const Triangle& t : mesh.triangles) {
+    const Eigen::Vector3d &a = mesh.vertices_m[t[0]], &b = mesh.vertices_m[t[1]], &c = mesh.vertices_m[t[2]];
+    const Eigen::Vector3d inward = -0.5 * (b - a).cross(c - a) / (parts * parts);
+    for (int i = 0; i < parts; ++i) {
+      for (int j = 0; j < 2 * (parts - i) - 1; ++j) {  // j even: a triangle like the whole; odd: one upside down
+        const double third = j % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
+        const Eigen::Vector3d at = a + (i + third) / parts * (b - a) + (j / 2 + third) / parts * (c - a);
+        const double head_m = water.pressure_head_at(pose.point(at), time_s);
+        if (head_m <= 0) continue;
+        const Eigen::Vector3d force = water.still_pressure_at(-head_m) * inward;
+        load.head<3>() += force;
+        load.tail<3>() += at.cross(force);
+      }
+    }
+  }
+  return load;
+}
+
 TEST(HullInWaves, TheForceOnAFloatingBoxIsThePressureUnderItsBottom) {
   const BuoyantHull hull(testing::box(2, 1, 1));
   const Water water = with_wave(0.15, 2.5, 0.5);
@@ -44,9 +62,7 @@ TEST(HullInWaves, TheForceOnAFloatingBoxIsThePressureUnderItsBottom) {
     for (int i = 0; i < kCells; ++i) {
       for (int j = 0; j < kCells; ++j) {
         const Eigen::Vector3d p(2 * ((i + 0.5) / kCells - 0.5), (j + 0.5) / kCells - 0.5, -0.5);
-        double head_m = 0;
-        water.pressure_heads({&p, 1}, t, {&head_m, 1});
-        sum += water.still_pressure_at(-head_m) * 2 / (kCells * kCells);
+        sum += water.still_pressure_at(-water.pressure_head_at(p, t)) * 2 / (kCells * kCells);
       }
     }
     const Buoyancy got = buoyancy(hull, {{0, 0, 0}, Eigen::Quaterniond::Identity()}, water, t);
@@ -58,19 +74,44 @@ TEST(HullInWaves, BelowTheWavesTheClosedFormEqualsTheIntegralOfPressure) {
   TriangleMesh mesh = testing::box(1.6, 0.6, 0.4);
   for (Eigen::Vector3d& v : mesh.vertices_m) v += Eigen::Vector3d(0.2, 0.1, 0);
   const BuoyantHull hull(mesh);
-  const HullPressure pressure(mesh, 0.03);
   for (const double depth : {6.0, 40.0}) {
     const Water water = with_wave(0.02, 2.5, 0.9, depth);
     const Pose pose{{1, 2, -2}, tilted(0.8)};
-    const Eigen::Matrix3d rotation = pose.rotation();
-    const HullPressure::Load still = pressure.load(pose.position_m, rotation, EvenWater{}, 0);
+    const Vector6d still = load_of_pressure(mesh, pose, EvenWater{}, 0, 24);
     for (const double t : {0.0, 0.7, 1.9}) {
-      const HullPressure::Load all = pressure.load(pose.position_m, rotation, water, t);
+      const Vector6d load = load_of_pressure(mesh, pose, water, t, 24) - still;
+      const Eigen::Vector3d force = load.head<3>(), moment = load.tail<3>();
       const Buoyancy got = buoyancy(hull, pose, water, t), calm = buoyancy(hull, pose, EvenWater{}, t);
-      const Eigen::Vector3d force = all.force_body_n - still.force_body_n;
-      const Eigen::Vector3d moment = all.moment_body_nm - still.moment_body_nm;
       EXPECT_LT((got.force_body_n - calm.force_body_n - force).norm(), 0.02 * force.norm());
       EXPECT_LT((got.moment_body_nm - calm.moment_body_nm - moment).norm(), 0.02 * force.norm());
+    }
+  }
+}
+
+/// In steep waves, with any attitude and draught, and in water of several densities.
+TEST(HullInWaves, TheForceOnAFloatingHullIsThatOfThePressureOnItsWetSurface) {
+  const TriangleMesh box = testing::box(1.2, 0.8, 0.6), ball = testing::sphere(0.5, 12);
+  Water layered = with_wave(0.25, 2.5, 0.9);  // a k = 0.16
+  WaterLevel top, bottom;
+  top.density_kg_m3 = 1000;
+  bottom.depth_m = 4;
+  bottom.density_kg_m3 = 1030;
+  layered.profile = std::make_shared<const WaterProfile>(std::array{top, bottom});
+  for (const TriangleMesh* mesh : {&box, &ball}) {
+    const BuoyantHull hull(*mesh);
+    for (const Water& water : {with_wave(0.25, 2.5, 0.9), with_wave(0.2, 4, -0.4, 3), layered}) {
+      double worst = 0, worst_moment = 0;
+      for (int k = 0; k < 12; ++k) {
+        const double t = 0.3 * k;
+        const double surface_m = water.surface_height_at(1, 2, t);
+        const Pose pose{{1, 2, surface_m + 0.07 * (k % 5 - 2)}, tilted(0.3 * k)};
+        const Vector6d want = load_of_pressure(*mesh, pose, water, t, mesh == &box ? 24 : 3);
+        const Buoyancy got = buoyancy(hull, pose, water, t);
+        worst = std::max(worst, (got.force_body_n - want.head<3>()).norm() / want.head<3>().norm());
+        worst_moment = std::max(worst_moment, (got.moment_body_nm - want.tail<3>()).norm() / want.head<3>().norm());
+      }
+      EXPECT_LT(worst, 0.02);
+      EXPECT_LT(worst_moment, 0.004) << "m";
     }
   }
 }
@@ -162,50 +203,6 @@ TEST(HullInWaves, ANeutralBodyWithoutDampingIsCarriedByARisingTide) {
   for (int k = 0; k < 1000; ++k) state = advance(craft, state, {}, water, 0.02 * k, 0.02);
   const Eigen::Vector3d current = water.flow_at(state.world_from_body.position_m, 20).velocity_m_s;
   EXPECT_LT((state.velocity_body.head<3>() - current).norm(), 1e-6);
-}
-
-TEST(HullInWaves, EveryInstructionSetGivesTheSameBits) {
-  const RandomStream random(6, "hull");
-  std::array<VertexBlock, 3> blocks{};
-  std::array<double, 24> heads{};
-  for (std::uint64_t k = 0; k < 24; ++k) {
-    for (std::uint64_t n = 0; n < 3; ++n) blocks[k / 8].arm_m[n][k % 8] = random.uniform(k, n) - 0.5;
-    for (std::uint64_t n = 0; n < 6; ++n) blocks[k / 8].per_pascal[n][k % 8] = random.uniform(k, 3 + n) - 0.5;
-    heads[k] = random.uniform(k, 9) - 0.5;
-  }
-  const Eigen::Vector3d position(1, 2, 3);
-  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = tilted(0.8).toRotationMatrix();
-  struct Result {
-    std::array<double, 72> points_m{};
-    std::array<double, 24> pressures_pa{};
-    std::array<double, 6> load{};
-    std::array<std::uint8_t, 24> wet{};
-  };
-  const auto result = [&](const PressureKernels& kernels) {
-    Result out;
-    kernels.place(blocks.data(), 3, position.data(), rotation.data(), out.points_m.data());
-    kernels.pressures(heads.data(), 3, 9806.65, out.pressures_pa.data());
-    kernels.find_wet(heads.data(), 3, out.wet.data());
-    kernels.load(blocks.data(), 3, out.pressures_pa.data(), out.load.data());
-    return out;
-  };
-  const Result baseline = result(baseline_pressure_kernels());
-  for (std::size_t k = 0; k < 24; ++k) {
-    const auto& arm = blocks[k / 8].arm_m;
-    const Eigen::Vector3d at = position + rotation * Eigen::Vector3d(arm[0][k % 8], arm[1][k % 8], arm[2][k % 8]);
-    EXPECT_LT((Eigen::Vector3d(&baseline.points_m[3 * k]) - at).norm(), 1e-14);
-    EXPECT_EQ(baseline.wet[k], heads[k] > 0);
-    EXPECT_EQ(baseline.pressures_pa[k], heads[k] > 0 ? 9806.65 * heads[k] : 0);
-  }
-  for (const auto& [set, kernels] : {std::pair{InstructionSet::avx2, &avx2_pressure_kernels()},
-                                     std::pair{InstructionSet::avx512, &avx512_pressure_kernels()}}) {
-    if (!processor_has(set)) continue;
-    const Result other = result(*kernels);
-    EXPECT_EQ(other.points_m, baseline.points_m);
-    EXPECT_EQ(other.pressures_pa, baseline.pressures_pa);
-    EXPECT_EQ(other.wet, baseline.wet);
-    EXPECT_EQ(other.load, baseline.load);
-  }
 }
 
 /// The period of the waves is much longer than that of the box, so the box neither lags nor overshoots much.

@@ -3,20 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "uwsim/core/check.h"
-#include "uwsim/core/instruction_set.h"
-#include "uwsim/core/random.h"
-#include "uwsim/world/wave_kernels.h"
 #include "world/wave_constants.h"
 
 namespace uwsim {
@@ -134,75 +128,6 @@ TEST(Waves, AJonswapRecordHasTheRequestedHeightAndPeak) {
   const double at_peak = energy(0.95 * peak, 1.05 * peak);
   EXPECT_GT(at_peak, energy(0.80 * peak, 0.90 * peak));
   EXPECT_GT(at_peak, energy(1.10 * peak, 1.20 * peak));
-}
-
-TEST(Waves, HeadsOfManyPointsEqualThoseOfEachAloneApartFromTheTailOfASea) {
-  for (const double depth : {3.0, 80.0}) {
-    const Waves all = Waves::jonswap({.significant_height_m = 0.4, .peak_period_s = 3, .spreading_exponent = 2}, depth);
-    for (const double reach : {0.05, 0.2, 0.6, 3.0}) {
-      // The waves of which a polynomial is made lack at most 2 % of the energy, m0 = (0.4 / 4)^2.
-      std::vector<WaveComponent> most = all.components();
-      std::vector<Waves> seas = {all};
-      for (double left_out = 0;; seas.emplace_back(most, depth)) {
-        left_out += most.back().amplitude_m * most.back().amplitude_m / 2;
-        if (left_out > 0.02 * 0.01) break;
-        most.pop_back();
-      }
-      std::vector<Eigen::Vector3d> points;
-      for (int k = 0; k < 125; ++k) {
-        points.push_back(Eigen::Vector3d(7, -3, -0.3) +
-                         reach * Eigen::Vector3d(k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2) / std::sqrt(12.0));
-      }
-      std::vector<double> heads(points.size());
-      all.heads(points, 11.3, heads);
-      const auto farthest_m = [&](const Waves& sea) {
-        double most_m = 0;
-        for (std::size_t k = 0; k < points.size(); ++k) {
-          most_m = std::max(most_m, std::abs(heads[k] - sea.head_at(points[k], 11.3)));
-        }
-        return most_m;
-      };
-      double least_m = 1;
-      for (const Waves& sea : seas) least_m = std::min(least_m, farthest_m(sea));
-      EXPECT_LT(least_m, 5e-4 * all.bound_m()) << depth << " " << reach;
-      EXPECT_LT(farthest_m(all), 0.07) << "five deviations of waves with 2 % of the energy";
-    }
-  }
-}
-
-TEST(Waves, EveryInstructionSetGivesTheSameBits) {
-  const RandomStream random(5, "waves");
-  std::array<WaveTerms, 3> terms{};
-  std::array<double, 3 * 13> points{};  // not a multiple of the number of lanes
-  for (std::uint64_t k = 0; k < 3 * kWaveLanes; ++k) {
-    WaveTerms& at = terms[k / kWaveLanes];
-    std::uint64_t draw = 0;
-    for (auto* of : {&at.real, &at.imaginary, &at.number_x_rad_m, &at.number_y_rad_m, &at.decay_rad_m}) {
-      (*of)[k % kWaveLanes] = random.uniform(k, draw++) - 0.5;
-    }
-  }
-  for (std::uint64_t k = 0; k < points.size(); ++k) points[k] = 4 * random.uniform(100, k) - 3;
-  struct Result {
-    WavePatch patch{0.1, 0.2, -0.4, 0.3, 2, 2, {}, {}};
-    std::array<double, 13> heads_m{};
-  };
-  const auto result = [&](const WaveKernels::Order& kernels) {
-    Result out;
-    kernels.fit(terms.data(), terms.size(), out.patch.below);
-    kernels.fit_flat(terms.data(), terms.size(), out.patch.surface);
-    kernels.heads(out.patch, points.data(), out.heads_m.size(), out.heads_m.data());
-    return out;
-  };
-  for (int order = kLowestWaveOrder; order <= kHighestWaveOrder; ++order) {
-    const Result baseline = result(baseline_wave_kernels().of_order(order));
-    EXPECT_NE(baseline.heads_m[12], 0);
-    for (const auto& [set, kernels] : {std::pair{InstructionSet::avx2, &avx2_wave_kernels()},
-                                       std::pair{InstructionSet::avx512, &avx512_wave_kernels()}}) {
-      if (!processor_has(set)) continue;
-      const Result other = result(kernels->of_order(order));
-      EXPECT_EQ(std::memcmp(&other, &baseline, sizeof other), 0) << order;
-    }
-  }
 }
 
 /// The autocorrelation of the surface at one position, over all times.

@@ -1,16 +1,9 @@
-#include "uwsim/world/wave_kernels.h"
+#include "uwsim/world/wave_sums.h"
 
 #include "uwsim/core/instruction_set.h"
-#include "uwsim/world/wave_kernels_impl.h"
 #include "uwsim/world/wave_sums_impl.h"
 
 namespace uwsim {
-
-const WaveKernels& baseline_wave_kernels() { return kKernels; }
-
-const WaveKernels& wave_kernels() {
-  return widest(baseline_wave_kernels(), avx2_wave_kernels(), avx512_wave_kernels());
-}
 
 const WaveSumKernels& baseline_wave_sum_kernels() { return kSumKernels; }
 
