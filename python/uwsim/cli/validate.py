@@ -19,7 +19,7 @@ def validate(
         list[str] | None,
         typer.Argument(
             help="Any of dynamics, sonar, imaging, camera, link, sound, control, estimation (default: all of these); "
-            "reality, which needs --data; peers, which compares with the libraries gsw, mujoco and opencv-python-headless.",
+            "reality, which needs --data; peers, which needs gsw, mujoco or opencv-python-headless.",
             **one_of(
                 "dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation", "reality", "peers"
             ),
