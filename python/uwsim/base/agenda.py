@@ -11,6 +11,7 @@ tests/python/base/test_agenda.py.
 |                | `DELIVERY` | links deliver arrived messages and send due ones       | arrivals first       |
 | the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
+|                | `HOLD`     | holds steer beside the stick                           | as engaged           |
 |                | `FAILSAFE` | failsafes check and steer                              | in vehicle order     |
 |                |            | one native step to T + 1 (`Simulation::step_once`, C++)|                      |
 
@@ -36,11 +37,12 @@ class Rank(IntEnum):
     READING = 2
     DELIVERY = 3
     FAULT = 4
-    FAILSAFE = 5
+    HOLD = 5
+    FAILSAFE = 6
 
 
 REACHED = (Rank.OBSERVER, Rank.FRAME, Rank.READING, Rank.DELIVERY)
-LEFT = (Rank.FAULT, Rank.FAILSAFE)
+LEFT = (Rank.FAULT, Rank.HOLD, Rank.FAILSAFE)
 
 
 class Due(Protocol):

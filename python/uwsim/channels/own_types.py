@@ -49,6 +49,10 @@ float32[3] linear_acceleration # m/s2, along the body's axes, without gravity
 float32[3] angular_acceleration # rad/s2, about them
 string[] gauges                # fields above that are measured aboard, and nan if they cannot be; not over a modem
 float32[] gauge_ages           # s since each was measured; inf: no valid measurement
+string[] holds                 # active ones: heading, depth, altitude, position, speed
+float32[] hold_targets         # of each: yaw [rad], depth [m], altitude [m], distance to the position [m], speed [m/s];
+                               # nan while the stick moves the vehicle or it comes to rest
+string hold_note               # why the last hold was lost or changed; empty: none was
 """,
     MAP_CHANGES: """\
 std_msgs/Header header

@@ -12,6 +12,7 @@ from uwsim.channels import build
 from uwsim.channels.channel import PANEL, Channel
 from uwsim.channels.estimate import has_estimate
 from uwsim.channels.gauges import gauges
+from uwsim.channels.hold_fields import hold_fields
 from uwsim.channels.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.channels.source import Source
 from uwsim.navigation.estimation import Navigator
@@ -65,6 +66,7 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
         failsafe_cause="" if failsafe is None else failsafe.cause,
         gauges=list(measured.ages_s),
         gauge_ages=np.array(list(measured.ages_s.values()), np.float32),
+        **hold_fields(vehicle, estimate),
         alarms=[*([ALL_STOPPED] if vehicle.all_stopped else []), *(() if failsafe is None else failsafe.alarms)],
     )
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwsim.base.axes import AXES
 from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
+from uwsim.commands.holds import HOLDS
 
 ALL_STOP = "all_stop"
 RIGHT_ANGLE_RAD = 0.5 * math.pi
@@ -25,6 +26,10 @@ def _set_lamp(vehicle: Any, lamp: str, on: bool) -> None:
 def _aim_camera(carrier: Any, camera: str, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
     what = "camera" if hasattr(carrier, "vehicles") else f"vehicle '{carrier.name}' camera"
     item(carrier.cameras, camera, what).aim(pan_rad, tilt_rad)
+
+
+def _hold(vehicle: Any, **on: bool) -> None:
+    vehicle.gate.holds.set(**on)
 
 
 def _start_navigation(vehicle: Any) -> None:
@@ -88,6 +93,11 @@ STEERING = [
         "set_fins", "deflections of fins by name; the others return to 0",
         (Argument("angles_rad", "numbers by name", "rad", -RIGHT_ANGLE_RAD, RIGHT_ANGLE_RAD),),
         crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/SetFins", is_piloted=False,
+    ),
+    Command(
+        "hold", "the holds that are active from now on: heading, depth or altitude, position or speed",
+        tuple(Argument(name, "flag", default=False) for name in HOLDS), _hold,
+        crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/Hold",
     ),
     Command(
         "place", "put a vehicle at a pose",

@@ -48,6 +48,30 @@ class FailsafeLike(Protocol):
         """Return control of the vehicle."""
 
 
+class HoldsLike(Protocol):
+    """The interface of a vehicle's holds; see uwsim.simulator.holds.Holds."""
+
+    targets: dict[str, list[float] | None]
+    note: str
+
+    @property
+    def possible(self) -> list[str]:
+        """The names of the holds for which the vehicle has actuators and sensors."""
+
+    @property
+    def has_control(self) -> bool:
+        """True while any hold is active."""
+
+    def set(self, **on: bool) -> None:
+        """Let these holds be active, and no others."""
+
+    def take(self, efforts: tuple[float, ...]) -> None:
+        """Let a stick set efforts."""
+
+    def end(self, why: str) -> None:
+        """End all holds."""
+
+
 class CommandGate:
     """Filters every command that moves a vehicle before it reaches the actuators.
 
@@ -58,6 +82,7 @@ class CommandGate:
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
         self.failsafe: FailsafeLike | None = None
+        self.holds: HoldsLike | None = None
         self.is_driven = False
         self.all_stopped = False
         self.stops = 0
@@ -83,6 +108,7 @@ class CommandGate:
         if all_stopped:
             self.stops += 1
             self.is_driven = False
+            self.end_holds("all stop")
             self._halt()
 
     def require_no_stop(self, command: str) -> None:
@@ -95,10 +121,16 @@ class CommandGate:
         if self.failsafe is not None:
             self.failsafe.heard()
 
-    def yields(self, *, moves: bool) -> None:
-        """Override the command just issued if all stop is set or the failsafe is steering.
+    def end_holds(self, why: str) -> None:
+        """End the holds, if any."""
+        if self.holds is not None and self.holds.has_control:
+            self.holds.end(why)
 
-        moves: whether any commanded value is nonzero.
+    def yields(self, *, moves: bool, stick: tuple[float, ...] | None = None) -> None:
+        """Override the command just issued if all stop is set or the failsafe is steering; otherwise combine holds.
+
+        moves: whether any commanded value is nonzero. stick: the commanded efforts, beside which holds stay active;
+        None for commands of another kind, which end them.
         """
         failsafe = self.failsafe
         self.is_driven = moves and not self.all_stopped
@@ -115,6 +147,12 @@ class CommandGate:
                     FailsafeWarning,
                     stacklevel=3,
                 )
+        elif self.holds is not None and self.holds.has_control:
+            if stick is None:
+                self.holds.end("another command steers")
+            else:
+                self.is_driven = True
+                self.holds.take(stick)
 
     def warn_of_dock(self) -> None:
         """Warn, once, that the vehicle is being commanded while docked."""

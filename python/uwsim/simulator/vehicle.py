@@ -21,7 +21,7 @@ from uwsim.instruments.sonars.multibeam import Sonar
 from uwsim.scenario.build.control import ControlSettings, floating_text
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
-from uwsim.simulator.command_gate import CommandGate, FailsafeLike
+from uwsim.simulator.command_gate import CommandGate, FailsafeLike, HoldsLike
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
 from uwsim.simulator.thruster import Thruster
@@ -136,6 +136,11 @@ class Vehicle(CommandedVehicle):
     def failsafe(self) -> FailsafeLike | None:
         """The vehicle's autonomous reaction to silence or failure; None unless its YAML file defines one."""
         return self.gate.failsafe
+
+    @property
+    def holds(self) -> HoldsLike | None:
+        """The vehicle's holds, see `command("hold", heading=True)`; None in a batch."""
+        return self.gate.holds
 
     @property
     def effort(self) -> Vector:

@@ -71,7 +71,7 @@ class CommandedVehicle(Sealed, Placeable):
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
         self.gate.hears()
         self._simulation.set_effort(self._index, *efforts)
-        self.gate.yields(moves=any(efforts))
+        self.gate.yields(moves=any(efforts), stick=efforts)
         if self._journal.of_efforts:
             self._note(EFFORT, **dict(zip(AXES, efforts, strict=True)))
 
@@ -170,6 +170,7 @@ class CommandedVehicle(Sealed, Placeable):
             raise ValueError(f"vehicle '{self.name}': dock: is docked already")
         with self._named_errors():
             self._dock.require_entry(self._index)
+        self.gate.end_holds("the vehicle is docked")
         self._simulation.dock(self._index, self._dock.position_world_m, self._dock.orientation_xyzw)
         self.gate.is_driven = False
         self._note("dock")
@@ -196,6 +197,7 @@ class CommandedVehicle(Sealed, Placeable):
 
     def _put(self, state: _core.BodyState) -> None:
         self._simulation.set_state(self._index, state)
+        self.gate.end_holds("the vehicle was placed elsewhere")
 
     @contextmanager
     def _named_errors(self) -> Iterator[None]:

@@ -49,6 +49,7 @@ REASONS = {
     "Range.field_of_view": "one ray", "Range.min_range": "from the sensor",
     "Telemetry.alarms": PANEL, "Telemetry.collision_warning": PANEL, "Telemetry.collisions": PANEL,
     "Telemetry.failsafe": PANEL, "Telemetry.failsafe_cause": PANEL, "Telemetry.range_warning": PANEL,
+    "Telemetry.holds": IDLE, "Telemetry.hold_targets": IDLE, "Telemetry.hold_note": IDLE,  # see test_holds.py
     "Telemetry.lamps": IDLE, "Telemetry.thrusters": "forces drive this vehicle",
     "TwistWithCovarianceStamped.twist.twist.angular.x": "not measured by a DVL",
     "TwistWithCovarianceStamped.twist.twist.angular.y": "not measured by a DVL",

@@ -133,3 +133,24 @@ def test_what_is_no_effort_is_refused_and_another_pilot_begins_with_zero(flight)
     live.read(lambda sim: None).result()
     assert not live.rov.effort.any()
     assert drive([helm][0], [now[0] - 5000.0], surge=0.2)["success"]  # from a different clock
+
+
+def test_a_speed_hold_lasts_as_long_as_the_pilot_is_there_and_other_holds_stay():
+    now_s = [0.0]
+    with LiveSimulator(Simulator("pool", seed=3), paused=True, speed="max") as live:
+        live.rov.undock()
+        helm = Helm(live, Table(live.simulator).steering, clock=lambda: now_s[0])
+        asked = {"heading": True, "depth": True, "speed": True}
+        live.command("hold", vehicle="rov", **asked).result()
+        helm.note_holds("rov", asked)
+        for now_s[0] in (1.0, 2.0):  # the page repeats its efforts
+            helm.drive({"vehicle": "rov"})
+            assert helm.beat() == pytest.approx(1.5)
+        now_s[0] = 3.4
+        helm.beat()
+        live.step(1)
+        assert set(live.simulator.rov.holds.targets) == {"heading", "depth", "speed"}
+        now_s[0] = 3.51
+        helm.beat()
+        live.step(1)
+        assert set(live.simulator.rov.holds.targets) == {"heading", "depth"}

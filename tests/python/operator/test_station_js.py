@@ -4,10 +4,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[3]
 NODE = Path(sys.prefix) / "bin/node"
 
 
-def test_a_page_knows_when_nothing_arrives_and_whether_it_had_the_controls():
-    done = subprocess.run([NODE, ROOT / "tests/js/station.mjs"], capture_output=True, text=True, timeout=60)
+# What each program checks is stated in it.
+@pytest.mark.parametrize("program", ["station.mjs", "page.mjs"])
+def test_the_page_without_a_browser(program):
+    done = subprocess.run([NODE, ROOT / "tests/js" / program], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr

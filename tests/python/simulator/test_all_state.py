@@ -69,6 +69,9 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_effort", {"vehicle": "rov", "heave": -0.2}),
     ("override_failsafe", {"vehicle": "rov"}),
     ("inject_fault", {"kind": "sensor", "name": "compass_sticks", "sensor": "compass", "mode": "stuck"}),
+    ("hold", {"vehicle": "torpedo", "heading": True, "depth": True}),
+    ("set_effort", {"vehicle": "torpedo", "surge": 0.5, "yaw": 0.2}),
+    ("set_effort", {"vehicle": "torpedo", "surge": 0.5}),
     ("set_effort", {"vehicle": "rov", "sway": 0.3}),
 ]
 NO_STATE = {

@@ -31,6 +31,8 @@ MOVING: dict[str, tuple[str, dict[str, Any]]] = {
     "set_fins": ("fins", {"angles_rad": {"top": 0.2, "port": -0.2}}),
 }
 """Commands that move a vehicle, each with a vehicle it moves."""
+REFUSED = {"hold"}
+"""Commands that are refused while all stop is set; see test_holds.py."""
 IN_DOCK = ("release", "undock")
 """Commands that release a vehicle from its dock; tested separately below."""
 FREE = {
@@ -74,7 +76,7 @@ def alone(path: Path) -> bytes:
 
 
 def test_every_command_that_there_is_has_been_thought_of() -> None:
-    assert set(COMMANDS) == set(MOVING) | set(IN_DOCK) | FREE
+    assert set(COMMANDS) == set(MOVING) | set(IN_DOCK) | REFUSED | FREE
 
 
 def test_nothing_aboard_moves_a_stopped_vehicle(sim: Simulator) -> None:

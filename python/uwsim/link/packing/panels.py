@@ -11,6 +11,7 @@ import numpy as np
 from uwsim.channels import Channel, build
 from uwsim.channels.own_types import TELEMETRY
 from uwsim.channels.published import join
+from uwsim.commands import HOLDS
 
 STATE = struct.Struct("<HHhIHHHIB")
 STATE_QUANTA = (0.01, 0.001, 0.01, 0.01, 0.1, 0.1, 0.1, 0.1, 0.5)
@@ -124,13 +125,30 @@ def unpack_failsafe(byte: int) -> dict[str, str]:
     return {"failsafe": DOES[state], "failsafe_cause": CAUSES[cause]}
 
 
+def pack_holds(message: Any) -> bytes:
+    """Return one bit for each kind of hold, and the targets of the active ones, in their order."""
+    bits = sum(1 << bit for bit, name in enumerate(HOLDS) if name in message.holds)
+    return struct.pack(f"<B{len(message.holds)}i", bits, *(quantised(x, 0.01, "i") for x in message.hold_targets))
+
+
+def unpack_holds(data: bytes) -> tuple[dict[str, Any], bytes]:
+    """Return the hold fields of /telemetry, and the bytes that follow."""
+    names = [name for bit, name in enumerate(HOLDS) if data[0] >> bit & 1]
+    end = 1 + 4 * len(names)
+    targets = [value_of(x, 0.01, "i") for x in struct.unpack(f"<{len(names)}i", data[1:end])]
+    return {"holds": names, "hold_targets": np.array(targets, np.float32)}, data[end:]
+
+
 def _pack_notices(message: Any) -> bytes:
-    """Return the failsafe byte, followed by the alarms, if any, as text."""
-    return bytes([pack_failsafe(message)]) + "\n".join(message.alarms).encode()
+    """Return the failsafe byte, the holds, and, if there are any, the note on holds and the alarms, as text."""
+    notes = [message.hold_note, *message.alarms]
+    return bytes([pack_failsafe(message)]) + pack_holds(message) + ("\n".join(notes) if any(notes) else "").encode()
 
 
 def _unpack_notices(data: bytes) -> dict[str, Any]:
-    return unpack_failsafe(data[0]) | {"alarms": data[1:].decode().splitlines()}
+    holds, rest = unpack_holds(data[1:])
+    note, *alarms = rest.decode().split("\n")
+    return unpack_failsafe(data[0]) | holds | {"hold_note": note, "alarms": alarms}
 
 
 def value_of(whole: int, quantum: float, code: str, none: float = math.nan) -> float:

@@ -59,6 +59,7 @@ def unpack(data: bytes, channel: Channel) -> Any:
         angular_acceleration=unknown.astype(np.float32),
         orientation=turn.astype(np.float32),
         lamps=np.array([bool(lamps >> bit & 1) for bit in range(count)]),
+        hold_targets=np.empty(0, np.float32),
         alarms=[ALL_STOPPED] if flags >> len(FLAGS) & 1 else [],
         **told | {"is_truth": False},
         **dict.fromkeys(("angular_speed", "pressure", "distance_to_station", "link_delay"), math.nan),

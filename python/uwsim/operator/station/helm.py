@@ -1,4 +1,4 @@
-"""The pilot's efforts: they must be recent, they last only while repeated, and they are zero otherwise."""
+"""The pilot's efforts and speed hold: they must be recent, last only while repeated, and end otherwise."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from typing import Any
 from uwsim.base.axes import AXES
 from uwsim.channels.guest import Values
 from uwsim.channels.steering import Steering, require_link
-from uwsim.commands import ALL_STOP, COMMANDS
+from uwsim.commands import ALL_STOP, COMMANDS, HOLDS
 from uwsim.live import LiveSimulator, NotRunningError
 
 SILENCE_S = 0.5
 """The age beyond which a command is rejected, and the time without a command after which efforts are set to zero."""
+CRUISE_S = 1.5
+"""The same for a speed hold, which a pause of a browser must not end, since it does not begin again by itself."""
 RETRY_S = 0.05  # delay before setting efforts to zero is attempted again
 WINDOW_S = 30.0
 ZERO = dict.fromkeys(AXES, 0.0)
@@ -64,6 +66,7 @@ class Helm:
         self._lock = threading.Lock()
         self._delay = LeastDelay()
         self._efforts = dict.fromkeys(steering, ZERO)  # as last set by this helm
+        self._cruising: dict[str, dict[str, bool]] = {}  # by vehicle with a speed hold: its other holds
         self._heard_s = -math.inf
 
     def drive(self, request: Values) -> Future[Values]:
@@ -83,8 +86,17 @@ class Helm:
         vehicle, on = self._named(request), wants_stop(request)
         require_link(self._live, vehicle, ALL_STOP)
         with self._lock:
+            self._cruising.pop(vehicle, None)
             self._efforts[vehicle] = ZERO  # all stop sets them to zero, and releasing it leaves them there
         return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
+
+    def note_holds(self, vehicle: str, arguments: Mapping[str, Any]) -> None:
+        """Note which holds the pilot has requested: a speed hold drives on by itself, so it lasts as efforts do."""
+        with self._lock:
+            self._cruising.pop(vehicle, None)
+            if arguments.get("speed") is True:
+                self._cruising[vehicle] = {name: arguments.get(name) is True for name in HOLDS if name != "speed"}
+                self._heard_s = self._clock()
 
     def _named(self, request: Values) -> str:
         vehicle = request.get("vehicle")
@@ -93,13 +105,16 @@ class Helm:
         return vehicle
 
     def beat(self) -> float:
-        """Set efforts to zero if no command has arrived for SILENCE_S; return the time [s] until the next check."""
+        """End efforts and speed holds when commands have ceased; return the time [s] until the next check."""
         with self._lock:
-            left_s = self._heard_s + SILENCE_S - self._clock()
-            if left_s <= 0:
+            silent_s = self._clock() - self._heard_s
+            if silent_s >= SILENCE_S:
                 self._zero()
-            is_held = any(efforts != ZERO for efforts in self._efforts.values())
-            return max(left_s, RETRY_S) if is_held else math.inf
+            if silent_s >= CRUISE_S:
+                self._end_cruises()
+            if any(efforts != ZERO for efforts in self._efforts.values()):
+                return max(SILENCE_S - silent_s, RETRY_S)
+            return max(CRUISE_S - silent_s, RETRY_S) if self._cruising else math.inf
 
     def let_go(self) -> None:
         """Set efforts to zero now, including those of clients other than the pilot, because the pilot changes.
@@ -112,6 +127,7 @@ class Helm:
                 if steering.watch.driver:
                     self._efforts[vehicle] = UNKNOWN
             self._zero()
+            self._end_cruises()
 
     def _zero(self) -> None:
         for vehicle, efforts in self._efforts.items():
@@ -120,6 +136,14 @@ class Helm:
                     self._set(vehicle, ZERO, {})
                 except (NotRunningError, RuntimeError):  # paused or overloaded: the next beat tries again
                     return
+
+    def _end_cruises(self) -> None:
+        for vehicle, others in list(self._cruising.items()):
+            try:
+                answered(self._live, self._live.command("hold", vehicle=vehicle, **others))
+            except (NotRunningError, RuntimeError):
+                return
+            del self._cruising[vehicle]
 
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
         self._steering[vehicle].watch.forget()

@@ -202,6 +202,7 @@ class Running:
             "thrusters": list(vehicle.thrusters),
             "lamps": list(vehicle.lamps),
             "efforts": [axis for axis in AXES if axis in vehicle.controllable],
+            "holds": vehicle.holds.possible if vehicle.holds is not None else [],
             "tilt": tilt,
             "sonar": sonar,
             "motors": motors,

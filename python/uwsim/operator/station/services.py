@@ -87,7 +87,10 @@ class Services:
         if COMMANDS[name].crosses_link:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
             text = _sent(running)
-        return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given), text=text)
+        future = live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given)
+        if name == "hold" and isinstance(vehicle, str):
+            running.helm.note_holds(vehicle, given)
+        return answered(live, future, text=text)
 
     def _set_view(self, caller: str, request: Values) -> Values:
         self._station.present().views.set_size(request)

@@ -157,6 +157,7 @@ class VehicleDescription(Message):
     thrusters: list[str]
     lamps: list[str]
     efforts: list[str]
+    holds: list[str]
     tilt: Tilt | None
     sonar: Multibeam | None
     motors: list[Motor]

@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args, get_origin
 from uwsim.base.axes import AXES
 from uwsim.channels.message_types import Kind, fields
 from uwsim.channels.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
-from uwsim.commands import COMMANDS
+from uwsim.commands import COMMANDS, HOLDS
 from uwsim.operator.station.calls import CALLS, Call
 from uwsim.operator.station.wire import Message, Refused
 
@@ -43,6 +43,7 @@ def _constants() -> str:
         for name, value, comment in (
             ("AXES", list(AXES), ""),
             ("ALL_STOPPED", ALL_STOPPED, "// The alarm in the telemetry of a vehicle whose all stop is set.\n"),
+            ("HOLDS", list(HOLDS), "// The arguments of the command `hold`.\n"),
             ("TYPES", types, "// The types of topics, by their last name.\n"),
             ("COMMANDS", commands, "// The arguments of each command that the pilot may give by name.\n"),
             ("SERVICES", services, "// Those that are services of a vehicle, too.\n"),

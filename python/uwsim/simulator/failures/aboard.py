@@ -16,6 +16,7 @@ from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.failsafe import Failsafe, FailsafeState
 from uwsim.simulator.failures.faults import Faults, FaultsState
+from uwsim.simulator.holds import Holds, HoldsState
 from uwsim.simulator.network import Network
 from uwsim.simulator.vehicle import Vehicle
 
@@ -23,22 +24,24 @@ FAILSAFE_OF = "failsafe of "
 
 
 class AboardState(State):
-    """A saved Aboard: faults, each vehicle's failsafe as "failsafe of NAME", and the vehicles with all stop set."""
+    """A saved Aboard: faults, holds, each failsafe as "failsafe of VEHICLE", and the vehicles with all stop set."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
     all_stopped: list[str] = Field(default=[])  # version 1 did not have all stop
     faults: FaultsState
+    holds: dict[str, HoldsState] = Field(default={})  # by vehicle, of those with active ones
 
 
 class Aboard:
-    """A simulator's faults, failsafes and all-stop states; they are saved, restored and restarted together."""
+    """A simulator's faults, failsafes, holds and all-stop states; they are saved, restored and restarted together."""
 
     STATE: ClassVar[Any] = AboardState
 
     def __init__(self, faults: Faults) -> None:
         self._faults = faults
         self._failsafes: dict[str, Failsafe] = {}
+        self._holds: dict[str, Holds] = {}
         self._vehicles: Mapping[str, Vehicle] = {}
 
     def add_failsafes(
@@ -55,6 +58,9 @@ class Aboard:
         self._vehicles = vehicles
         for name, vehicle in vehicles.items():
             vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
+            self._holds[name] = vehicle.gate.holds = Holds(
+                vehicle, agenda=agenda, events=events, step_s=scenario.step_s
+            )
         for entry in scenario.vehicles:
             figures = entry.failsafe or entry.model.failsafe
             if figures is None:
@@ -75,6 +81,8 @@ class Aboard:
         self._faults.restart(scenario)
         for failsafe in self._failsafes.values():
             failsafe.restart()
+        for holds in self._holds.values():
+            holds.restart()
         for vehicle in self._vehicles.values():
             vehicle.gate.restore(all_stopped=False)
 
@@ -82,18 +90,24 @@ class Aboard:
         """Return everything that future steps depend on, as JSON values."""
         stopped = [name for name, vehicle in self._vehicles.items() if vehicle.all_stopped]
         failsafes = {FAILSAFE_OF + name: failsafe.save() for name, failsafe in self._failsafes.items()}
-        return {"all_stopped": stopped, "faults": self._faults.save(), **failsafes}
+        holds = {name: holds.save() for name, holds in self._holds.items() if holds.has_control or holds.note}
+        return {"all_stopped": stopped, "faults": self._faults.save(), "holds": holds, **failsafes}
 
     def restore(self, state: AboardState) -> None:
         """Load a state returned by `save`. Raises ValueError if it belongs to other vehicles."""
         failsafes = state.__pydantic_extra__
         require_names("programs", failsafes, (FAILSAFE_OF + name for name in self._failsafes))
         require_names("all_stopped", {*self._vehicles, *state.all_stopped}, self._vehicles)
+        require_names("holds", {*self._vehicles, *state.holds}, self._vehicles)
         self._faults.restore(state.faults)
         for name, failsafe in self._failsafes.items():
             failsafe.restore(failsafes[FAILSAFE_OF + name])
         for name, vehicle in self._vehicles.items():
             vehicle.gate.restore(all_stopped=name in state.all_stopped)
+        for name, holds in self._holds.items():
+            holds.restart()
+            if name in state.holds:
+                holds.restore(state.holds[name])
 
 
 def _note_all_stop(events: EventLog, agenda: Agenda, vehicle: str, on: bool) -> None:

@@ -5,8 +5,9 @@ import { watchDialogs } from './dialogs/dialog.js';
 import { showKeys } from './dialogs/keys.js';
 import { showMenu } from './dialogs/menu.js';
 import { byId, toast, write } from './dom.js';
-import { Bindings } from './drive/bindings.js';
+import { Bindings, keyName } from './drive/bindings.js';
 import { explainIdleKeys } from './drive/hint.js';
+import { HoldButtons } from './drive/holds.js';
 import { Inspector } from './inspector.js';
 import { Lease } from './drive/lease.js';
 import { Pilot } from './drive/pilot.js';
@@ -37,6 +38,7 @@ byId('station').append(pilot.touch.element);
 const aim = new CameraAim(station, views);
 views.setTools(aim.element);
 const topbar = new TopBar(station, telemetry, pilot, views);
+const holds = new HoldButtons(station, telemetry, pilot, (action) => bindings.keysOf(action).map(keyName)[0]);
 const panel = new Panel(byId('panel'), station, telemetry, pilot);
 panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
 const recorder = new Recorder(station, telemetry, views);
@@ -99,6 +101,7 @@ function describe() {
   vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
+  holds.begin(vehicle);
 }
 
 // Show another simulator, or the same one from its start.
@@ -174,6 +177,7 @@ function act(action, isPressed) {
     return;
   }
   if (!isPressed) return;
+  if (action.startsWith('hold.')) holds.press(action.slice(5));
   const actions = {
     stop: () => panel.allStop.press(),
     zero: () => pilot.stop(),

@@ -20,6 +20,7 @@ export class Pilot extends EventTarget {
   #sent = none();
   #timer = 0;
   #isOpen = true; // false while a dialog is open
+  #isCruising = false; // whether efforts must be sent although none is held
 
   constructor(station, bindings, act) {
     super();
@@ -64,6 +65,16 @@ export class Pilot extends EventTarget {
     this.#gain = Math.max(0, Math.min(GAINS.length - 1, this.#gain + steps));
     this.dispatchEvent(new Event('gain'));
     this.#read();
+  }
+
+  // A speed hold lasts only while efforts arrive: send them, even if they are zero, as long as the pilot is here.
+  repeat(isCruising) {
+    this.#isCruising = isCruising;
+    if (this.#mustRepeat && !this.#timer) this.#later(PERIOD_MS);
+  }
+
+  get #mustRepeat() {
+    return this.#isCruising && this.mayAct && document.hasFocus();
   }
 
   // While a dialog is open no control acts.
@@ -118,7 +129,7 @@ export class Pilot extends EventTarget {
     this.#timer = 0;
     const begun = performance.now();
     this.#sentMs = begun;
-    if (this.isHeld) this.#later(PERIOD_MS);
+    if (this.isHeld || this.#mustRepeat) this.#later(PERIOD_MS);
     if (!this.station.isPilot) return;
     this.#sent = this.efforts;
     try {

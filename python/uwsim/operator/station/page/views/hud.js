@@ -1,11 +1,13 @@
 // The head-up display: heading, depth, altitude and attitude over the video, for a pilot who looks only at the picture.
 import { attitude } from '../attitude.js';
+import { shownHolds } from '../drive/holds.js';
 
 const INK = '#f2f8fb';
 const SOFT = 'rgb(242 248 251 / .72)';
 const STALE = '#9aa6ae';
 const SHADE = 'rgb(5 10 13 / .62)';
 const WARN = '#ffc247';
+const HELD = '#7be0a2';
 const CARDINALS = { 0: 'N', 45: 'NE', 90: 'E', 135: 'SE', 180: 'S', 225: 'SW', 270: 'W', 315: 'NW' };
 
 export class Hud {
@@ -37,14 +39,27 @@ export class Hud {
     c.textBaseline = 'middle';
     const angles = attitude(message.orientation);
     if (hasLadder) this.#ladder(width / 2, height / 2, scale, angles);
-    this.#heading(width / 2, top + 10, Math.min(440, width * 0.46), scale, angles.heading_deg);
+    const holds = shownHolds(message);
+    const target = (name) => holds.find((hold) => hold.name === name)?.target ?? null;
+    const yaw_rad = target('heading');
+    this.#heading(width / 2, top + 10, Math.min(440, width * 0.46), scale, angles.heading_deg, {
+      target_deg: yaw_rad === null ? null : 90 - (yaw_rad * 180) / Math.PI,
+    });
+    this.#chips(width / 2, height - top - 58 * scale, scale, holds, isStale ? '' : (message.hold_note ?? ''));
     const tall = Math.min(300, height * 0.56);
     const side = left + Math.max(12, width * 0.02);
-    this.#tape(side, height / 2, tall, scale, { name: 'DEPTH', value: message.depth, side: 'left', down: true });
+    this.#tape(side, height / 2, tall, scale, {
+      name: 'DEPTH',
+      value: message.depth,
+      side: 'left',
+      down: true,
+      target: target('depth'),
+    });
     const altitude = message.distance_to_seabed;
     this.#tape(width - side, height / 2, tall, scale, {
       name: 'ALT',
       value: altitude,
+      target: target('altitude'),
       side: 'right',
       color: !isStale && altitude < proximity_m ? WARN : this.ink,
     });
@@ -62,7 +77,7 @@ export class Hud {
     c.fill();
   }
 
-  #heading(middle, top, width, scale, heading) {
+  #heading(middle, top, width, scale, heading, { target_deg }) {
     const { context: c } = this;
     const height = 34 * scale;
     const perDegree = width / 90;
@@ -87,6 +102,11 @@ export class Hud {
       c.stroke();
       if (isNamed) c.fillText(CARDINALS[whole] ?? String(whole).padStart(3, '0'), x, top + 13 * scale);
     }
+    if (target_deg !== null) {
+      const off_deg = ((((target_deg - heading + 180) % 360) + 360) % 360) - 180;
+      const at = middle + Math.max(-44, Math.min(44, off_deg)) * perDegree;
+      this.#mark(at, top + height, 0, -1, scale);
+    }
     c.restore();
     const [w, h] = [58 * scale, 24 * scale];
     const y = top + height + 3;
@@ -106,7 +126,7 @@ export class Hud {
   }
 
   // Draw a vertical tape with the value in a box at its middle. down: greater values below.
-  #tape(x, middle, tall, scale, { name, value, side, down = false, color = this.ink }) {
+  #tape(x, middle, tall, scale, { name, value, side, target = null, down = false, color = this.ink }) {
     const { context: c } = this;
     const isLeft = side === 'left';
     const wide = 46 * scale;
@@ -137,6 +157,10 @@ export class Hud {
       const isInside = Math.abs(y - middle) < tall / 2 - 8;
       if (isNamed && isInside) c.fillText(String(tick), edge + inward * 13 * scale, y);
     }
+    if (target !== null && isKnown) {
+      const off = Math.max(-5.8, Math.min(5.8, target - value)) * (down ? 1 : -1);
+      this.#mark(edge, middle + off * perMetre, inward, 0, scale);
+    }
     c.restore();
     const [w, h] = [66 * scale, 26 * scale];
     const boxLeft = isLeft ? x : x - w;
@@ -153,6 +177,38 @@ export class Hud {
     c.textAlign = isLeft ? 'left' : 'right';
     this.#font(10.5 * scale, 600);
     this.#outlined(name, x + (isLeft ? 2 : -2), middle - tall / 2 - 9 * scale, color);
+  }
+
+  // A triangle that points at the target of a hold, at the edge of a tape.
+  #mark(x, y, right, down, scale) {
+    const { context: c } = this;
+    const [long, half] = [11 * scale, 7 * scale];
+    c.fillStyle = HELD;
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x + right * long - down * half, y + down * long + right * half);
+    c.lineTo(x + right * long + down * half, y + down * long - right * half);
+    c.fill();
+  }
+
+  // The active holds, and why the last one was lost.
+  #chips(middle, top, scale, holds, note) {
+    const { context: c } = this;
+    this.#font(12 * scale, 600);
+    const texts = holds.map(({ short, text }) => `${short} ${text}`);
+    const wide = texts.map((text) => c.measureText(text).width + 14 * scale);
+    let x = middle - (wide.reduce((sum, each) => sum + each + 5, -5) || 0) / 2;
+    c.textAlign = 'left';
+    texts.forEach((text, k) => {
+      this.#box(x, top, wide[k], 22 * scale);
+      c.strokeStyle = c.fillStyle = this.ink === STALE ? STALE : HELD;
+      c.strokeRect(x + 0.5, top + 0.5, wide[k] - 1, 22 * scale - 1);
+      c.fillText(text, x + 7 * scale, top + 11.5 * scale);
+      x += wide[k] + 5;
+    });
+    if (!note) return;
+    c.textAlign = 'center';
+    this.#outlined(note, middle, top - 14 * scale, WARN);
   }
 
   #outlined(text, x, y, color) {

@@ -3,6 +3,8 @@
 export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 // The alarm in the telemetry of a vehicle whose all stop is set.
 export const ALL_STOPPED = 'all stop';
+// The arguments of the command `hold`.
+export const HOLDS = ['heading', 'depth', 'altitude', 'position', 'speed'];
 // The types of topics, by their last name.
 export const TYPES = {
   StationState: 'uwsim_msgs/StationState',
@@ -18,6 +20,7 @@ export const COMMANDS = {
   override_failsafe: [],
   inject_fault: ['kind'],
   end_fault: ['name'],
+  hold: ['heading', 'depth', 'altitude', 'position', 'speed'],
   start_navigation: [],
   aim: ['elevation_rad', 'sonar'],
   set_lamp: ['lamp', 'on'],
@@ -28,7 +31,7 @@ export const COMMANDS = {
   reset_parameters: ['name'],
 };
 // Those that are services of a vehicle, too.
-export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
+export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold'];
 
 /** @typedef {object} StationState
  * @property {string} phase
@@ -85,6 +88,9 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {ArrayLike<number>} angular_acceleration
  * @property {string[]} gauges
  * @property {ArrayLike<number>} gauge_ages
+ * @property {string[]} holds
+ * @property {ArrayLike<number>} hold_targets
+ * @property {string} hold_note
  */
 
 /** @typedef {object} MapChanges
@@ -159,6 +165,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string[]} thrusters
  * @property {string[]} lamps
  * @property {string[]} efforts
+ * @property {string[]} holds
  * @property {Tilt | null} tilt
  * @property {Multibeam | null} sonar
  * @property {Motor[]} motors

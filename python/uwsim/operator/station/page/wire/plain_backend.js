@@ -94,10 +94,11 @@ export class PlainBackend {
     return { success: true };
   }
 
-  command(name, vehicle, { lamp, on, elevation_rad }) {
+  command(name, vehicle, args) {
+    const { lamp, on, elevation_rad } = args;
     const prefix = vehicle === 'vehicle' ? '/' : `/${vehicle}/`;
     if (name === 'set_lamp') return this.#bridge.call(`${prefix}lights/${lamp}`, { data: on });
-    if (name !== 'aim') return this.#bridge.call(`${prefix}${name}`);
+    if (name !== 'aim') return this.#bridge.call(`${prefix}${name}`, args);
     this.#bridge.publish(`${prefix}cmd_tilt`, { data: -elevation_rad }); // positive is nose down there
     return Promise.resolve({ success: true });
   }

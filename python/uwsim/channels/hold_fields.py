@@ -1,0 +1,32 @@
+"""The fields of /telemetry that describe a vehicle's holds."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.vehicle import Vehicle
+
+
+def hold_fields(vehicle: Vehicle, estimate: Navigator | None) -> dict[str, Any]:
+    """Return the names of the active holds, a number for each target, and the note on the last hold that was lost."""
+    holds = vehicle.holds
+    if holds is None:
+        return {"holds": [], "hold_targets": np.empty(0, np.float32), "hold_note": ""}
+    targets = [_number(name, target, estimate) for name, target in holds.targets.items()]
+    return {
+        "holds": list(holds.targets),
+        "hold_targets": np.array(targets, np.float32),
+        "hold_note": holds.note,
+    }
+
+
+def _number(name: str, target: list[float] | None, estimate: Navigator | None) -> float:
+    if target is None:
+        return math.nan
+    if name == "position":
+        return math.nan if estimate is None else math.dist(target, estimate.pose.position_world_m[:2])
+    return -target[0] if name == "depth" else target[0]

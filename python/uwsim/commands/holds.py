@@ -1,0 +1,32 @@
+"""The holds of a vehicle: what each keeps, on which axes, and the instruments that it needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class HoldKind:
+    """A hold. keeps: its target. axes: the efforts that it sets, all of which the vehicle must have.
+
+    sensors: the kinds of sensor that measure its target; one is needed. patience_s: how long they may be silent before
+    the hold is lost. then: the hold that takes over if it is lost; "" for none.
+    """
+
+    keeps: str
+    axes: tuple[str, ...]
+    sensors: tuple[str, ...]
+    patience_s: float
+    then: str = ""
+
+
+HOLDS = {
+    "heading": HoldKind("heading", ("yaw",), ("imu",), 1.0),
+    "depth": HoldKind("depth", ("heave",), ("depth", "pressure"), 1.0),
+    "altitude": HoldKind("height above the bed", ("heave",), ("altitude",), 1.0, then="depth"),
+    "position": HoldKind("horizontal position", ("surge", "sway"), ("dvl",), 5.0),
+    "speed": HoldKind("speed ahead over ground, without drift", ("surge", "sway"), ("dvl",), 5.0),
+}
+"""The holds by name. Every hold also needs the IMU, since it steers by the vehicle's estimate."""
+EXCLUSIVE = (("depth", "altitude"), ("position", "speed"))
+"""Pairs of holds that set the same axes."""

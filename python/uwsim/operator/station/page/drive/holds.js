@@ -1,0 +1,98 @@
+// The holds that the vehicle keeps by itself: buttons, keys, and their texts on the head-up display.
+import { attempt, byId, el } from '../dom.js';
+import { HOLDS as ARGUMENTS } from '../wire/messages.js';
+
+// Each hold's title, its short name, the hold that it replaces, and the text of its target.
+export const HOLDS = {
+  heading: { title: 'Heading', short: 'HDG', text: (yaw_rad) => `${degrees(yaw_rad)}°` },
+  depth: { title: 'Depth', short: 'DEP', instead: 'altitude', text: (depth_m) => `${depth_m.toFixed(1)} m` },
+  altitude: { title: 'Altitude', short: 'ALT', instead: 'depth', text: (altitude_m) => `${altitude_m.toFixed(1)} m` },
+  position: { title: 'Position', short: 'POS', instead: 'speed', text: (off_m) => `${off_m.toFixed(1)} m off` },
+  speed: { title: 'Speed', short: 'SPD', instead: 'position', text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s` },
+};
+
+// The compass heading of a yaw, which is counter-clockwise from east: '045'.
+const degrees = (yaw_rad) => {
+  const heading = Math.round(90 - (yaw_rad * 180) / Math.PI);
+  return String(((heading % 360) + 360) % 360).padStart(3, '0');
+};
+
+// The arguments of the command that switches one hold, where `active` are now.
+export function switched(active, name) {
+  const on = new Set(active);
+  if (!on.delete(name)) {
+    on.delete(HOLDS[name].instead);
+    on.add(name);
+  }
+  return Object.fromEntries(ARGUMENTS.map((each) => [each, on.has(each)]));
+}
+
+// The displayed text of each active hold: its short name and its target; null while the stick or the braking
+// decides.
+export function shownHolds({ holds = [], hold_targets: targets = [] } = {}) {
+  return holds.map((name, k) => ({
+    name,
+    short: HOLDS[name]?.short ?? name,
+    target: Number.isFinite(targets[k]) ? targets[k] : null,
+    text: Number.isFinite(targets[k]) ? (HOLDS[name]?.text(targets[k]) ?? '') : '–',
+  }));
+}
+
+export class HoldButtons {
+  #vehicle = '';
+  #requested = null; // names, from a press until the telemetry shows them, so that two quick presses add up
+  #requestedMs = -Infinity;
+  #buttons = {};
+
+  constructor(station, telemetry, pilot, keyOf) {
+    [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
+    for (const [name, { title, short }] of Object.entries(HOLDS)) {
+      const key = keyOf(`hold.${name}`);
+      this.#buttons[name] = el(
+        'button',
+        {
+          type: 'button',
+          id: `hold-${name}`,
+          'aria-label': `${short}: hold ${title.toLowerCase()}`,
+          'aria-pressed': 'false',
+          title: `Hold ${title.toLowerCase()}${key ? ` (${key})` : ''}`,
+          onclick: () => this.press(name),
+        },
+        short,
+      );
+    }
+    byId('holds').append(...Object.values(this.#buttons));
+    telemetry.addEventListener('change', () => this.#show());
+    station.addEventListener('state', () => this.#show());
+  }
+
+  begin(vehicle) {
+    [this.#vehicle, this.#requested] = [vehicle.name, null];
+    for (const [name, button] of Object.entries(this.#buttons)) button.hidden = !(vehicle.holds ?? []).includes(name);
+    byId('holds').hidden = !(vehicle.holds ?? []).length;
+  }
+
+  async press(name) {
+    if (!this.#vehicle || this.#buttons[name].hidden) return;
+    const wanted = switched(this.#active, name);
+    this.#requested = Object.keys(wanted).filter((each) => wanted[each]);
+    this.#requestedMs = performance.now();
+    this.pilot.repeat(wanted.speed);
+    if (!(await attempt(this.station.command('hold', this.#vehicle, wanted)))) this.#requested = null;
+  }
+
+  get #active() {
+    return this.#requested ?? this.telemetry.message?.holds ?? [];
+  }
+
+  #show() {
+    const { isPilot, connected } = this.station;
+    if (performance.now() - this.#requestedMs > 1000) this.#requested = null;
+    this.pilot.repeat(this.#active.includes('speed'));
+    for (const [name, button] of Object.entries(this.#buttons)) {
+      const isOn = (this.telemetry.message?.holds ?? []).includes(name);
+      button.setAttribute('aria-pressed', String(isOn));
+      button.disabled = !isPilot || !connected;
+    }
+  }
+}

@@ -1,0 +1,29 @@
+"""The saved state of a vehicle's holds."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, FiniteFloat, NonNegativeInt
+
+from uwsim.base.saved_state import State, Tick
+
+HoldName = Literal["heading", "depth", "altitude", "position", "speed"]
+Effort = Annotated[float, Field(ge=-1, le=1)]
+
+
+class HoldsState(State):
+    """Saved holds. targets: of the active holds; None while the stick or the braking decides.
+
+    braking: the tick at which each hold's stick was let go. memory: of the Controller, once it has begun. efforts: its
+    last efforts.
+    """
+
+    targets: dict[HoldName, list[FiniteFloat] | None]
+    braking: dict[HoldName, Tick]
+    silent: dict[str, NonNegativeInt]
+    stick: Annotated[list[Effort], Field(min_length=6, max_length=6)]
+    efforts: Annotated[list[FiniteFloat], Field(min_length=6, max_length=6)]
+    memory: Annotated[list[FiniteFloat], Field(min_length=25, max_length=25)] | None
+    note: str
+    next_control: Tick
