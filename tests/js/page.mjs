@@ -2,6 +2,18 @@
 import assert from 'node:assert/strict';
 
 import { shownHolds, switched } from '../../python/uwsim/operator/station/page/drive/holds.js';
+import { AlarmLog } from '../../python/uwsim/operator/station/page/panel/alarm_log.js';
+import { inUnit } from '../../python/uwsim/operator/station/page/units.js';
+import {
+  axisText,
+  cameraAxis,
+  focalPixels,
+  pixelsBelow,
+} from '../../python/uwsim/operator/station/page/views/camera_axis.js';
+import { Closing, soonest } from '../../python/uwsim/operator/station/page/views/closing.js';
+
+const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <= tolerance, `${got}: not ${expected}`);
+const RAD = Math.PI / 180;
 
 // Holds: one press switches one, and replaces the one that sets the same axes.
 const on = (active, name) => Object.entries(switched(active, name)).flatMap(([each, is]) => (is ? [each] : []));
@@ -16,3 +28,60 @@ assert.deepEqual(shown(['heading'], [0]), ['HDG 090°']);
 assert.deepEqual(shown(['heading'], [-Math.PI]), ['HDG 270°']);
 assert.deepEqual(shown(['depth', 'position'], [2.04, NaN]), ['DEP 2.0 m', 'POS –']);
 assert.deepEqual(shownHolds({}), []); // a server of another version
+
+// The horizon follows mount, motor and hull: their pitches add up, and a camera that looks back sees them reversed.
+const LEVEL = [0, 0, 0, 1];
+const noseDown = (degrees) => [0, Math.sin(0.5 * degrees * RAD), 0, Math.cos(0.5 * degrees * RAD)];
+const mounted = (yaw, pitch) => ({ yaw_pitch_roll_deg: [yaw, pitch, 0], horizontal_fov_deg: 90 });
+near(cameraAxis(LEVEL, mounted(0, 8)).up_deg, -8, 1e-9);
+near(cameraAxis(noseDown(10), mounted(0, 8), { tilt_rad: 20 * RAD }).up_deg, -38, 1e-9);
+near(cameraAxis(noseDown(10), mounted(180, 0)).up_deg, 10, 1e-9);
+near(cameraAxis(noseDown(10), mounted(90, 0)).roll_deg, 10, 1e-9); // a camera to port: its picture rolls
+assert.equal(
+  axisText(cameraAxis(LEVEL, mounted(0, 0), { pan_rad: -30 * RAD, tilt_rad: 5 * RAD })),
+  '30° starboard, 5° down',
+);
+assert.equal(axisText(cameraAxis(noseDown(30), mounted(0, 90))), '90° down'); // relative to the vehicle
+assert.equal(axisText(cameraAxis(noseDown(30), mounted(0, 0))), 'ahead');
+near(focalPixels(640, mounted(0, 0)), 320, 1e-9);
+near(pixelsBelow(-45, 0, 320), 320, 1e-9); // 45 degrees below the axis is at the edge of a square picture of 90 degrees
+assert.equal(pixelsBelow(90, 0, 320), null);
+
+// The time to contact at a constant speed is range over speed; receding, at rest or without an echo there is none.
+const approached = (range_of, closing = new Closing()) => {
+  for (let k = 0; k <= 40; k += 1) closing.take(range_of(0.1 * k), 0.1 * k);
+  return closing;
+};
+near(approached((t) => 5 - 0.8 * t).time_s, (5 - 3.2) / 0.8, 0.05);
+for (const none of [(t) => 5 + t, () => 5, () => NaN, () => Infinity]) assert.equal(approached(none).time_s, Infinity);
+const again = approached((t) => 5 - t);
+assert.equal(again.take(3, 0), Infinity); // after a restart
+const around = new Map([
+  ['bed', approached((t) => 5 - t)],
+  ['fore', approached((t) => 4.4 - t)],
+  ['port', approached((t) => 50 - t)],
+]);
+assert.equal(soonest(around).name, 'fore');
+assert.equal(soonest(new Map([['port', around.get('port')]])), null);
+
+// A collision stays until it is acknowledged; each alarm is logged once, when it begins; another run begins empty.
+const log = new AlarmLog();
+const quiet = { collisions: 2, alarms: [], hold_note: '' };
+const take = (changes, time_s) => log.take({ ...quiet, ...changes }, time_s);
+take({}, 1);
+take({ collisions: 3, collision_warning: true, proximity_warning: true }, 2);
+take({ collisions: 3, proximity_warning: true, alarms: ['water inside'] }, 3);
+take({ collisions: 3, alarms: ['water inside'] }, 4);
+assert.deepEqual(
+  log.entries.map(({ time_s, text }) => `${time_s} ${text}`),
+  ['3 water inside', '2 Proximity', '2 Collision'],
+);
+assert.equal(log.collisions, 1);
+log.acknowledge();
+take({ collisions: 3, alarms: ['water inside'] }, 5);
+assert.equal(log.collisions, 0);
+take({ collisions: 0 }, 0.1);
+assert.equal(log.entries.length, 0);
+
+near(inUnit(1.8288, 'fathoms'), 1, 1e-12);
+near(inUnit(1.8288, 'feet'), 6, 1e-12);

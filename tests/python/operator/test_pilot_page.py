@@ -50,3 +50,42 @@ def test_keys_and_buttons_hold_and_a_lost_sensor_is_shown(here, page, tmp_path: 
     live.command("end_fault", name="no_depth").result()
     page.click("#hold-heading")
     until(lambda: not holds.targets, "no hold")
+
+
+def test_the_display_follows_the_camera_and_stays_off_fixed_ones(here, page, tmp_path: Path):
+    page.keyboard.press("1")
+    shown = "station.views.largeView.hud.shown"
+    when(page, f"{shown}?.axis && Math.abs({shown}.axis.up_deg + 8) < 2")  # as the camera is mounted, and a little roll
+    page.keyboard.down("ArrowDown")
+    when(page, f"{shown}.axis.down_deg > 20")
+    page.keyboard.up("ArrowDown")
+    until(lambda: abs(here.rov.cameras["front"].aim_rad[1]) > 0.2, "the motor")
+    page.wait_for_timeout(300)
+    page.screenshot(path=tmp_path / "tilted.png")
+    kinds = page.evaluate("station.views.names.map((name) => [name, Boolean(station.views.hudOf(name))])")
+    assert {name for name, has in kinds if has} == {"front", "down"}
+
+
+def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_change(here, page, tmp_path: Path):
+    live = here.station.present().live
+    live.command("place", vehicle="rov", position_world_m=[1.2, 0.0, -4.4]).result()
+    page.keyboard.down("w")
+    when(page, "document.querySelector('#lamp-collision').dataset.on === 'alarm'")
+    page.keyboard.up("w")
+    live.command("place", vehicle="rov", position_world_m=[-4.0, 0.0, -2.5]).result()
+    when(page, "station.telemetry.message.collision_warning === false")
+    assert page.get_attribute("#lamp-collision", "data-on") == "alarm"
+    page.click("#alarm-log summary")
+    assert "Collision" in page.inner_text("#alarm-log")
+    page.keyboard.press("Escape")
+    page.click("text=feet")
+    page.click("text=night")
+    judge(page, "night")
+    page.click("text=Resume")
+    when(page, "document.querySelector('.big-values').textContent.includes('ft')")
+    tape = "station.views.largeView.hud.shown.tapes.DEPTH"
+    when(page, f"Math.abs({tape} * 0.3048 - station.telemetry.message.depth) < 0.05")
+    page.screenshot(path=tmp_path / "night.png")
+    judge(page, "night, flying")
+    page.click("#acknowledge")
+    when(page, "document.querySelector('#lamp-collision').dataset.on === 'off'")

@@ -195,6 +195,12 @@ class Running:
             "prefix": source.prefix,
             "telemetry": topic("telemetry"),
             "scan": topic("ping"),
+            "joints": topic("joint_states"),
+            "proximities": [
+                {"name": name.removeprefix("proximity_"), "topic": found}
+                for name, sensor in vehicle.sensors.items()
+                if sensor.kind == "proximity" and (found := topic(name))
+            ],
             "link": topic("link"),
             "map": f"/map/{source.name}" if has_map else None,
             "map_changes": topic("map_changes"),

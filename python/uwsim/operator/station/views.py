@@ -108,6 +108,10 @@ class View:
             "name": self.name, "title": self.title, "kind": self.kind, "vehicle": self.vehicle,
             "frame_id": self.frame_id, "width": mount.width, "height": mount.height,
             "topic": f"/{self.large.topic}", "small_topic": f"/{self.small.topic}",
+            "optics": {
+                "yaw_pitch_roll_deg": list(mount.yaw_pitch_roll_deg), "horizontal_fov_deg": mount.horizontal_fov_deg,
+                "follows": mount.follows, "turns": mount.pan_tilt is not None,
+            },
         }  # fmt: skip
 
 

@@ -142,6 +142,13 @@ class Motor(Message):
     tilt_deg: list[float]
 
 
+class Proximity(Message):
+    """A sensor that looks in one direction, and the topic of its ranges."""
+
+    name: str
+    topic: str
+
+
 class VehicleDescription(Message):
     """A vehicle: its topics, null where there is none, and its parts."""
 
@@ -150,6 +157,8 @@ class VehicleDescription(Message):
     prefix: str
     telemetry: str | None
     scan: str | None
+    joints: str | None
+    proximities: list[Proximity]
     link: str | None
     map: str | None
     map_changes: str | None
@@ -171,6 +180,15 @@ class ViewLink(Message):
     large_only: bool
 
 
+class Optics(Message):
+    """A camera's mount and lens. follows: `body`, or `heading` from outside. turns: whether it has a motor."""
+
+    yaw_pitch_roll_deg: list[float]
+    horizontal_fov_deg: float
+    follows: Literal["body", "heading"]
+    turns: bool
+
+
 class ViewDescription(Message):
     """A view: its topics and the size of its pictures; 0 if each picture has its own size."""
 
@@ -183,6 +201,7 @@ class ViewDescription(Message):
     height: int
     topic: str
     small_topic: str
+    optics: Optics | None = None
     link: ViewLink | None = None
     aboard_topic: str | None = None
     aboard_small_topic: str | None = None

@@ -110,7 +110,7 @@ function begin() {
   for (const end of ends) end();
   describe();
   pilot.vehicle = vehicle.name;
-  telemetry.watch(vehicle.telemetry);
+  telemetry.watch(vehicle);
   aim.begin(vehicle);
   fan.clear();
   views.fill(

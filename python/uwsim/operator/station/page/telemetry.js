@@ -1,13 +1,16 @@
 // The newest telemetry of the displayed vehicle, and its age.
 import { TYPES } from './wire/messages.js';
 import { seconds } from './wire/rosbridge.js';
+import { Closing, soonest } from './views/closing.js';
 
 const LATE_MS = 1500;
 const LATE_SIM_S = 2; // behind the simulated time, for example over an acoustic link
 
 export class Telemetry extends EventTarget {
-  #end = null;
+  #ends = [];
+  #closings = new Map(); // by the name of what is approached
   message = null;
+  joints = new Map(); // the angles [rad] of the vehicle's motors, by name
   #heardMs = -Infinity;
 
   constructor(station) {
@@ -15,20 +18,53 @@ export class Telemetry extends EventTarget {
     this.station = station;
   }
 
-  watch(topic) {
-    this.#end?.();
+  // joints: the topic of the motors' angles. proximities: { name, topic } of the sensors that look around. Either may be
+  // missing, for example over a modem.
+  watch({ telemetry: topic, joints = null, proximities = [] }) {
+    for (const end of this.#ends) end();
     this.message = null;
+    this.joints = new Map();
+    this.#closings = new Map();
     this.#heardMs = -Infinity;
-    this.#end = this.station.bridge.subscribe(
-      topic,
-      TYPES.Telemetry,
-      (message) => {
-        this.message = message;
-        this.#heardMs = performance.now();
-        this.dispatchEvent(new Event('change'));
-      },
-      { throttle_rate: 150 },
-    );
+    const { bridge } = this.station;
+    this.#ends = [bridge.subscribe(topic, TYPES.Telemetry, (message) => this.#take(message), { throttle_rate: 150 })];
+    if (joints)
+      this.#ends.push(
+        bridge.subscribe(
+          joints,
+          'sensor_msgs/JointState',
+          ({ name, position }) => {
+            this.joints = new Map(name.map((each, k) => [each, position[k]]));
+          },
+          { throttle_rate: 100 },
+        ),
+      );
+    for (const { name, topic: ranges } of proximities)
+      this.#ends.push(
+        bridge.subscribe(
+          ranges,
+          'sensor_msgs/Range',
+          ({ header, range, max_range: reach }) => this.#approach(name, range < reach ? range : NaN, header),
+          { throttle_rate: 150 },
+        ),
+      );
+  }
+
+  // The soonest contact: { name, time_s }, or null if nothing is near in time.
+  get contact() {
+    return soonest(this.#closings);
+  }
+
+  #take(message) {
+    this.message = message;
+    this.#heardMs = performance.now();
+    this.#approach('bed', message.distance_to_seabed, message.header);
+    this.dispatchEvent(new Event('change'));
+  }
+
+  #approach(name, range_m, header) {
+    if (!this.#closings.has(name)) this.#closings.set(name, new Closing());
+    this.#closings.get(name).take(range_m, seconds(header.stamp));
   }
 
   get stamp_s() {

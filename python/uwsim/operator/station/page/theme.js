@@ -1,7 +1,7 @@
-// Dark or light: by default that of the system.
+// Dark, light, or night, which is red for eyes that must see in the dark: by default that of the system.
 
 const STORED = 'uwsim.theme';
-export const THEMES = ['system', 'dark', 'light'];
+export const THEMES = ['system', 'dark', 'light', 'night'];
 const prefersLight = matchMedia('(prefers-color-scheme: light)');
 
 export function theme() {

@@ -1,6 +1,7 @@
 // The pause menu: time stands still while the pilot reads it.
 import { attempt, byId, el, toast } from '../dom.js';
 import { setTheme, theme, THEMES } from '../theme.js';
+import { setUnit, unit, UNITS } from '../units.js';
 import { keepName } from '../wire/name.js';
 import { openDialog } from './dialog.js';
 
@@ -50,7 +51,8 @@ export function showMenu(station, { keys }) {
     nameForm(station),
     saveForm(station, isPilot, leave),
     el('hr'),
-    colours(),
+    choice('Colours', THEMES, theme, setTheme),
+    choice('Lengths', UNITS, unit, setUnit),
     ...(station.description?.is_fixed ? [] : [el('hr'), el('div', { className: 'stack' }, quit)]),
   );
   dialog.querySelector('.stack button:not(:disabled)')?.focus();
@@ -108,22 +110,22 @@ function saveForm(station, isPilot, leave) {
   );
 }
 
-function chooseColours(event) {
-  setTheme(event.target.textContent);
-  for (const other of event.target.parentElement.children)
-    other.setAttribute('aria-pressed', String(other === event.target));
-}
-
-function colours() {
+// A row of buttons, one for each value of a setting.
+function choice(title, values, current, choose) {
+  const press = (event) => {
+    choose(event.target.textContent);
+    for (const other of event.target.parentElement.children)
+      other.setAttribute('aria-pressed', String(other === event.target));
+  };
   return el(
     'div',
     { className: 'row apart' },
-    el('span', {}, 'Colours'),
+    el('span', {}, title),
     el(
       'div',
-      { className: 'row', role: 'group', 'aria-label': 'Colours' },
-      ...THEMES.map((kind) =>
-        el('button', { type: 'button', 'aria-pressed': String(theme() === kind), onclick: chooseColours }, kind),
+      { className: 'row', role: 'group', 'aria-label': title },
+      ...values.map((value) =>
+        el('button', { type: 'button', 'aria-pressed': String(current() === value), onclick: press }, value),
       ),
     ),
   );

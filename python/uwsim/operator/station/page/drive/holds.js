@@ -1,13 +1,16 @@
 // The holds that the vehicle keeps by itself: buttons, keys, and their texts on the head-up display.
 import { attempt, byId, el } from '../dom.js';
+import { inUnit, unitName } from '../units.js';
 import { HOLDS as ARGUMENTS } from '../wire/messages.js';
+
+const length = (length_m) => `${inUnit(length_m).toFixed(1)} ${unitName()}`;
 
 // Each hold's title, its short name, the hold that it replaces, and the text of its target.
 export const HOLDS = {
   heading: { title: 'Heading', short: 'HDG', text: (yaw_rad) => `${degrees(yaw_rad)}°` },
-  depth: { title: 'Depth', short: 'DEP', instead: 'altitude', text: (depth_m) => `${depth_m.toFixed(1)} m` },
-  altitude: { title: 'Altitude', short: 'ALT', instead: 'depth', text: (altitude_m) => `${altitude_m.toFixed(1)} m` },
-  position: { title: 'Position', short: 'POS', instead: 'speed', text: (off_m) => `${off_m.toFixed(1)} m off` },
+  depth: { title: 'Depth', short: 'DEP', instead: 'altitude', text: length },
+  altitude: { title: 'Altitude', short: 'ALT', instead: 'depth', text: length },
+  position: { title: 'Position', short: 'POS', instead: 'speed', text: (off_m) => `${length(off_m)} off` },
   speed: { title: 'Speed', short: 'SPD', instead: 'position', text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s` },
 };
 

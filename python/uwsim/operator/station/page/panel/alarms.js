@@ -1,5 +1,6 @@
-// The three lamps of the paper's panel, and their sound, which is off by default.
-import { el, write } from '../dom.js';
+// The three lamps of the paper's panel, their sound, which is off by default, and the log of alarms.
+import { clockText, el, write } from '../dom.js';
+import { AlarmLog } from './alarm_log.js';
 
 const STORED = 'uwsim.sound';
 // Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
@@ -16,6 +17,7 @@ export class Alarms {
   #beepedMs = {};
   #lamps = {};
   #isMuted = false;
+  log = new AlarmLog();
 
   constructor() {
     for (const [name, { title }] of Object.entries(LAMPS)) {
@@ -32,11 +34,20 @@ export class Alarms {
       };
     }
     this.button = el('button', { type: 'button', id: 'sound', onclick: () => this.setSound(!this.isLoud) });
+    this.acknowledge = el(
+      'button',
+      { type: 'button', id: 'acknowledge', className: 'danger', hidden: true, onclick: () => this.#acknowledge() },
+      'Acknowledge',
+    );
+    this.lines = el('ol', { className: 'alarm-log', tabIndex: 0, 'aria-label': 'Alarms, newest first' });
+    this.count = el('small', {}, 'none');
     this.element = el(
       'section',
       {},
       el('h2', {}, 'Warnings', this.button),
       el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
+      this.acknowledge,
+      el('details', { id: 'alarm-log' }, el('summary', {}, 'Alarm log ', this.count), this.lines),
     );
     this.isLoud = false;
     this.#showSound(localStorage.getItem(STORED));
@@ -59,10 +70,33 @@ export class Alarms {
     write(this.button, this.isLoud ? 'Sound on' : 'Sound off');
   }
 
-  show(message, isStale) {
-    for (const [name, { field, level, beep, period_ms }] of Object.entries(LAMPS)) {
+  #acknowledge() {
+    this.log.acknowledge();
+    this.acknowledge.hidden = true;
+  }
+
+  // A collision's lamp stays on until the collision is acknowledged; that of proximity follows the time to contact, too.
+  #isOn(name, message, contact) {
+    if (name === 'collision' && this.log.collisions > 0) return true;
+    return Boolean(message?.[LAMPS[name].field]) || (name === 'proximity' && contact !== null);
+  }
+
+  #showLog() {
+    const { entries } = this.log;
+    write(this.count, entries.length ? String(entries.length) : 'none');
+    this.lines.replaceChildren(
+      ...entries.map(({ time_s, text }) => el('li', {}, el('time', {}, clockText(time_s)), ` ${text}`)),
+    );
+  }
+
+  show(message, isStale, { time_s = NaN, contact = null } = {}) {
+    if (message && !isStale && this.log.take(message, time_s, contact)) this.#showLog();
+    const { collisions } = this.log;
+    this.acknowledge.hidden = collisions === 0;
+    write(this.acknowledge, `Acknowledge ${collisions} collision${collisions === 1 ? '' : 's'}`);
+    for (const [name, { level, beep, period_ms }] of Object.entries(LAMPS)) {
       const { element, state } = this.#lamps[name];
-      const isOn = Boolean(message?.[field]);
+      const isOn = this.#isOn(name, message, contact);
       element.dataset.on = isOn ? level : 'off';
       element.classList.toggle('is-stale', isStale);
       write(state, isOn ? 'on' : 'off');

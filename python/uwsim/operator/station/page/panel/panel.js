@@ -1,6 +1,7 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
 import { attitude } from '../attitude.js';
 import { clockText, el, fixed, write } from '../dom.js';
+import { inUnit, unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
 import { Bars } from './bars.js';
@@ -27,6 +28,7 @@ const GAUGES = {
   Pressure: 'pressure',
 };
 const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
+const LENGTH = 'length'; // in the pilot's unit
 const RANGE = (value, digits = 1) => (value === Infinity ? 'none' : fixed(value, digits));
 
 const DEG = 180 / Math.PI;
@@ -35,8 +37,8 @@ const components = (vector, names) => names.map((name, k) => `${fixed(vector[k],
 
 // Each value: name, unit, how it follows from the telemetry m, and possibly the text shown when it is pointed at.
 const BIG = [
-  ['Depth', 'm', (m) => fixed(m.depth, 1)],
-  ['Altitude', 'm', (m) => RANGE(m.distance_to_seabed)],
+  ['Depth', LENGTH, (m) => fixed(inUnit(m.depth), 1)],
+  ['Altitude', LENGTH, (m) => RANGE(inUnit(m.distance_to_seabed))],
   ['Heading', '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
 ];
 const MOTION = [
@@ -67,8 +69,8 @@ const POSITION = [
   ['Up', 'm', (m) => fixed(m.position[2], 1)],
 ];
 const AROUND = [
-  ['Station', 'm', (m) => fixed(m.distance_to_station, 1)],
-  ['Port side', 'm', (m) => RANGE(m.distance_to_port)],
+  ['Station', LENGTH, (m) => fixed(inUnit(m.distance_to_station), 1)],
+  ['Port side', LENGTH, (m) => RANGE(inUnit(m.distance_to_port))],
   ['Water', '°C', (m) => fixed(m.temperature, 1)],
   ['Pressure', 'kPa', (m) => fixed(m.pressure / 1000, 1)],
   ['Sound delay', 'ms', (m) => fixed(1000 * m.link_delay, 0)],
@@ -101,6 +103,7 @@ function sided(value, positive, negative) {
 }
 
 export class Panel {
+  #lengths = []; // elements with the name of the unit of lengths
   #values = []; // [element, text of m, tip of m, measured field]
   alarms = new Alarms();
   thrusters = new Bars();
@@ -180,7 +183,7 @@ export class Panel {
   show() {
     const { message, isStale, lag_s } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
-    this.alarms.show(message, isStale);
+    this.alarms.show(message, isStale, { time_s: this.telemetry.stamp_s, contact: this.telemetry.contact });
     if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
     this.allStop.show(message, isStale);
     this.failsafe.show(message, isStale);
@@ -189,6 +192,7 @@ export class Panel {
       !message ? 'waiting' : this.station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
     );
     if (!message) return;
+    for (const element of this.#lengths) write(element, unitName());
     for (const [element, read, tip, field] of this.#values) {
       write(element, read(message));
       const age = ageText(ageOf(field, message));
@@ -215,7 +219,9 @@ export class Panel {
     for (const [name, unit, read, tip] of rows) {
       const value = el('span', {}, '–');
       this.#values.push([value, read, tip, GAUGES[name]]);
-      const parts = [el('dt', {}, name), el('dd', {}, value, unit ? el('span', { className: 'unit' }, unit) : null)];
+      const suffix = unit ? el('span', { className: 'unit' }, unit) : null;
+      if (unit === LENGTH) this.#lengths.push(suffix);
+      const parts = [el('dt', {}, name), el('dd', {}, value, suffix)];
       list.append(el('div', {}, ...parts));
     }
     return list;

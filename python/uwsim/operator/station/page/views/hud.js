@@ -1,16 +1,21 @@
 // The head-up display: heading, depth, altitude and attitude over the video, for a pilot who looks only at the picture.
 import { attitude } from '../attitude.js';
 import { shownHolds } from '../drive/holds.js';
+import { inUnit, unitName } from '../units.js';
+import { axisText, pixelsBelow } from './camera_axis.js';
 
 const INK = '#f2f8fb';
 const SOFT = 'rgb(242 248 251 / .72)';
 const STALE = '#9aa6ae';
 const SHADE = 'rgb(5 10 13 / .62)';
 const WARN = '#ffc247';
+const STEEPEST = 70; // of a camera's axis [deg], beyond which a horizon makes no sense
 const HELD = '#7be0a2';
 const CARDINALS = { 0: 'N', 45: 'NE', 90: 'E', 135: 'SE', 180: 'S', 225: 'SW', 270: 'W', 315: 'NW' };
 
 export class Hud {
+  shown = null; // what was drawn last: the camera's axis, the contact, the value on each tape
+
   constructor(canvas) {
     this.canvas = canvas;
     this.context = canvas.getContext('2d');
@@ -20,8 +25,10 @@ export class Hud {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  // hasLadder: whether the picture looks ahead from the vehicle, so that a horizon makes sense.
-  draw(message, { isStale, hasLadder, aspect, proximity_m }) {
+  // axis: of the camera, see cameraAxis; null if its angles are unknown. focal: in pixels per picture width. contact: what
+  // will be touched first.
+  draw(message, { isStale, axis, focal, aspect, proximity_m, contact }) {
+    this.shown = { axis, contact, tapes: {} };
     const { canvas, context: c } = this;
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -38,9 +45,13 @@ export class Hud {
     this.soft = isStale ? STALE : SOFT;
     c.textBaseline = 'middle';
     const angles = attitude(message.orientation);
-    if (hasLadder) this.#ladder(width / 2, height / 2, scale, angles);
+    const wide = width - 2 * left;
+    if (axis && Math.abs(axis.up_deg) < STEEPEST) this.#ladder(width / 2, height / 2, scale, axis, focal * wide);
+    this.#note(width / 2, height - top - 30 * scale, scale, axis ? `CAM ${axisText(axis)}` : 'CAM angle unknown');
+    if (contact && !isStale) this.#contact(width / 2, height * 0.66, scale, contact);
     const holds = shownHolds(message);
     const target = (name) => holds.find((hold) => hold.name === name)?.target ?? null;
+    const inTarget = (name) => (target(name) === null ? null : inUnit(target(name)));
     const yaw_rad = target('heading');
     this.#heading(width / 2, top + 10, Math.min(440, width * 0.46), scale, angles.heading_deg, {
       target_deg: yaw_rad === null ? null : 90 - (yaw_rad * 180) / Math.PI,
@@ -50,16 +61,16 @@ export class Hud {
     const side = left + Math.max(12, width * 0.02);
     this.#tape(side, height / 2, tall, scale, {
       name: 'DEPTH',
-      value: message.depth,
+      value: inUnit(message.depth),
       side: 'left',
       down: true,
-      target: target('depth'),
+      target: inTarget('depth'),
     });
     const altitude = message.distance_to_seabed;
     this.#tape(width - side, height / 2, tall, scale, {
       name: 'ALT',
-      value: altitude,
-      target: target('altitude'),
+      value: inUnit(altitude),
+      target: inTarget('altitude'),
       side: 'right',
       color: !isStale && altitude < proximity_m ? WARN : this.ink,
     });
@@ -128,6 +139,7 @@ export class Hud {
   // Draw a vertical tape with the value in a box at its middle. down: greater values below.
   #tape(x, middle, tall, scale, { name, value, side, target = null, down = false, color = this.ink }) {
     const { context: c } = this;
+    this.shown.tapes[name] = value;
     const isLeft = side === 'left';
     const wide = 46 * scale;
     const left = isLeft ? x : x - wide;
@@ -173,7 +185,7 @@ export class Hud {
     this.#font(15 * scale, 600);
     c.fillText(isKnown ? value.toFixed(value < 99.95 ? 1 : 0) : '–', boxLeft + w - 17 * scale, middle + 1);
     this.#font(10.5 * scale);
-    c.fillText('m', boxLeft + w - 6 * scale, middle + 2);
+    c.fillText(unitName(), boxLeft + w - 6 * scale, middle + 2);
     c.textAlign = isLeft ? 'left' : 'right';
     this.#font(10.5 * scale, 600);
     this.#outlined(name, x + (isLeft ? 2 : -2), middle - tall / 2 - 9 * scale, color);
@@ -221,9 +233,21 @@ export class Hud {
     c.lineWidth = 1;
   }
 
-  #ladder(x, y, scale, { nose_up_deg: pitch, roll_deg: roll }) {
+  #note(middle, y, scale, text) {
+    this.#font(11 * scale, 600);
+    this.context.textAlign = 'center';
+    this.#outlined(text, middle, y, this.soft);
+  }
+
+  #contact(middle, y, scale, { name, time_s }) {
+    this.#font(17 * scale, 700);
+    this.context.textAlign = 'center';
+    this.#outlined(`${name.toUpperCase()} IN ${time_s.toFixed(1)} s`, middle, y, WARN);
+  }
+
+  // Lines at true elevations in the picture: the horizon's lies on the horizon.
+  #ladder(x, y, scale, { up_deg: up, roll_deg: roll }, focal) {
     const { context: c } = this;
-    const perDegree = 4.2 * scale;
     const radius = 92 * scale;
     c.save();
     c.translate(x, y);
@@ -236,8 +260,8 @@ export class Hud {
     this.#font(10 * scale, 600);
     c.textAlign = 'left';
     for (let degree = -90; degree <= 90; degree += 10) {
-      const at = (pitch - degree) * perDegree;
-      if (Math.abs(at) > radius) continue;
+      const at = pixelsBelow(degree, up, focal);
+      if (at === null || Math.abs(at) > radius) continue;
       const half = (degree === 0 ? 78 : 26) * scale;
       const gap = degree === 0 ? 22 * scale : 0;
       this.#twice(

@@ -1,13 +1,15 @@
 // The views: one large, the others small, swapped by click or number key. Each camera or sonar is a stream of pictures.
 import { el, write } from '../dom.js';
+import { cameraAxis, focalPixels } from './camera_axis.js';
 import { Hud } from './hud.js';
 import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
-const LADDER = /front/; // cameras that look ahead
 const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
+const AHEAD = /front/; // cameras that look ahead, where the server does not describe them
+const CAMERAS = new Set(['camera', 'station', 'chase']);
 const KEYS = 10;
 const ROW = 6; // small views that fit side by side
 const LARGE = { credit: 2 };
@@ -63,6 +65,10 @@ export class Views extends EventTarget {
     return this.#views.get(name)?.picture;
   }
 
+  hudOf(name) {
+    return this.#views.get(name)?.hud ?? null;
+  }
+
   // Show these views (of describe.views) and those that this page draws, in the order of their kinds.
   fill(views) {
     for (const { picture } of this.#views.values()) picture?.show('');
@@ -88,7 +94,7 @@ export class Views extends EventTarget {
     this.#large = name;
     for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
     for (const own of this.drawn) own.setLarge(name === own.name);
-    if (this.largeView.hud) this.largeView.element.append(this.#tools);
+    if (this.largeView.isCamera) this.largeView.element.append(this.#tools);
     else this.#tools.remove();
     this.#choosePictures();
     this.#drawHud();
@@ -125,14 +131,15 @@ export class Views extends EventTarget {
       role: 'img',
       'aria-label': `Picture: ${view.title}`,
     });
-    const hasHud = ['camera', 'station', 'chase'].includes(view.kind);
+    const isCamera = CAMERAS.has(view.kind);
+    const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
     const frame = this.#frame(view.title, canvas, hudCanvas);
     frame.swap.addEventListener('click', () => this.enlarge(view.name));
     frame.element.dataset.view = view.name;
     const picture = new Picture(this.station.bridge, canvas);
     picture.addEventListener('drawn', () => frame.element.classList.remove('is-stale'));
-    return { ...frame, view, picture, hud: hasHud ? new Hud(hudCanvas) : null };
+    return { ...frame, view, picture, isCamera, hud: hasHud ? new Hud(hudCanvas) : null };
   }
 
   #drawnView({ name, kind, title, element }) {
@@ -145,12 +152,12 @@ export class Views extends EventTarget {
   // Request no pictures for a hidden tab, so that they are not even rendered.
   #choosePictures() {
     const [cameras, sonars] = [[], []];
-    for (const [name, { view, picture, hud }] of this.#views) {
+    for (const [name, { view, picture, isCamera }] of this.#views) {
       if (!picture || document.hidden) picture?.show('');
       else if (name === this.#large) picture.show(this.#isFull(view) ? view.aboard_topic : view.topic, LARGE);
-      else if (view.link?.large_only && !hud)
+      else if (view.link?.large_only && !isCamera)
         picture.show(''); // it would take the modem's time
-      else (hud ? cameras : sonars).push({ picture, topic: this.#smallTopic(view) });
+      else (isCamera ? cameras : sonars).push({ picture, topic: this.#smallTopic(view) });
     }
     this.#cameras.show(cameras);
     this.#sonars.show(sonars); // sonar pictures come at their own pace
@@ -179,11 +186,22 @@ export class Views extends EventTarget {
       }
       hud.draw(this.telemetry.message, {
         isStale: this.telemetry.isStale,
-        hasLadder: view.kind === 'camera' && LADDER.test(name),
+        axis: this.#axis(view),
+        focal: view.optics ? focalPixels(1, view.optics) : NaN,
+        contact: this.telemetry.contact,
         aspect: picture.canvas.width / picture.canvas.height,
         proximity_m: this.station.description?.warnings?.proximity_m ?? 0,
       });
     }
+  }
+
+  // The direction of a camera's axis, by the angles that its motor reports; null if they are unknown.
+  #axis({ name, optics }) {
+    const { message, joints } = this.telemetry;
+    if (!message || !optics) return null;
+    const [pan_rad, tilt_rad] = [joints.get(`${name}_pan`), joints.get(`${name}_tilt`)];
+    if (optics.turns && pan_rad === undefined) return null;
+    return cameraAxis(message.orientation, optics, { pan_rad, tilt_rad });
   }
 
   #look() {

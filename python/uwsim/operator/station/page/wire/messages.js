@@ -128,6 +128,12 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} proximity_m
  */
 
+/** A sensor that looks in one direction, and the topic of its ranges.
+ * @typedef {object} Proximity
+ * @property {string} name
+ * @property {string} topic
+ */
+
 /** The range and rate of a sonar head's tilt.
  * @typedef {object} Tilt
  * @property {number} min_rad
@@ -158,6 +164,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} prefix
  * @property {string | null} telemetry
  * @property {string | null} scan
+ * @property {string | null} joints
+ * @property {Proximity[]} proximities
  * @property {string | null} link
  * @property {string | null} map
  * @property {string | null} map_changes
@@ -169,6 +177,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Tilt | null} tilt
  * @property {Multibeam | null} sonar
  * @property {Motor[]} motors
+ */
+
+/** A camera's mount and lens. follows: `body`, or `heading` from outside. turns: whether it has a motor.
+ * @typedef {object} Optics
+ * @property {number[]} yaw_pitch_roll_deg
+ * @property {number} horizontal_fov_deg
+ * @property {'body' | 'heading'} follows
+ * @property {boolean} turns
  */
 
 /** How pictures are sent over a link. period_s: null if there is no capacity for pictures.
@@ -189,6 +205,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} height
  * @property {string} topic
  * @property {string} small_topic
+ * @property {Optics | null} [optics]
  * @property {ViewLink | null} [link]
  * @property {string | null} [aboard_topic]
  * @property {string | null} [aboard_small_topic]

@@ -1,0 +1,48 @@
+// The alarms of this session with their times, and the collisions that have not been acknowledged yet.
+
+const LONGEST = 200;
+const FLAGS = { range_warning: 'Range', proximity_warning: 'Proximity' };
+
+export class AlarmLog {
+  entries = []; // { time_s, text }, newest first
+  collisions = 0; // since the last acknowledgement
+  #last = null;
+
+  // Take the telemetry at a simulated time; return whether there are other entries than before. contact: see Telemetry.
+  take(message, time_s, contact = null) {
+    const last = this.#last;
+    const was = this.entries[0];
+    const now = {
+      time_s,
+      count: message.collisions ?? 0,
+      contact: contact?.name ?? '',
+      note: message.hold_note ?? '',
+      failsafe: message.failsafe ? `${message.failsafe}: ${message.failsafe_cause}` : '',
+      alarms: [...(message.alarms ?? [])],
+      flags: Object.keys(FLAGS).filter((field) => message[field]),
+    };
+    this.#last = now;
+    if (!last || time_s < last.time_s) {
+      const hadAny = this.entries.length > 0; // another run, or the same from its start
+      [this.entries, this.collisions] = [[], 0];
+      return hadAny;
+    }
+    const add = (text) => {
+      this.entries = [{ time_s, text }, ...this.entries].slice(0, LONGEST);
+    };
+    if (now.count > last.count) {
+      this.collisions += now.count - last.count;
+      add('Collision');
+    }
+    if (now.contact && now.contact !== last.contact) add(`Contact ahead: ${now.contact}`);
+    for (const field of now.flags) if (!last.flags.includes(field)) add(FLAGS[field]);
+    for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(alarm);
+    if (now.failsafe && now.failsafe !== last.failsafe) add(`Failsafe ${now.failsafe}`);
+    if (now.note && now.note !== last.note) add(now.note);
+    return this.entries[0] !== was;
+  }
+
+  acknowledge() {
+    this.collisions = 0;
+  }
+}

@@ -1,0 +1,39 @@
+// The time until something is reached, from successive ranges to it.
+
+const SMOOTH_S = 0.6; // time constant of the closing speed
+const GAP_S = 2; // after which earlier ranges say nothing any more
+const SLOWEST_M_S = 0.03; // below which noise decides
+export const WARN_S = 5;
+
+export class Closing {
+  #range_m = NaN;
+  #time_s = NaN;
+  #speed_m_s = NaN; // at which the range decreases
+  time_s = Infinity; // until contact; Infinity while it is not being approached, or nothing is in range
+
+  // Take a range [m], NaN or Infinity for none, measured at a simulated time [s].
+  take(range_m, time_s) {
+    const step_s = time_s - this.#time_s;
+    if (step_s === 0) return this.time_s;
+    if (!Number.isFinite(range_m) || !(step_s > 0 && step_s < GAP_S)) this.#speed_m_s = NaN;
+    else {
+      const speed_m_s = (this.#range_m - range_m) / step_s;
+      const share = 1 - Math.exp(-step_s / SMOOTH_S);
+      if (Number.isFinite(speed_m_s))
+        this.#speed_m_s = Number.isFinite(this.#speed_m_s)
+          ? this.#speed_m_s + share * (speed_m_s - this.#speed_m_s)
+          : share * speed_m_s;
+    }
+    [this.#range_m, this.#time_s] = [range_m, time_s];
+    this.time_s = this.#speed_m_s > SLOWEST_M_S ? range_m / this.#speed_m_s : Infinity;
+    return this.time_s;
+  }
+}
+
+// The soonest contact among named ranges: { name, time_s }, or null. closings: a Map of name to Closing.
+export function soonest(closings) {
+  let found = null;
+  for (const [name, { time_s }] of closings)
+    if (time_s < WARN_S && time_s < (found?.time_s ?? Infinity)) found = { name, time_s };
+  return found;
+}
