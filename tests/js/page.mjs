@@ -2,6 +2,14 @@
 import assert from 'node:assert/strict';
 
 import { shownHolds, switched } from '../../python/uwsim/operator/station/page/drive/holds.js';
+import {
+  Arming,
+  Calibration,
+  defaultProfile,
+  Profiles,
+  readPad,
+  shaped,
+} from '../../python/uwsim/operator/station/page/drive/pads.js';
 import { AlarmLog } from '../../python/uwsim/operator/station/page/panel/alarm_log.js';
 import { inUnit } from '../../python/uwsim/operator/station/page/units.js';
 import {
@@ -85,3 +93,57 @@ assert.equal(log.entries.length, 0);
 
 near(inUnit(1.8288, 'fathoms'), 1, 1e-12);
 near(inUnit(1.8288, 'feet'), 6, 1e-12);
+
+// Gamepads. A pad of an unknown layout moves nothing, whatever its axes are at rest; one of the standard layout drives.
+const pressed = (...values) => values.map((value) => ({ value, pressed: value > 0.5 }));
+const odd = { id: 'odd', mapping: '', axes: [0.5, 0, -1, -1], buttons: pressed(1, 1) };
+assert.deepEqual(readPad(odd, defaultProfile(odd)), { efforts: {}, actions: new Set() });
+const usual = { id: 'usual', mapping: 'standard', axes: [0, 0, 0, -1], buttons: pressed(1) };
+const read = readPad(usual, defaultProfile(usual));
+assert.deepEqual(read.efforts, { yaw: 0, heave: 0, sway: 0, surge: 1 });
+assert.deepEqual([...read.actions], ['stop']);
+
+// Dead zone at rest, wherever that is; both ends reach full effort, and so does a trigger, which rests at one of them.
+const stick = { rest: 0.1, low: -0.7, high: 0.9 };
+assert.equal(shaped(0.15, stick), 0);
+near(shaped(0.9, stick), 1, 1e-12);
+near(shaped(-0.7, stick), -1, 1e-12);
+const trigger = { rest: -1, low: -1, high: 1 };
+assert.equal(shaped(-0.95, trigger), 0);
+near(shaped(1, trigger), 1, 1e-12);
+assert.equal(shaped(NaN), 0);
+for (let value = -1; value < 1; value += 0.05) assert.ok(shaped(value + 0.05, stick) >= shaped(value, stick));
+
+// Calibration learns rest and ends, and which axis was moved.
+const learnt = new Calibration([0.1, -1, 0]);
+for (const axes of [
+  [0.1, -1, 0],
+  [-0.7, -1, 0.01],
+  [0.9, 1, 0],
+])
+  learnt.take(axes);
+assert.deepEqual(learnt.ranges, { 0: stick, 1: trigger });
+const pushed = new Calibration([0.1, -1, 0]);
+pushed.take([-0.9, -1, 0]);
+assert.deepEqual(pushed.moved, { axis: 0, sign: -1 });
+assert.equal(new Calibration([0.5, 0, 0]).moved, null);
+
+// Two triggers on one axis; the profile is kept by the pad's name.
+const storage = { kept: null, getItem: () => storage.kept, setItem: (_, text) => (storage.kept = text) };
+new Profiles(storage).keep(odd, { sticks: { heave: { plus: 1, minus: 0 } }, buttons: {}, ranges: {}, dead_zone: 0.1 });
+const own = new Profiles(storage).of(odd);
+near(readPad({ ...odd, buttons: pressed(0, 1) }, own).efforts.heave, 1, 1e-12);
+near(readPad({ ...odd, buttons: pressed(1, 0) }, own).efforts.heave, -1, 1e-12);
+assert.deepEqual(new Profiles(storage).of(usual), defaultProfile(usual));
+
+// A pad drives only after its sticks have been at rest for some frames; again so after it was disarmed.
+const arming = new Arming();
+const pass = (surge, isAllowed = true) => arming.pass({ surge }, isAllowed).surge;
+for (let k = 0; k < 20; k += 1) assert.equal(pass(0.7), 0);
+for (let k = 0; k < Arming.LOOKS; k += 1) pass(0);
+assert.equal(pass(0.7), 0.7);
+assert.equal(pass(0.7, false), 0);
+assert.equal(pass(0.7), 0);
+const unknown = new Arming();
+for (let k = 0; k < 20; k += 1) unknown.pass({}, true);
+assert.equal(unknown.isArmed, false);

@@ -52,6 +52,57 @@ def test_keys_and_buttons_hold_and_a_lost_sensor_is_shown(here, page, tmp_path: 
     until(lambda: not holds.targets, "no hold")
 
 
+PAD = """(changes) => {
+  window.pad = {connected: true, index: 0, id: 'pad', mapping: '', axes: [0, 0, 0, 0],
+                buttons: Array.from({length: 17}, () => ({pressed: false, value: 0})), ...window.pad, ...changes};
+  navigator.getGamepads = () => [window.pad];
+}"""
+
+
+def test_a_gamepad_drives_when_it_is_known_and_has_been_centred(here, page, tmp_path: Path):
+    def axes(*values: float) -> None:
+        page.evaluate(PAD, {"axes": values})
+
+    axes(0.5, 0, 0, -1)  # at rest, of a pad whose layout is unknown
+    when(page, "document.querySelector('#toast').textContent.includes('layout is unknown')")
+    assert not here.rov.effort.any()
+    page.evaluate(PAD, {"mapping": "standard", "id": "usual"})
+    when(page, "document.querySelector('#toast').textContent.includes('let go of its sticks')")
+    assert not here.rov.effort.any()
+    axes(0, 0, 0, 0)
+    when(page, "station.pilot.gamepads.stateOf(window.pad) === 'armed'")
+    axes(0, 0, 0, -1)
+    until(lambda: here.effort("surge") == 0.5, "the right stick, ahead")
+    axes(1, 0, 0, 0)
+    until(lambda: here.effort("surge") == 0.0 and here.effort("yaw") == -0.5, "the left stick, to starboard")
+    axes(0.05, 0, 0, 0)
+    until(lambda: here.effort("yaw") == 0.0, "a stick at rest, which is never quite 0")
+
+    page.evaluate(PAD, {"mapping": "", "id": "odd", "axes": [0.5, -1]})
+    page.keyboard.press("Escape")
+    page.click("#menu-dialog >> text=Gamepad")
+    page.click("[aria-label='Assign: Up']")
+    axes(0.5, 1)  # a trigger as an axis, which rests at its end
+    page.wait_for_selector("text=Up: axis 1")
+    axes(0.5, -1)
+    page.click("#gamepad-dialog button:text-is('Calibrate')")
+    page.wait_for_timeout(100)
+    axes(0.5, 1)
+    page.wait_for_timeout(200)
+    axes(0.5, -1)
+    page.click("#gamepad-dialog button:text-is('Done')")
+    judge(page, "gamepad")
+    page.screenshot(path=tmp_path / "gamepad.png")
+    page.click("#gamepad-dialog [aria-label=Close]")
+    when(page, "station.pilot.gamepads.stateOf(window.pad) === 'armed'")
+    assert not here.rov.effort.any()
+    axes(0.5, 1)
+    until(lambda: here.effort("heave") == 0.5, "the trigger, up")
+    axes(0.5, -1)
+    until(lambda: not here.rov.effort.any(), "rest")
+    page.evaluate("navigator.getGamepads = () => []")
+
+
 def test_the_display_follows_the_camera_and_stays_off_fixed_ones(here, page, tmp_path: Path):
     page.keyboard.press("1")
     shown = "station.views.largeView.hud.shown"
@@ -80,7 +131,6 @@ def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_chan
     page.keyboard.press("Escape")
     page.click("text=feet")
     page.click("text=night")
-    judge(page, "night")
     page.click("text=Resume")
     when(page, "document.querySelector('.big-values').textContent.includes('ft')")
     tape = "station.views.largeView.hud.shown.tapes.DEPTH"

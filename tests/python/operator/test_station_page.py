@@ -273,21 +273,6 @@ def test_published_keys_add_up_until_the_opposite_key(running):
     until(lambda: running.rov.released, "undocking")
 
 
-def test_a_gamepad_drives(running):
-    page = running.fly()
-    page.evaluate(
-        """() => {
-          window.pad = {connected: true, id: 'pad', axes: [0, 0, 0, -1], buttons: Array(17).fill({pressed: false})};
-          navigator.getGamepads = () => [window.pad];
-        }"""
-    )
-    until(lambda: running.effort("surge") == 0.5, "the right stick, ahead")
-    page.evaluate("window.pad.axes = [1, 0, 0, 0]")
-    until(lambda: running.effort("surge") == 0.0 and running.effort("yaw") == -0.5, "the left stick, to starboard")
-    page.evaluate("window.pad.axes = [0.05, 0, 0, 0]")
-    until(lambda: running.effort("yaw") == 0.0, "a stick at rest, which is never quite 0")
-
-
 def test_buttons_act_and_values_grey(running, tmp_path):
     page = running.fly()
     assert page.inner_text("#sound") == "Sound off"

@@ -2,6 +2,7 @@
 import './theme.js';
 import { CameraAim } from './camera_aim.js';
 import { watchDialogs } from './dialogs/dialog.js';
+import { showGamepads } from './dialogs/gamepad.js';
 import { showKeys } from './dialogs/keys.js';
 import { showMenu } from './dialogs/menu.js';
 import { byId, toast, write } from './dom.js';
@@ -218,7 +219,7 @@ function openKeys() {
 }
 
 function openMenu() {
-  showMenu(station, { keys: openKeys });
+  showMenu(station, { keys: openKeys, gamepad: () => showGamepads(pilot.gamepads) });
 }
 
 function showBanner() {

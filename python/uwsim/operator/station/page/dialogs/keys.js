@@ -96,6 +96,8 @@ export function showKeys(bindings, viewNames) {
           fixedLine('↑ ↓', 'Sonar tilt'),
           fixedLine('X Y', 'Front light'),
           fixedLine('Start', 'Release or dock'),
+          fixedLine('stick presses', 'Hold heading, depth'),
+          el('p', { className: 'caption' }, 'Of a standard pad; the menu changes it.'),
         ),
       ),
     );

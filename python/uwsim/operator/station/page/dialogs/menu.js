@@ -5,7 +5,7 @@ import { setUnit, unit, UNITS } from '../units.js';
 import { keepName } from '../wire/name.js';
 import { openDialog } from './dialog.js';
 
-export function showMenu(station, { keys }) {
+export function showMenu(station, { keys, gamepad }) {
   const dialog = byId('menu-dialog');
   const { isPilot } = station;
   let resumes = isPilot && !station.state.paused; // when it closes
@@ -46,6 +46,7 @@ export function showMenu(station, { keys }) {
       item('Close, and stay paused', () => leave(null, true)),
       item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted'))),
       item('Keys', () => leave(keys), { forAll: true, hint: '?' }),
+      item('Gamepad', () => leave(gamepad), { forAll: true }),
     ),
     el('hr'),
     nameForm(station),

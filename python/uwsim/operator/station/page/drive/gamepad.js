@@ -1,61 +1,52 @@
-// Gamepads with the standard mapping of https://www.w3.org/TR/gamepad: sticks as efforts, buttons as actions.
-
+// The connected gamepads: their sticks as efforts, their buttons as actions.
 import { ALL_STOP } from './bindings.js';
+import { Arming, Profiles, readPad } from './pads.js';
 
-const DEAD_ZONE = 0.12;
-// Sticks as on most ROVs: the left one climbs and turns, the right one goes ahead and sideways.
-const STICKS = [
-  ['yaw', -1],
-  ['heave', -1],
-  ['sway', -1],
-  ['surge', -1],
-];
-const BUTTONS = {
-  0: 'stop',
-  1: 'mark',
-  2: 'frontOn',
-  3: 'frontOff',
-  4: 'gainDown',
-  5: 'gainUp',
-  8: 'pause',
-  9: 'release',
-  12: 'tiltUp',
-  13: 'tiltDown',
-  14: 'downOff',
-  15: 'downOn',
-};
+export const connectedPads = () => [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
 
 export class Gamepads {
   #pressed = new Set();
+  #armings = new Map(); // by the pads' index
   #act;
+  #notice;
+  #noticed = new Map();
+  profiles = new Profiles();
   axes = {};
-  name = '';
 
-  constructor(act) {
-    this.#act = act;
+  // notice(text): a pad's state, for the pilot.
+  constructor(act, notice) {
+    [this.#act, this.#notice] = [act, notice];
   }
 
-  get isHeld() {
-    return Object.values(this.axes).some((value) => value !== 0);
+  // 'unknown', 'centre' (its sticks must be let go first) or 'armed'.
+  stateOf(pad) {
+    if (Object.keys(this.profiles.of(pad).sticks).length === 0) return 'unknown';
+    return this.#armings.get(pad.index)?.isArmed ? 'armed' : 'centre';
+  }
+
+  // From now on each pad must be centred before it drives.
+  disarm() {
+    this.axes = {};
+    for (const arming of this.#armings.values()) arming.disarm();
   }
 
   // Read all gamepads; called once per frame. Return whether an axis has changed.
   poll(isAllowed) {
-    const pads = (navigator.getGamepads?.() ?? []).filter((pad) => pad?.connected);
-    this.name = pads[0]?.id ?? '';
+    const pads = connectedPads();
     const axes = {};
     const pressed = new Set();
+    for (const index of this.#armings.keys())
+      if (!pads.some((pad) => pad.index === index)) {
+        this.#armings.delete(index);
+        this.#noticed.delete(index);
+      }
     for (const pad of pads) {
-      STICKS.forEach(([axis, sign], k) => {
-        axes[axis] = (axes[axis] ?? 0) + sign * shaped(pad.axes[k] ?? 0);
-      });
-      pad.buttons.forEach((button, k) => {
-        if (button.pressed && BUTTONS[k]) pressed.add(BUTTONS[k]);
-      });
-    }
-    if (!isAllowed) {
-      for (const axis of Object.keys(axes)) axes[axis] = 0;
-      for (const action of pressed) if (action !== ALL_STOP) pressed.delete(action);
+      if (!this.#armings.has(pad.index)) this.#armings.set(pad.index, new Arming());
+      const { efforts, actions } = readPad(pad, this.profiles.of(pad));
+      const allowed = this.#armings.get(pad.index).pass(efforts, isAllowed);
+      for (const [axis, value] of Object.entries(allowed)) axes[axis] = (axes[axis] ?? 0) + value;
+      for (const action of actions) if (isAllowed || action === ALL_STOP) pressed.add(action);
+      if (isAllowed) this.#explain(pad);
     }
     for (const action of pressed) if (!this.#pressed.has(action)) this.#act(action, true);
     for (const action of this.#pressed) if (!pressed.has(action)) this.#act(action, false);
@@ -73,10 +64,16 @@ export class Gamepads {
   addTo(axes) {
     for (const [axis, value] of Object.entries(this.axes)) axes[axis] += value;
   }
-}
 
-// A dead zone at rest, fine control near the middle, full effort at the end.
-function shaped(value) {
-  const size = Math.abs(value);
-  return size < DEAD_ZONE ? 0 : Math.sign(value) * ((Math.min(size, 1) - DEAD_ZONE) / (1 - DEAD_ZONE)) ** 1.5;
+  // State once, after a frame or two, why a pad does not drive.
+  #explain(pad) {
+    const [last, frames] = this.#noticed.get(pad.index) ?? ['', 0];
+    const state = this.stateOf(pad);
+    if (state !== last) this.#noticed.set(pad.index, [state, 0]);
+    else this.#noticed.set(pad.index, [state, frames + 1]);
+    if (frames !== 2 * Arming.LOOKS || state !== last) return;
+    const name = pad.id.replace(/ \(.*/, '').slice(0, 30);
+    if (state === 'unknown') this.#notice(`${name}: its layout is unknown. Assign its sticks: menu, Gamepad.`);
+    else if (state === 'centre') this.#notice(`${name}: let go of its sticks, then it drives.`);
+  }
 }

@@ -1,4 +1,5 @@
 // Turns keys, gamepads and fingers into efforts: sent on each change, five times a second while held, zero on release.
+import { toast } from '../dom.js';
 import { AXES } from '../wire/messages.js';
 import { ALL_STOP } from './bindings.js';
 import { Gamepads } from './gamepad.js';
@@ -33,7 +34,7 @@ export class Pilot extends EventTarget {
       allowed: () => this.mayAct,
     });
     this.touch = new Touch({ changed: () => this.#read(), allowed: () => this.mayAct });
-    this.gamepads = new Gamepads(actNow);
+    this.gamepads = new Gamepads(actNow, toast);
     addEventListener('blur', () => this.letGo());
     addEventListener('pagehide', () => this.letGo());
     document.addEventListener('visibilitychange', () => {
@@ -86,7 +87,7 @@ export class Pilot extends EventTarget {
   // Release all controls, and send zeros even if zeros were the last efforts sent, since those may have been lost.
   letGo() {
     this.keys.drop();
-    this.gamepads.axes = {};
+    this.gamepads.disarm();
     this.touch.drop();
     this.efforts = none();
     clearTimeout(this.#timer);
@@ -102,7 +103,7 @@ export class Pilot extends EventTarget {
   }
 
   #poll() {
-    if (this.gamepads.poll(this.mayAct)) this.#read();
+    if (this.gamepads.poll(this.mayAct && this.station.isPilot)) this.#read();
     requestAnimationFrame(() => this.#poll());
   }
 
