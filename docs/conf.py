@@ -10,7 +10,7 @@ author = "the uwsim authors"
 version = release = installed_version("uwsim")
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton"]
-exclude_patterns = ["_static"]
+exclude_patterns = ["_static", "paper"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 nb_execution_mode = "cache"  # notebooks are executed when they, or what is beside them, have changed

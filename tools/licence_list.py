@@ -14,8 +14,6 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
-from uwsim import _core
-
 ROOT = Path(__file__).parents[1]
 HEADERS = ("libeigen3-dev", "liboctomap-dev", "libpcl-dev", "libbullet-dev")
 """Debian packages whose headers or archives are compiled into the native module."""
@@ -34,7 +32,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="tools/licences", description="List dependencies and their licences.")
     parser.add_argument("--all", action="store_true", help="also list what tests and linters need")
     everything = parser.parse_args().all
-    rows = [*_python(everything), *_libraries(), *_headers(), *_javascript()]
+    rows = [*python_packages(everything), *_libraries(), *headers(), *javascript()]
     width = max(len(name) for _, name, _, _ in rows)
     wrong = []
     for kind, name, version, licence in rows:
@@ -54,12 +52,14 @@ def reaches(licence: str) -> bool:
     )
 
 
-def _python(everything: bool) -> Iterable[tuple[str, str, str, str]]:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    extras = project["optional-dependencies"]
+def python_packages(everything: bool) -> Iterable[tuple[str, str, str, str]]:
+    """Yield kind, name, version and licence of the packages that uwsim and its extras need; if asked, also tests."""
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    project = config["project"]
+    extras = [line for extra, lines in project["optional-dependencies"].items() if extra != "fuzz" for line in lines]
     needed = _closure(project["dependencies"])
-    optional = _closure(line for extra, lines in extras.items() if extra not in ("dev", "fuzz") for line in lines)
-    test = _closure(extras["dev"]) if everything else {}
+    optional = _closure(line for line in extras if not line.startswith("uwsim["))
+    test = _closure(line for line in config["dependency-groups"]["dev"] if line != "uwsim[all]") if everything else {}
     for name, found in sorted({**test, **optional, **needed}.items()):
         kind = "Python" if name in needed else "optional" if name in optional else "test"
         yield kind, name, found.version, _licence_of(found)
@@ -105,16 +105,19 @@ def _licence_of(found: metadata.Distribution) -> str:
 
 def _libraries() -> Iterable[tuple[str, str, str, str]]:
     """Yield the Debian packages of the libraries that the native module loads."""
+    from uwsim import _core
+
     listed = subprocess.run(["ldd", _core.__file__], capture_output=True, text=True, check=True).stdout
     paths = sorted({str(Path(path).resolve()) for path in re.findall(r"=> (/\S+)", listed)})
     packages = {package for path in paths if (package := _package_of(path))}
     for package in sorted(packages):
-        yield "library", package, _debian_version(package), _debian_licence(package)
+        yield "library", package, debian_version(package), debian_licence(package)
 
 
-def _headers() -> Iterable[tuple[str, str, str, str]]:
+def headers() -> Iterable[tuple[str, str, str, str]]:
+    """Yield what is compiled into the native module."""
     for package in HEADERS:
-        yield "compiled", package, _debian_version(package), _debian_licence(package)
+        yield "compiled", package, debian_version(package), debian_licence(package)
     yield "compiled", "pybind11", metadata.version("pybind11"), _licence_of(metadata.distribution("pybind11"))
 
 
@@ -126,12 +129,13 @@ def _package_of(path: str) -> str:
     return ""
 
 
-def _debian_version(package: str) -> str:
+def debian_version(package: str) -> str:
+    """Return the version of an installed Debian package."""
     query = ["dpkg-query", "-W", "-f", "${Version}\n", package]
     return subprocess.run(query, capture_output=True, text=True, check=True).stdout.splitlines()[0]
 
 
-def _debian_licence(package: str) -> str:
+def debian_licence(package: str) -> str:
     """Return a library's licence: that of `Files: *` in Debian's copyright file, or else every licence it names."""
     if package in WHOLE_LICENCES:
         return WHOLE_LICENCES[package]
@@ -145,7 +149,8 @@ def _debian_licence(package: str) -> str:
     return " AND ".join(dict.fromkeys(named or known))
 
 
-def _javascript() -> Iterable[tuple[str, str, str, str]]:
+def javascript() -> Iterable[tuple[str, str, str, str]]:
+    """Yield the npm packages in the station's page."""
     lock = json.loads((ROOT / "tools" / "assets" / "station_vendor" / "package-lock.json").read_text())
     for path, package in lock["packages"].items():
         if path and not package.get("dev"):

@@ -204,7 +204,7 @@ def unpacked(chunk: kinds.Chunk) -> bytes:
         stream, length = get_chunk_data_stream(chunk)
         data = stream.read(length)
     except _UNREADABLE as error:
-        raise ValueError(f"it cannot be decompressed: {error or type(error).__name__}") from None
+        raise ValueError(f"it cannot be decompressed: {str(error) or type(error).__name__}") from None
     if len(data) != chunk.uncompressed_size:
         raise ValueError(f"it holds {len(data):,} bytes, not {chunk.uncompressed_size:,}")
     return data
@@ -252,7 +252,7 @@ def _parsed(parser: Any, content: bytes) -> Any:
     try:
         record = parser.read(ReadDataStream(cast(IO[bytes], stream)))
     except _UNREADABLE as error:
-        raise ValueError(f"it cannot be read: {error or type(error).__name__}") from None
+        raise ValueError(f"it cannot be read: {str(error) or type(error).__name__}") from None
     if stream.position != len(content):
         raise ValueError(f"it has {len(content) - stream.position:,} bytes too many")
     return record

@@ -123,7 +123,7 @@ class RosbridgeClient(Bridge):
                     await self._converse(connection)
                 self.log.warning("%s: the connection has ended", self.url)
             except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI) as error:
-                self.log.warning("%s: %s; next attempt in %g s", self.url, error or type(error).__name__, wait_s)
+                self.log.warning("%s: %s; next attempt in %g s", self.url, str(error) or type(error).__name__, wait_s)
                 if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
                     self._refused_bytes = self._largest_sent
             await asyncio.sleep(wait_s)
