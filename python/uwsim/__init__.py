@@ -22,6 +22,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from uwsim._moved import lead_old_names_on
+from uwsim.base.extras import explain_missing_extras
 
 if TYPE_CHECKING:
     from uwsim.batch import Batch
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from uwsim.simulator.simulator import Simulator
 
 lead_old_names_on()
+explain_missing_extras()
 
 try:
     __version__ = version("uwsim")

@@ -1,8 +1,45 @@
-"""Checks for optional dependencies, which a plain `pip install uwsim` does not install."""
+"""Optional dependencies, which a plain `pip install uwsim` does not install: which extra has what, and what to run."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Sequence
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
+from types import ModuleType
+
+EXTRA_OF = {
+    "matplotlib": "figures",
+    "jinja2": "figures",
+    "PIL": "cameras",
+    "simplejpeg": "cameras",
+    "shapely": "areas",
+    "assimp_py": "meshes",
+    "manifold3d": "meshes",
+    "networkx": "meshes",
+    "rasterio": "terrain",
+    "laspy": "survey-formats",
+    "rosbags": "ros",
+    "websockets": "ros",
+    "cbor2": "ros",
+    "mcap": "recording",
+    "coacd": "decompose",
+    "cyclonedds": "ros2",
+    "foxglove": "foxglove",
+    "pandas": "tables",
+    "pyarrow": "tables",
+    "xarray": "tables",
+    "textual": "teleop",
+    "pygame": "gamepad",
+    "ompl": "planning",
+    "gymnasium": "gym",
+    "cma": "learn",
+    "pettingzoo": "multi",
+    "stable_baselines3": "rl",
+    "distributed": "sweeps",
+}
+"""Module: the smallest extra of pyproject.toml that installs it."""
 
 
 class MissingExtraError(ImportError, ValueError):
@@ -12,4 +49,40 @@ class MissingExtraError(ImportError, ValueError):
 def need_extra(module: str, extra: str, what: str) -> None:
     """Raise MissingExtraError, stating the command that installs the module, if it cannot be found."""
     if find_spec(module) is None:
-        raise MissingExtraError(f"{what} needs '{module}', which is not installed: pip install 'uwsim[{extra}]'")
+        message = f"{what} needs '{module}', which is not installed: pip install 'uwsim[{extra}]'"
+        raise MissingExtraError(message, name=module)
+
+
+def explained(error: ImportError) -> str:
+    """Return the error's text, or if another package's import of an optional package failed, the command to run."""
+    if isinstance(error, MissingExtraError) or error.name not in EXTRA_OF:
+        return str(error)
+    return f"'{error.name}' is needed and not installed: pip install 'uwsim[{EXTRA_OF[error.name]}]'"
+
+
+class _MissingExtras(MetaPathFinder):
+    """Explains imports in uwsim that found nothing; the last finder, and silent towards other packages' imports."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        if fullname in EXTRA_OF and (importer := _importing_module()).startswith("uwsim."):
+            need_extra(fullname, EXTRA_OF[fullname], importer)
+        return None
+
+
+def _importing_module() -> str:
+    """Return the name of the module that is executing an import; "" for mere look-ups, such as find_spec."""
+    frame, imports = sys._getframe(2), False
+    while frame.f_globals.get("__name__", "").partition(".")[0] in ("importlib", "_frozen_importlib"):
+        imports |= frame.f_code.co_name == "_find_and_load"
+        if frame.f_back is None:
+            return ""
+        frame = frame.f_back
+    return str(frame.f_globals.get("__name__", "")) if imports else ""
+
+
+def explain_missing_extras() -> None:
+    """Make an import in uwsim that fails for lack of an optional package name the command that installs it."""
+    if not any(isinstance(finder, _MissingExtras) for finder in sys.meta_path):
+        sys.meta_path.append(_MissingExtras())

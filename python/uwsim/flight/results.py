@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import tempfile
+import warnings
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,6 +61,9 @@ def write_results(
     --resume can repeat a failed report. The map is written while it is being scored. The key values are printed before
     the other files are written, in case writing fails on a full disk.
     """
+    if report == "full" and find_spec("matplotlib") is None:
+        warnings.warn(f"no {REPORT}, which needs figures: pip install 'uwsim[figures]'", UserWarning, stacklevel=2)
+        report = "json"
     with suppress(OSError):
         out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
     wants_score = report != "none" and sim is not None and flown.occupancy is not None

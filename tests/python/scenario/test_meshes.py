@@ -138,7 +138,7 @@ def test_the_error_about_a_corrupt_stl_says_what_is_wrong(tmp_path: Path) -> Non
 
 def test_the_error_names_a_reader_that_is_not_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "assimp_py", None)
-    with pytest.raises(ScenarioError, match="needs the Python package 'assimp_py', which cannot be imported"):
+    with pytest.raises(ScenarioError, match=r"'assimp_py', which is not installed: pip install 'uwsim\[meshes\]'"):
         load_mesh(write(tmp_path, "fbx"))
 
 

@@ -2,10 +2,17 @@
 
 import json
 import re
+import subprocess
+import sys
+import textwrap
 import tomllib
 from pathlib import Path
 
+import pytest
+from packaging.requirements import Requirement
 from ruamel.yaml import YAML
+
+from uwsim.base.extras import EXTRA_OF, MissingExtraError
 
 ROOT = Path(__file__).parents[3]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -26,3 +33,105 @@ def test_every_action_of_the_workflows_is_pinned_by_commit() -> None:
     actions = [line for line in used if "uses:" in line]
     assert actions
     assert [line for line in actions if not re.search(r"@[0-9a-f]{40} # v\d", line)] == []
+
+
+def modules_imported() -> dict[str, Path]:
+    """Return every module outside the standard library that uwsim's sources import, with one file that does."""
+    importing = re.compile(
+        r"^ *(?:from (\w+)[\w.]* import |import (\w+)(?:\.\w+)*(?: as \w+)?(?:  #.*)?$)", re.MULTILINE
+    )
+    found: dict[str, Path] = {}
+    for path in (ROOT / "python/uwsim").rglob("*.py"):
+        found |= {first or second: path for first, second in importing.findall(path.read_text())}
+    return {name: path for name, path in found.items() if name not in {*sys.stdlib_module_names, "uwsim"}}
+
+
+def packages(lines: list[str]) -> set[str]:
+    """Return the names of the packages that requirements name, with those of uwsim's own extras."""
+    wanted = [Requirement(line) for line in lines]
+    inner = [
+        PROJECT["optional-dependencies"][extra] for each in wanted for extra in each.extras if each.name == "uwsim"
+    ]
+    return {each.name for each in wanted} | {name for lines in inner for name in packages(lines)}
+
+
+PACKAGE_OF = {"PIL": "pillow", "foxglove": "foxglove-sdk", "pygame": "pygame-ce"}
+OF_OTHERS = {
+    "ruamel",
+    "affine",
+    "annotated_types",
+    "mpl_toolkits",
+    "IPython",
+    "dask",
+    "cv2",
+    "pydantic_core",
+    "markupsafe",
+    "torch",
+    "rospy",
+    "rosgraph",
+    "genpy",
+    "roslib",
+}
+"""Modules that other requirements bring, and those of ROS 1, which PyPI does not have."""
+
+
+def test_a_plain_installation_is_light_and_the_extra_of_everything_else_is_known() -> None:
+    hard = packages(PROJECT["dependencies"])
+    assert len(hard) <= 9
+    assert {"numpy", "pydantic", "ruamel.yaml"} <= hard
+    reasons = (ROOT / "docs/guides/install.md").read_text()
+    assert [name for name in hard if f"`{name}`" not in reasons] == []
+    unknown = {name: path for name, path in modules_imported().items() if name not in {*hard, *EXTRA_OF, *OF_OTHERS}}
+    assert not unknown, "add them to dependencies, or to an extra and EXTRA_OF"
+    for module, extra in EXTRA_OF.items():
+        brought = {name.lower() for name in packages(PROJECT["optional-dependencies"][extra])}
+        assert {PACKAGE_OF.get(module, module).replace("_", "-"), module} & brought, module
+    assert set(PROJECT["optional-dependencies"]) - {"all", "rl", "fuzz"} <= {
+        extra for name in ("all", "standard", "learning") for line in PROJECT["optional-dependencies"][name]
+        for extra in Requirement(line).extras
+    }  # fmt: skip
+
+
+BARE = """
+    import sys
+    from importlib.machinery import PathFinder
+
+    import uwsim
+
+    eager = sorted({"numpy", "pydantic", "scipy", "typer", "trimesh", "uwsim._core"} & set(sys.modules))
+    assert not eager, f"import uwsim imports {eager}"
+
+    class Bare:
+        @staticmethod
+        def find_spec(name, path=None, target=None):
+            missing = name.partition(".")[0] in uwsim.base.extras.EXTRA_OF
+            return None if missing else PathFinder.find_spec(name, path, target)
+
+    sys.meta_path[sys.meta_path.index(PathFinder)] = Bare
+    try:
+        import uwsim.figures.style
+    except uwsim.base.extras.MissingExtraError as error:
+        print(error)
+    from uwsim.cli import main
+    sys.argv = ["uwsim", "survey", "pool", "--time-limit", "4", "--out", sys.argv[1]]
+    main()
+"""
+
+
+def test_without_any_extra_a_survey_ends_with_a_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("UWSIM_CACHE", str(tmp_path / "cache"))
+    command = [sys.executable, "-c", textwrap.dedent(BARE), str(tmp_path / "out")]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert "no report.html, which needs figures: pip install 'uwsim[figures]'" in ran.stderr
+    assert "Traceback" not in ran.stderr
+    need = "uwsim.figures.style needs 'matplotlib', which is not installed: pip install 'uwsim[figures]'"
+    assert need in ran.stdout
+    assert (tmp_path / "out/map.bt").read_bytes().startswith(b"# Octomap OcTree binary file")
+    assert (tmp_path / "out/summary.json").is_file() and not (tmp_path / "out/report.html").exists()
+
+
+def test_an_import_of_another_program_that_fails_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(EXTRA_OF, "no_such_module", "figures")
+    with pytest.raises(ModuleNotFoundError) as caught:
+        import no_such_module  # type: ignore[import-not-found] # noqa: F401
+    assert not isinstance(caught.value, MissingExtraError)

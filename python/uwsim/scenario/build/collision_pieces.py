@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.extras import explained
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.scale import size_text
 from uwsim.scenario.read.errors import ScenarioError
@@ -73,8 +74,8 @@ def decompose(
     """
     try:
         import coacd
-    except ImportError:
-        raise ScenarioError("decomposing a mesh needs CoACD: pip install 'uwsim[decompose]'") from None
+    except ImportError as error:
+        raise ScenarioError(f"decomposing a mesh: {explained(error)}") from None
     coacd.set_log_level("error")
     pieces = coacd.run_coacd(
         coacd.Mesh(vertices, triangles),

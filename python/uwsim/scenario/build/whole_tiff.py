@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO, Any
 
 from PIL.TiffImagePlugin import ImageFileDirectory_v2
+
+from uwsim.base.caught_warnings import caught_warnings
 
 MAX_DIRECTORIES = 256
 BIG = (b"II\x2b\0", b"MM\0\x2b")
@@ -46,8 +47,7 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
     while directory.next and directory.next not in seen and len(seen) < MAX_DIRECTORIES:
         seen.add(directory.next)
         file.seek(directory.next)
-        with warnings.catch_warnings(record=True) as issued:
-            warnings.simplefilter("always")
+        with caught_warnings() as issued:
             directory.load(file)
         said = [str(warning.message) for warning in issued]
         if lost := [text for text in said if not text.startswith("Metadata Warning")]:  # that is only surplus values

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.caught_warnings import caught_warnings
 from uwsim.base.npz import read_npz
 
 Arrays = tuple[NDArray[np.generic], ...]
@@ -43,8 +44,7 @@ def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arra
     path = folder / f"{kind}-{_digest_of(kind, *inputs)}.npz"
     with contextlib.suppress(OSError, ValueError, KeyError, EOFError):
         return _unpacked(path.read_bytes())
-    with warnings.catch_warnings(record=True) as issued:
-        warnings.simplefilter("always")
+    with caught_warnings() as issued:
         arrays = make()
     for warning in issued:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)

@@ -6,12 +6,13 @@ import io
 import signal
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from uwsim.base.extras import need_extra
 
 READER = Path(__file__).with_name("assimp_process.py")
 MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
@@ -21,8 +22,7 @@ CPU_S, CPU_S_PER_BYTE = 8, 1e-6
 
 def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:
     """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError with the reason, or ImportError."""
-    if find_spec("assimp_py") is None:
-        raise ImportError("no assimp", name="assimp_py")
+    need_extra("assimp_py", "meshes", "this format")
     size = path.stat().st_size
     limits = MEMORY_BYTES + MEMORY_PER_BYTE * size, CPU_S + round(CPU_S_PER_BYTE * size)
     command = [sys.executable, "-I", str(READER), str(path), *map(str, limits)]

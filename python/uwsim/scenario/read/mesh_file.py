@@ -10,6 +10,7 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.extras import explained
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.assimp_mesh import read_by_assimp
 from uwsim.scenario.read.errors import ScenarioError
@@ -69,9 +70,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
     except MemoryError:
         raise ScenarioError(f"mesh '{path}': too large to read into memory") from None
     except ImportError as error:
-        raise ScenarioError(
-            f"mesh '{path}': reading it needs the Python package '{error.name}', which cannot be imported: install it"
-        ) from None
+        raise ScenarioError(f"mesh '{path}': {explained(error)}") from None
     except Exception as error:  # readers raise errors of any type for malformed files
         raise ScenarioError(f"mesh '{path}': not a readable {suffix[1:] or 'mesh'} file: {_reason(error)}") from None
     _require_sound(path, vertices, triangles, scale)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import functools
 import re
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
@@ -15,8 +14,9 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.constructor import ConstructorError, DuplicateKeyError, RoundTripConstructor
-from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning, YAMLError
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
+from uwsim.base.caught_warnings import caught_warnings
 from uwsim.scenario.read.errors import ScenarioError
 
 MAX_BYTES = 300_000  # a file of this size takes at most 7 s
@@ -70,8 +70,7 @@ def _parsed(text: str, name: str) -> YamlDocument:
     try:
         if "!" in text:
             _refuse_tags(text, name)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ReusedAnchorWarning)  # YAML 1.2 allows reused anchors
+        with caught_warnings():  # such as ReusedAnchorWarning: YAML 1.2 allows reused anchors
             root = reader.load(StringIO(text))
     except DuplicateKeyError as error:
         raise ScenarioError(
