@@ -11,6 +11,7 @@ version = release = installed_version("uwsim")
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns = ["_static", "paper"]
+html_static_path, html_css_files = ["_static"], ["front.css"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 nb_execution_mode = "cache"  # notebooks are executed when they, or what is beside them, have changed

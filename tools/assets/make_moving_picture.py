@@ -26,6 +26,7 @@ PAGE = {"width": 1280, "height": 800}
 SIZE = (800, 500)
 EVERY_S, SHOWN_MS, QUALITY = 2.0, 160, 42
 LIMIT_BYTES = 2_000_000
+EMPTY_FRAMES = 8  # until all views have pictures: the animation shows something from its first frame
 LARGE = {
     0.0: "front",
     14.0: "scene",
@@ -84,10 +85,10 @@ def main() -> None:
         time.sleep(6.0)  # time for the first pictures of all views
         taken = frames(page, live, threading.Thread(target=fly_remote, args=(mission, server.url)))
         browser.close()
-    first, *others = taken
+    first, *others = taken[EMPTY_FRAMES:]
     first.save(TARGET, save_all=True, append_images=others, duration=SHOWN_MS, loop=0, quality=QUALITY)
     size = TARGET.stat().st_size
-    print(f"{TARGET}: {len(taken)} frames, {size / 1000:.0f} kB")
+    print(f"{TARGET}: {len(others) + 1} frames, {size / 1000:.0f} kB")
     if size > LIMIT_BYTES:
         raise SystemExit(f"larger than {LIMIT_BYTES / 1e6:g} MB")
 

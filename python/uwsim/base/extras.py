@@ -26,6 +26,7 @@ EXTRA_OF = {
     "mcap": "recording",
     "coacd": "decompose",
     "cyclonedds": "ros2",
+    "zenoh": "zenoh",
     "foxglove": "foxglove",
     "pandas": "tables",
     "pyarrow": "tables",

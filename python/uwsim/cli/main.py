@@ -16,7 +16,6 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from uwsim.base.extras import explained
 from uwsim.cli.bench import app as bench_app
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.camera import camera
@@ -130,7 +129,11 @@ def main() -> NoReturn:
 def _told(error: Exception) -> str:
     if isinstance(error, MemoryError):
         return f"out of memory: {error}" if str(error) not in ("", "std::bad_alloc") else "out of memory"
-    return (explained(error) if isinstance(error, ImportError) else str(error)) or type(error).__name__
+    if isinstance(error, ImportError):
+        from uwsim.base.extras import explained
+
+        return explained(error) or type(error).__name__
+    return str(error) or type(error).__name__
 
 
 def _require_no_empty_word(words: list[str]) -> None:
