@@ -64,6 +64,8 @@ OF_OTHERS = {
     "IPython",
     "dask",
     "cv2",
+    "gsw",
+    "mujoco",
     "pydantic_core",
     "markupsafe",
     "torch",
@@ -72,7 +74,7 @@ OF_OTHERS = {
     "genpy",
     "roslib",
 }
-"""Modules that other requirements bring, and those of ROS 1, which PyPI does not have."""
+"""Modules that other requirements bring, peers to compare with, and ROS 1, which PyPI does not have."""
 
 
 def test_a_plain_installation_is_light_and_the_extra_of_everything_else_is_known() -> None:
