@@ -1,9 +1,10 @@
 #pragma once
 
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 namespace uwsim {
 
@@ -20,13 +21,42 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// A value as text in a message. These few functions print all values: a stream in a header, with Eigen's operators, is
+// compiled in every file that includes it.
+std::string printed_number(double value);                          ///< with six digits
+std::string printed_row(const std::vector<std::string>& numbers);  ///< in columns of equal width
+
+/// Returns the text of a number, of text, or of a row of Eigen's.
+template <typename Value>
+std::string printed(const Value& value) {
+  if constexpr (std::is_integral_v<Value>) {
+    return std::to_string(value);
+  } else if constexpr (std::is_floating_point_v<Value>) {
+    return printed_number(static_cast<double>(value));
+  } else if constexpr (std::is_convertible_v<const Value&, std::string_view>) {
+    return std::string(std::string_view(value));
+  } else {
+    static_assert(Value::RowsAtCompileTime == 1, "transpose a column");
+    std::vector<std::string> numbers;
+    for (decltype(value.size()) k = 0; k < value.size(); ++k) numbers.push_back(printed(value(k)));
+    return printed_row(numbers);
+  }
+}
+
+[[noreturn]] void throw_invalid(std::string_view path, const std::string& value, std::string_view rule);
+
+/// Throws InvalidValue naming path, value and rule.
+template <typename Value>
+[[noreturn, gnu::cold, gnu::noinline]] void refuse_value(std::string_view path, const Value& value,
+                                                         std::string_view rule) {
+  throw_invalid(path, printed(value), rule);
+}
+
 /// Throws InvalidValue naming path, value and rule unless `holds`. The message is only built on failure.
 template <typename Value>
 void require(bool holds, std::string_view path, const Value& value, std::string_view rule) {
-  if (holds) return;
-  std::ostringstream message;
-  message << path << " = " << value << ": " << rule;
-  throw InvalidValue(message.str());
+  if (!holds) [[unlikely]]
+    refuse_value(path, value, rule);
 }
 
 }  // namespace uwsim

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -124,7 +125,10 @@ void require_rigid(const Eigen::Matrix4d& transform) {
   const Eigen::Matrix3d rotation = transform.topLeftCorner<3, 3>();
   const bool rigid = transform.allFinite() && transform.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-9) &&
                      (rotation * rotation.transpose()).isIdentity(1e-6) && rotation.determinant() > 0;
-  require(rigid, "target_from_source", transform.format({4, 0, ", ", "; ", "", "", "[", "]"}),
+  if (rigid) return;
+  std::ostringstream matrix;
+  matrix << transform.format({4, 0, ", ", "; ", "", "", "[", "]"});
+  require(false, "target_from_source", matrix.str(),
           "must be a rigid transform (a rotation, a translation and the row 0 0 0 1)");
 }
 

@@ -98,9 +98,8 @@ std::string encode_depth_string(std::span<const float> ranges_m, double range_ma
   for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
     const float range_m = ranges_m[beam];
     if (!(range_m >= 0 && (range_m <= range_max_m || std::isinf(range_m)))) {
-      std::ostringstream rule;
-      rule << "must be in [0, " << range_max_m << "] m, or infinity for a beam without echo";
-      require(false, "ranges_m[" + std::to_string(beam) + "]", range_m, rule.str());
+      require(false, "ranges_m[" + std::to_string(beam) + "]", range_m,
+              "must be in [0, " + printed(range_max_m) + "] m, or infinity for a beam without echo");
     }
     append_g7(text, std::isinf(range_m) ? static_cast<float>(range_max_m) : range_m);
     text += kSeparator;

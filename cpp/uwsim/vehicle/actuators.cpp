@@ -38,10 +38,8 @@ std::vector<double> values_by_part(const std::vector<Part>& parts, const Actuato
     }
     const double limit = limit_of(*part);
     if (!(std::abs(value) <= limit)) {
-      std::ostringstream shown, rule;
-      shown << value << unit;
-      rule << "must be in [-" << limit << ", " << limit << "]" << unit;
-      require(false, path + ("." + name), shown.str(), rule.str());
+      const std::string bound = printed(limit);
+      require(false, path + ("." + name), printed(value) + unit, "must be in [-" + bound + ", " + bound + "]" + unit);
     }
     values[static_cast<std::size_t>(part - parts.begin())] = value;
   }
