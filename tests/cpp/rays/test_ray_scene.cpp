@@ -81,18 +81,18 @@ TEST(RayScene, AWorldMadeAfterAnotherHasItsOwnSurfaces) {
 
 TEST(RayScene, DistanceToASphereIsRadialWhateverTheNumberOfThreads) {
   World world;
-  world.add_solid("sphere", testing::sphere(2, 200));
+  world.add_solid("sphere", testing::sphere(2, 100));
   const RayScene scene(world);
   std::vector<Eigen::Vector3d> points;
-  for (int k = 0; k < 10'000; ++k) {
-    points.emplace_back(5 * std::cos(k * 0.1), 5 * std::sin(k * 0.1), 0.001 * k - 5);
+  for (int k = 0; k < 4000; ++k) {
+    points.emplace_back(5 * std::cos(k * 0.1), 5 * std::sin(k * 0.1), 0.0025 * k - 5);
   }
   std::vector<double> one(points.size()), two(points.size());
   scene.distance(points, one, 1);
   scene.distance(points, two, 2);
   EXPECT_EQ(one, two);
-  // Facets are pi/200 wide in both directions, each of which contributes a sag of r (1 - cos(pi/400)).
-  const double facet_sag_m = 2 * 2 * (1 - std::cos(std::numbers::pi / 400)) + 1e-6;
+  // Facets are pi/100 wide in both directions, each of which contributes a sag of r (1 - cos(pi/200)).
+  const double facet_sag_m = 2 * 2 * (1 - std::cos(std::numbers::pi / 200)) + 1e-6;
   for (std::size_t k = 0; k < points.size(); ++k) {
     EXPECT_NEAR(one[k], std::abs(points[k].norm() - 2), facet_sag_m);
   }
