@@ -22,6 +22,7 @@ from rich.table import Table
 
 from uwsim import Simulator, _core
 from uwsim.scenario import VehicleEntry, load
+from uwsim.scenario.spec.scenario import Dynamics
 from uwsim.scenario.spec.water import JonswapSurface
 
 console = Console()
@@ -57,6 +58,8 @@ def main(
         "resting": Settled(above_bed_m=0.3, heave=-0.6),
         "floating": Settled(heave=0.1),
         "floating_in_waves": Settled(heave=0.1, steps=200, waves=True),
+        "bullet_open_water": Flight(depth_m=10.0, steps=500, repeats=10, engine="bullet"),
+        "bullet_resting": Settled(above_bed_m=0.3, heave=-0.6, engine="bullet"),
         "under_waves": Flight(depth_m=3.0, steps=100, repeats=10, waves=True),
         **{f"vehicles_{count}": Flight(depth_m=10.0, steps=200, repeats=2, count=count) for count in COUNTS},
     }
@@ -116,9 +119,10 @@ class Flight:
         above_bed_m: float | None = None,
         count: int = 1,
         waves: bool = False,
+        engine: str = "uwsim",
     ) -> None:
         self._steps, self._repeats = steps, repeats
-        scenario = load("lake")
+        scenario = load("lake").model_copy(update={"dynamics": Dynamics.model_validate({"engine": engine})})
         if waves:
             sea = scenario.water.model_copy(update={"surface": JonswapSurface.model_validate(SEA)})
             scenario = scenario.model_copy(update={"water": sea})
@@ -154,10 +158,16 @@ class Settled:
     """
 
     def __init__(
-        self, *, heave: float, above_bed_m: float | None = None, waves: bool = False, steps: int = 2000
+        self,
+        *,
+        heave: float,
+        above_bed_m: float | None = None,
+        waves: bool = False,
+        steps: int = 2000,
+        engine: str = "uwsim",
     ) -> None:
         self._steps = steps
-        flight = Flight(steps=1, repeats=1, above_bed_m=above_bed_m, waves=waves)
+        flight = Flight(steps=1, repeats=1, above_bed_m=above_bed_m, waves=waves, engine=engine)
         flight()
         self._sim = flight.simulator
         self._sim.rov.set_effort(heave=heave)
@@ -256,6 +266,8 @@ def _table(figures: dict[str, float]) -> Table:
         ("0.5 m above the bottom", "above_bottom", None),
         ("crossing the surface", "surface", GOALS["surface"]),
         ("resting on the bed", "resting", None),
+        ("open water, dynamics.engine: bullet", "bullet_open_water", None),
+        ("resting on the bed, dynamics.engine: bullet", "bullet_resting", None),
         ("floating at the surface", "floating", GOALS["floating"]),
         ("floating in waves of 0.5 m", "floating_in_waves", None),
         ("3 m under them", "under_waves", None),

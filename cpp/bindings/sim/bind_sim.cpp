@@ -44,6 +44,8 @@ TakenSamples take_samples(OwnedSimulation& owned, std::size_t vehicle, std::size
 }
 
 void bind_specs(py::module_& m) {
+  py::enum_<EngineKind>(m, "DynamicsEngine").value("UWSIM", EngineKind::kUwsim).value("BULLET", EngineKind::kBullet);
+
   py::class_<SimulationSpec>(m, "SimulationSpec")
       .def(py::init<>())
       .def_readwrite("step_s", &SimulationSpec::step_s)
@@ -51,7 +53,8 @@ void bind_specs(py::module_& m) {
       .def_readwrite("mission_time_s", &SimulationSpec::mission_time_s)
       .def_readwrite("station_world_m", &SimulationSpec::station_world_m)
       .def_readwrite("range_warning_m", &SimulationSpec::range_warning_m)
-      .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m);
+      .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m)
+      .def_readwrite("engine", &SimulationSpec::engine);
 
   py::class_<SonarSpec>(m, "SonarSpec")
       .def(py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,

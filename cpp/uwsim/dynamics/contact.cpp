@@ -5,7 +5,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kBounceThreshold_m_s = 0.05;  // slower impacts do not bounce, so that bodies come to rest
 // A smaller gap counts as closed, so that a body at rest does not fall into a gap left by a step's rounding error.
 constexpr double kClosed_m = 1e-6;
 constexpr double kSlop_m = 1e-3;

@@ -17,6 +17,8 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   water.check();
   require(spec.step_s == spec_.step_s, "step_s", spec.step_s, "cannot be changed");
   require(spec.seed == spec_.seed, "seed", spec.seed, "cannot be changed");
+  require(spec.engine == spec_.engine, "dynamics.engine", spec.engine == EngineKind::kBullet ? "bullet" : "uwsim",
+          "cannot be changed");
   require(vehicles.size() == vehicles_.size(), "vehicles", vehicles.size(), "must be one for each");
   std::vector<Vehicle> changed;
   std::vector<BodySpec> bodies;

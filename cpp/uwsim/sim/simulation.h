@@ -24,6 +24,7 @@ struct SimulationSpec {
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
   double range_warning_m = 110;
   double proximity_warning_m = 10;
+  EngineKind engine = EngineKind::kUwsim;
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -42,8 +43,8 @@ class Simulation {
 
   /// Replaces the water, the simulation's spec and the vehicles' specs from the next step on. All state is kept:
   /// motion, commands and samples. `vehicles`: one spec per vehicle, in order, with the same names of parts; start
-  /// positions are ignored. If a spec is invalid or has a different step or seed, throws InvalidValue without changing
-  /// anything.
+  /// positions are ignored. If a spec is invalid or has a different step, seed or engine, throws InvalidValue without
+  /// changing anything.
   void change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles);
 
   /// Connects the station, node 0, with the vehicles, nodes 1 + index. Must be called after all vehicles have been

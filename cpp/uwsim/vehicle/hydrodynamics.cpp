@@ -184,8 +184,8 @@ Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
   return force;
 }
 
-Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
-                                  double time_s) const {
+Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
+                        double time_s) const {
   const Pose& pose = state.world_from_body;
   const Eigen::Matrix3d world_from_body = pose.rotation();
   Buoyancy buoyancy = hull_->buoyancy(pose.position_m, world_from_body, water, time_s);
@@ -206,6 +206,12 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
     const double centre_z_m = pose.position_m.z() + world_from_body.row(2).dot(buoyancy.centre_body_m);
     tau += flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged, water.density_at(centre_z_m));
   }
+  return {tau, submerged};
+}
+
+Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
+                                  double time_s) const {
+  const auto [tau, submerged] = load(state, tau_body, water, time_s);
   if (submerged == 1) return inverse_mass_submerged_ * tau;
   return mass_modes_ * inverse_mass_of_modes(submerged).cwiseProduct(mass_modes_.transpose() * tau);
 }

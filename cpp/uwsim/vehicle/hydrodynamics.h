@@ -76,6 +76,12 @@ class Craft {
   const CraftParameters& parameters() const { return parameters_; }
   const BuoyantHull& hull() const { return *hull_; }
 
+  /// The right-hand side of the equations of motion, tau + g - C_RB nu - ... + F_c, body frame, at the origin [N, N m].
+  struct Load {
+    Vector6d wrench_body;
+    double submerged;  ///< the submerged fraction
+  };
+  Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s) const;
   /// nu' [m/s^2, rad/s^2] under the actuators' wrench `tau_body` (body frame, at the origin) in the water at `time_s`.
   Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
                              double time_s) const;

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import within
+from uwsim.cli.bounds import UsageError, within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 
@@ -34,6 +34,13 @@ def validate(
             file_okay=False,
         ),
     ] = None,
+    engine: Annotated[
+        str,
+        typer.Option(
+            help="What moves the vehicles of the suite dynamics: uwsim (default), or bullet, Bullet's own dynamics.",
+            **one_of("uwsim", "bullet"),
+        ),
+    ] = "uwsim",
     jobs: Annotated[
         int | None,
         typer.Option(help="Suites to run at once, each in a process. Default: one per core.", callback=within(1, 64)),
@@ -48,12 +55,14 @@ def validate(
     from uwsim.evidence.validate.page import write_page
 
     names = suites or list(ALONE)
+    if engine != "uwsim" and names != ["dynamics"]:
+        raise UsageError(f"--engine = {engine}: only the suite dynamics can be run with it (uwsim validate dynamics)")
     jobs = min(jobs or len(os.sched_getaffinity(0)), len(names))
     if jobs > 1:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.default_int_handler)  # raises an exception, which ends the jobs' processes
     found = {}
-    for suite, checks in run_suites(names, out, jobs, data):
+    for suite, checks in run_suites(names, out, jobs, data, engine):
         found[suite] = checks
         print_checks(checks, suite)
     if out is not None:

@@ -6,6 +6,7 @@
 
 #include "dynamics/bodies.h"
 #include "meshes.h"
+#include "uwsim/dynamics/contact_finder.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
 // Laws of contact for RigidBodyWorld, including shapes, contact finder, solver and integrator.

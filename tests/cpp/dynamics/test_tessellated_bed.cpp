@@ -9,6 +9,7 @@
 #include "dynamics/bodies.h"
 #include "meshes.h"
 #include "sanitized.h"
+#include "uwsim/dynamics/contact_finder.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
 // Law: on a plane divided into many triangles, a body moves as on a single triangle, regardless of the slope, the cells

@@ -39,7 +39,7 @@ LIBRARIES: dict[str, tuple[str, str]] = {
     "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree_(cast|float_cast|query|round|terrain|tree)\.cpp"),
     "Bullet": (
         r"bt\w+\.h|Bullet\w*/|LinearMath/",
-        r"cpp/uwsim/dynamics/(bullet_memory|convex_contact|polytope|solid_triangles)\.cpp",
+        r"cpp/uwsim/dynamics/(bullet_engine|bullet_ground|bullet_memory|convex_contact|polytope|solid_triangles)\.cpp",
     ),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),

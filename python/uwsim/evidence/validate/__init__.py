@@ -7,12 +7,14 @@ folder of recorded data that is not part of uwsim.
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextvars import copy_context
 from importlib import import_module
 from itertools import repeat
 from pathlib import Path
 
 from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.engine import ENGINE
 
 SUITES = {
     "dynamics": "uwsim.evidence.validate.dynamics",
@@ -31,36 +33,43 @@ ALONE = ("dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "
 """Suites that need neither data nor further packages."""
 
 
-def run_suite(name: str, out: Path | None = None, data: Path | None = None) -> list[Check]:
+def run_suite(name: str, out: Path | None = None, data: Path | None = None, engine: str = "uwsim") -> list[Check]:
     """Run a suite and return its checks; draw its curves into the folder `out`. data: folder of recorded data.
 
-    Raises ValueError for an unknown name, and for `reality` without data.
+    engine: the `dynamics.engine` of the suite dynamics. Raises ValueError for an unknown name, and for `reality`
+    without data.
     """
     if name not in SUITES:
         raise ValueError(f"validation '{name}': unknown; there are: {', '.join(SUITES)}")
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
     run = import_module(SUITES[name]).run
-    checks: list[Check] = run(out, data) if name in RECORDED else run(out)
+    arguments = (out, data) if name in RECORDED else (out,)
+    checks: list[Check] = copy_context().run(_run_with, engine, run, *arguments)
     return checks
 
 
+def _run_with(engine: str, run: Callable[..., list[Check]], *arguments: Path | None) -> list[Check]:
+    ENGINE.set(engine)
+    return run(*arguments)
+
+
 def run_suites(
-    names: Sequence[str], out: Path | None, jobs: int, data: Path | None = None
+    names: Sequence[str], out: Path | None, jobs: int, data: Path | None = None, engine: str = "uwsim"
 ) -> Iterator[tuple[str, list[Check]]]:
     """Yield suite names and checks in the given order; see run_suite(). jobs: number of parallel processes.
 
     The worker processes end together with the iterator.
     """
     if jobs == 1:
-        yield from ((name, run_suite(name, out, data)) for name in names)
+        yield from ((name, run_suite(name, out, data, engine)) for name in names)
         return
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import active_children, get_context
 
     with ProcessPoolExecutor(jobs, get_context("spawn"), _leave_ctrl_c_to_the_parent) as pool:
         try:
-            yield from zip(names, pool.map(run_suite, names, repeat(out), repeat(data)), strict=False)
+            yield from zip(names, pool.map(run_suite, names, repeat(out), repeat(data), repeat(engine)), strict=False)
         except BaseException:
             for process in active_children():
                 process.terminate()

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from uwsim.evidence.validate.engine import ENGINE
 from uwsim.evidence.validate.reference_solution import Array, Flight
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.simulator.simulator import Simulator
@@ -26,6 +27,7 @@ def deep_scenario(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s:
         {
             "name": "validation",
             "step_s": step_s,
+            "dynamics": {"engine": ENGINE.get()},
             "water": {"density_kg_m3": density_kg_m3},
             "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
             "station": {"position_m": [0, 0, 0]},

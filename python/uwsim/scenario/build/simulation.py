@@ -5,12 +5,15 @@ from __future__ import annotations
 from uwsim import _core
 from uwsim.scenario.spec.scenario import Scenario
 
+ENGINES = {"uwsim": _core.DynamicsEngine.UWSIM, "bullet": _core.DynamicsEngine.BULLET}
+
 
 def simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
     """Return all settings of the core's simulation except the world and the vehicles."""
     spec = _core.SimulationSpec()
     spec.step_s = scenario.step_s
     spec.seed = scenario.seed
+    spec.engine = ENGINES[scenario.dynamics.engine]
     spec.mission_time_s = scenario.mission_time_s
     spec.station_world_m = scenario.station.position_m
     spec.range_warning_m = scenario.warnings.range_m

@@ -38,18 +38,28 @@ class WarningLimits(Model):
     proximity_m: Annotated[float, InRange(0, 1e3, "m")] = 10.0
 
 
+class Dynamics(Model):
+    """The engine that moves the vehicles.
+
+    engine: `uwsim` integrates with the full mass matrix and solves contacts with it; `bullet` is Bullet's own dynamics,
+    with the added mass folded into mass and inertia.
+    """
+
+    engine: Literal["uwsim", "bullet"] = "uwsim"
+
+
 class Scenario(Model):
     """All inputs that determine a run's results. World frame: ENU, z up, water surface at z = 0.
 
     name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
-    simulation. water: its surface, currents and profile. optics: optical conditions for cameras. terrain: the bed.
-    ground: its materials. obstacles: fixed obstacles in the water. station: the reference for distances; it has the
-    dock. vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
-    mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
-    flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
-    and when. wire: the topics that servers offer unless they
-    are asked for others: `standard` (ROS's usual ones), `published` (those of the paper's simulator, in its
-    coordinates: water surface at z = 75.3 m) or `both`.
+    simulation. dynamics: what moves the vehicles. water: its surface, currents and profile. optics: optical conditions
+    for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. station: the
+    reference for distances; it has the dock. vehicles: at least one. warnings: when the panel issues warnings. survey:
+    the survey flown by `uwsim survey`. mission_time_s: battery life after the release of a vehicle without a `battery`,
+    and the default time limit of a flight. link: the link between station and vehicles; None: messages are delivered
+    immediately. faults: what fails, and when. wire: the topics that servers offer unless they are asked for others:
+    `standard` (ROS's usual ones), `published` (those of the paper's simulator, in its coordinates: water surface at
+    z = 75.3 m) or `both`.
     """
 
     name: Name
@@ -57,6 +67,7 @@ class Scenario(Model):
     seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
     step_s: Annotated[float, InRange(0.0005, 0.02, "s")] = 0.005
     mission_time_s: Annotated[float, InRange(1, 1e6, "s")] = 3600.0
+    dynamics: Dynamics = Dynamics()
     water: Water = Water()
     optics: Optics = Optics()
     terrain: TerrainSpec

@@ -5,24 +5,22 @@
 #include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/dynamics/resting.h"
-#include "uwsim/dynamics/rigid_body_world.h"
+#include "uwsim/dynamics/uwsim_engine.h"
 
-// The part of RigidBodyWorld that advances the participating bodies over an interval: a step or part of one.
+// The part of UwsimEngine that advances the participating bodies over an interval: a step or part of one.
 namespace uwsim {
 namespace {
 
-// a smaller gap counts as touching, as does every contact with an impulse
-constexpr double kTouch_m = 1e-3;
 constexpr double kReachPerMotion = 1.5;   // the search distance for contacts, relative to the motion in an interval
 constexpr double kLeastReach_m = 0.0015;  // more than kTouch_m
 
 }  // namespace
 
-void RigidBodyWorld::move(const Interval& now) {
+void UwsimEngine::move(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (takes_part_[k] == 0) continue;
     next_states_[k] = moved(k, states_[k], Vector6d::Zero(), now);
-    require_plausible(bodies_[k], next_states_[k], now.time_s);  // before it hits another body
+    bodies_[k].require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
   }
   find_rests(now);
   find_contacts(now);
@@ -31,17 +29,17 @@ void RigidBodyWorld::move(const Interval& now) {
 
 /// A body's state at the end of the interval, under its own loads and `impulse_world` at its origin, which is spread
 /// evenly over the interval.
-BodyState RigidBodyWorld::moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world,
-                                const Interval& now) const {
+BodyState UwsimEngine::moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world,
+                             const Interval& now) const {
   const Loads loads{.body = bodies_[body].tau_body, .world = impulse_world / now.step_s};
   return advance(*bodies_[body].spec.craft, state, loads, now.water, now.time_s, now.step_s);
 }
 
 /// Finds the bodies that are known to stay where they are. A body counts only if all bodies near it stay, too.
-void RigidBodyWorld::find_rests(const Interval& now) {
+void UwsimEngine::find_rests(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const bool lasts = takes_part_[k] != 0 && now.step_s == step_s_ &&
-                       bodies_[k].resting.lasts(states_[k], next_states_[k].velocity_body);
+    const bool lasts =
+        takes_part_[k] != 0 && now.step_s == step_s_ && resting_[k].lasts(states_[k], next_states_[k].velocity_body);
     rests_[k] = lasts ? 1 : 0;
   }
   for (bool changes = true; changes;) {
@@ -59,25 +57,25 @@ void RigidBodyWorld::find_rests(const Interval& now) {
     if (rests_[k] != 0) {
       stop(k);
     } else {
-      bodies_[k].resting.forget();
+      resting_[k].forget();
     }
   }
 }
 
-void RigidBodyWorld::stop(std::size_t body) {
+void UwsimEngine::stop(std::size_t body) {
   next_states_[body] = {states_[body].world_from_body, Vector6d::Zero()};
   bodies_[body].in_contact = true;
   rests_[body] = 1;
 }
 
 /// Returns true if two bodies could meet within the interval.
-bool RigidBodyWorld::are_near(std::size_t a, std::size_t b, double step_s) const {
+bool UwsimEngine::are_near(std::size_t a, std::size_t b, double step_s) const {
   const double near_m = finder_.radius_m(a) + finder_.radius_m(b) + reach_m(a, step_s) + reach_m(b, step_s);
   const Eigen::Vector3d between = states_[a].world_from_body.position_m - states_[b].world_from_body.position_m;
   return between.squaredNorm() < near_m * near_m;
 }
 
-double RigidBodyWorld::reach_m(std::size_t body, double step_s) const {
+double UwsimEngine::reach_m(std::size_t body, double step_s) const {
   const double radius_m = finder_.radius_m(body);
   const double fastest = std::max(fastest_m_s(states_[body].velocity_body, radius_m),
                                   fastest_m_s(next_states_[body].velocity_body, radius_m));
@@ -87,7 +85,7 @@ double RigidBodyWorld::reach_m(std::size_t body, double step_s) const {
 }
 
 /// Finds the contacts at the present poses whose gaps this interval could close.
-void RigidBodyWorld::find_contacts(const Interval& now) {
+void UwsimEngine::find_contacts(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     moving_[k] = {states_[k].world_from_body, reach_m(k, now.step_s), takes_part_[k] != 0 && rests_[k] == 0};
   }
@@ -99,16 +97,16 @@ void RigidBodyWorld::find_contacts(const Interval& now) {
   for (Contact& contact : contacts_) combine_materials(contact);
 }
 
-void RigidBodyWorld::combine_materials(Contact& contact) const {
+void UwsimEngine::combine_materials(Contact& contact) const {
   const BodySpec& a = bodies_[static_cast<std::size_t>(contact.a)].spec;
   const BodySpec& b = contact.b == kFixedBody ? a : bodies_[static_cast<std::size_t>(contact.b)].spec;
-  contact.friction = std::sqrt(a.friction * b.friction);
-  contact.restitution = std::max(a.restitution, b.restitution);
+  contact.friction = pair_friction(a, b);
+  contact.restitution = pair_restitution(a, b);
 }
 
 /// Impulses are found for the velocities at the end of an interval without contacts, and then act as constant forces
 /// over it. Thus the momentum of two bodies is conserved, and the work done equals that of the impulses.
-void RigidBodyWorld::solve_contacts(const Interval& now) {
+void UwsimEngine::solve_contacts(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     contact_bodies_[k] = {.world_from_body = states_[k].world_from_body,
                           .velocity_body = next_states_[k].velocity_body,
@@ -143,7 +141,7 @@ void RigidBodyWorld::solve_contacts(const Interval& now) {
 
 /// Stops groups of bodies that press on each other and on the fixed world, are slow, and would stay at rest
 /// (resting.h).
-void RigidBodyWorld::stop_groups(const Interval& now) {
+void UwsimEngine::stop_groups(const Interval& now) {
   groups_.separate(bodies_.size());
   std::ranges::fill(may_stop_, 0);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -166,7 +164,7 @@ void RigidBodyWorld::stop_groups(const Interval& now) {
   }
 }
 
-void RigidBodyWorld::stop_if_held(std::size_t group, const Interval& now) {
+void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
   try_stopping(group, now);
   bool holds = true, is_firm = true, pushes = false;
   for (std::size_t k = group; k < bodies_.size(); ++k) {
@@ -182,14 +180,14 @@ void RigidBodyWorld::stop_if_held(std::size_t group, const Interval& now) {
     if (pushes) {
       next_states_[k].world_from_body = displaced(states_[k].world_from_body, stopped_bodies_[k].push_body, now.step_s);
     } else if (now.step_s == step_s_) {
-      bodies_[k].resting.begin(states_[k].world_from_body, free_velocities_body_[k], is_firm);
+      resting_[k].begin(states_[k].world_from_body, free_velocities_body_[k], is_firm);
     }
   }
 }
 
 /// Computes how the bodies would move if they were stopped now: `stopped_bodies_` with contacts and
 /// `free_velocities_body_` without them.
-void RigidBodyWorld::try_stopping(std::size_t group, const Interval& now) {
+void UwsimEngine::try_stopping(std::size_t group, const Interval& now) {
   const auto is_in_group = [&](int body) { return groups_.of(static_cast<std::size_t>(body)) == group; };
   bool are_still = true;
   for (std::size_t k = group; k < bodies_.size(); ++k) {

@@ -1,0 +1,41 @@
+#include "uwsim/dynamics/moved_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kDiverged = 1e7;  // m, m/s and rad/s: only a diverging body gets this far
+
+}  // namespace
+
+void BodySpec::check() const {
+  require(craft != nullptr, "vehicle '" + name + "' craft", "none", "must be set");
+  require(friction >= 0 && friction <= 10, "vehicle.friction", friction, "must be in [0, 10]");
+  require(restitution >= 0 && restitution <= 1, "vehicle.restitution", restitution, "must be in [0, 1]");
+}
+
+double pair_friction(const BodySpec& a, const BodySpec& b) { return std::sqrt(a.friction * b.friction); }
+
+double pair_restitution(const BodySpec& a, const BodySpec& b) { return std::max(a.restitution, b.restitution); }
+
+void MovedBody::require_plausible(const BodyState& next, double time_s, double step_s) const {
+  const bool plausible = next.velocity_body.cwiseAbs().maxCoeff() < kDiverged &&
+                         next.world_from_body.position_m.cwiseAbs().maxCoeff() < kDiverged &&
+                         next.world_from_body.orientation.coeffs().allFinite();  // false for NaN as well
+  if (!plausible) {
+    std::ostringstream last;
+    last << "[" << state.world_from_body.position_m.transpose() << " m; " << state.velocity_body.transpose()
+         << " m/s, rad/s]";
+    std::ostringstream path;
+    path << "vehicle '" << spec.name << "', step " << std::llround(time_s / step_s) << ": last finite state";
+    require(false, path.str(), last.str(),
+            "the motion diverged: use a smaller step_s or check the vehicle's coefficients");
+  }
+}
+
+}  // namespace uwsim

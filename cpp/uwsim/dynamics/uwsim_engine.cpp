@@ -1,0 +1,114 @@
+#include "uwsim/dynamics/uwsim_engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kContactsPerBody = 128;  // with more contacts, a step allocates memory
+// In each part of a step, a body near a contact turns by at most this angle and moves by at most this fraction of its
+// thickness.
+constexpr double kMostTurn_rad = 0.2, kMostTravel = 0.25;
+constexpr double kMostParts = 100;
+
+}  // namespace
+
+UwsimEngine::UwsimEngine(const World& world, double step_s) : step_s_(step_s), finder_(world) {}
+
+void UwsimEngine::add_body(const BodySpec& spec) {
+  finder_.add_body(spec.collision_pieces_body_m);
+  resting_.emplace_back();
+  const std::size_t count = resting_.size();
+  states_.resize(count);
+  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_}) flags->resize(count);
+  for (std::vector<ContactBody>* bodies : {&contact_bodies_, &stopped_bodies_}) bodies->resize(count);
+  for (std::vector<Contact>* contacts : {&contacts_, &stopped_contacts_}) contacts->reserve(kContactsPerBody * count);
+  free_velocities_body_.resize(count);
+  parts_.resize(count);
+  moving_.resize(count);
+  groups_.reserve(count);
+  solver_.reserve(count, kContactsPerBody * count);
+}
+
+void UwsimEngine::change_body(std::size_t body, const BodySpec& from, const BodySpec& to) {
+  if (from.collision_pieces_body_m != to.collision_pieces_body_m) finder_.set_body(body, to.collision_pieces_body_m);
+}
+
+/// Needed because a body that is known to rest may have been supported by another.
+void UwsimEngine::forget() {
+  for (Resting& resting : resting_) resting.forget();
+}
+
+void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_states, const WaterField& water,
+                       double time_s) {
+  bodies_ = bodies;
+  next_states_ = next_states;
+  const Interval whole{water, time_s, step_s_};
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    takes_part_[k] = bodies_[k].held ? 0 : 1;
+    begin_step(k);
+  }
+  move(whole);
+  find_parts();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (parts_[k] > 1) repeat_in_parts(k, whole);
+  }
+}
+
+void UwsimEngine::begin_step(std::size_t body) {
+  states_[body] = next_states_[body] = bodies_[body].state;
+  bodies_[body].in_contact = false;
+}
+
+/// Determines, for each body, into how many parts its step must be divided because of its contacts.
+void UwsimEngine::find_parts() {
+  std::ranges::fill(parts_, 1);
+  for (const Contact& contact : contacts_) {
+    for (const int touched : {contact.a, contact.b}) {
+      if (touched == kFixedBody) continue;
+      const auto body = static_cast<std::size_t>(touched);
+      double turn_rad_s = 0, travel_m_s = 0;
+      for (const BodyState& state : {states_[body], next_states_[body]}) {
+        turn_rad_s = std::max(turn_rad_s, state.angular_body_rad_s().norm());
+        travel_m_s = std::max(travel_m_s, state.linear_body_m_s().norm());
+      }
+      const double parts =
+          step_s_ * std::max(turn_rad_s / kMostTurn_rad, travel_m_s / (kMostTravel * finder_.thickness_m(body)));
+      if (std::isfinite(parts)) parts_[body] = static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostParts));
+    }
+  }
+}
+
+/// Repeats the step, in parts, for a body and for all bodies that it could touch, directly or through others.
+void UwsimEngine::repeat_in_parts(std::size_t body, const Interval& whole) {
+  std::ranges::fill(takes_part_, 0);
+  takes_part_[body] = 1;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (std::size_t a = 0; a < bodies_.size(); ++a) {
+      for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        if (takes_part_[a] == 0 || takes_part_[b] != 0 || bodies_[b].held || !are_near(a, b, whole.step_s)) continue;
+        takes_part_[b] = 1;
+        grows = true;
+      }
+    }
+  }
+  int parts = 1;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (takes_part_[k] == 0) continue;
+    parts = std::max(parts, parts_[k]);
+    parts_[k] = 1;
+    begin_step(k);
+  }
+  const double part_s = whole.step_s / parts;
+  for (int part = 0; part < parts; ++part) {
+    move({whole.water, whole.time_s + part * part_s, part_s});
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      if (takes_part_[k] != 0) states_[k] = next_states_[k];
+    }
+  }
+}
+
+}  // namespace uwsim

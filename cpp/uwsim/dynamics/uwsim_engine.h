@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "uwsim/dynamics/body_groups.h"
+#include "uwsim/dynamics/contact_finder.h"
+#include "uwsim/dynamics/contact_solver.h"
+#include "uwsim/dynamics/dynamics_engine.h"
+#include "uwsim/dynamics/resting.h"
+
+namespace uwsim {
+
+/// The default engine: Runge-Kutta with the full 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces;
+/// ContactSolver computes the impulses with the same mass. Physics engines' own integrators and solvers use a scalar
+/// mass for each body, which cannot represent added mass. Terrain and solids adopt the material of the body that
+/// touches them.
+///
+/// Contacts are linear within a step: contact points are assumed to move with the initial velocity of the body. Near a
+/// contact, the step of a body that turns or moves too far for this assumption is divided into parts.
+class UwsimEngine final : public DynamicsEngine {
+ public:
+  UwsimEngine(const World& world, double step_s);
+
+  void add_body(const BodySpec& spec) override;
+  void change_body(std::size_t body, const BodySpec& from, const BodySpec& to) override;
+  void forget() override;
+  void step(std::span<MovedBody> bodies, std::span<BodyState> next_states, const WaterField& water,
+            double time_s) override;
+
+ private:
+  /// A step or part of a step, in which some of the bodies take part.
+  struct Interval {
+    const WaterField& water;
+    double time_s, step_s;
+  };
+
+  void begin_step(std::size_t body);
+  void find_parts();
+  void repeat_in_parts(std::size_t body, const Interval& whole);
+  void move(const Interval& now);
+  BodyState moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world, const Interval& now) const;
+  void find_rests(const Interval& now);
+  void stop(std::size_t body);
+  bool are_near(std::size_t a, std::size_t b, double step_s) const;
+  double reach_m(std::size_t body, double step_s) const;
+  void find_contacts(const Interval& now);
+  void combine_materials(Contact& contact) const;
+  void solve_contacts(const Interval& now);
+  void stop_groups(const Interval& now);
+  void stop_if_held(std::size_t group, const Interval& now);
+  void try_stopping(std::size_t group, const Interval& now);
+
+  double step_s_;
+  ContactFinder finder_;
+  ContactSolver solver_;
+  std::vector<Resting> resting_;  // by body
+  // The step under way.
+  std::span<MovedBody> bodies_;
+  std::span<BodyState> next_states_;
+  // Kept so that steps allocate nothing; indexed by body, except for contacts.
+  std::vector<BodyState> states_;  // at the start of an interval
+  std::vector<Vector6d> free_velocities_body_;
+  std::vector<std::uint8_t> takes_part_, rests_, may_stop_;
+  std::vector<int> parts_;  // number of parts of the step
+  std::vector<MovingBody> moving_;
+  std::vector<ContactBody> contact_bodies_, stopped_bodies_;
+  std::vector<Contact> contacts_, stopped_contacts_;
+  BodyGroups groups_;  // bodies that press on each other
+};
+
+}  // namespace uwsim

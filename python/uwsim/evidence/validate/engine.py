@@ -1,0 +1,6 @@
+"""The engine under validation."""
+
+from contextvars import ContextVar
+
+ENGINE = ContextVar("engine", default="uwsim")
+"""The `dynamics.engine` of the scenarios in the suite dynamics."""
