@@ -32,6 +32,7 @@ __all__: list[str] = [
     "Current",
     "DepthCamera",
     "Detection",
+    "DynamicsEngine",
     "FinParameters",
     "FixedWater",
     "FixedWorld",

@@ -274,6 +274,12 @@ std::vector<Arrival> arrivals(const SoundSpeedProfile& profile, const RayEnds& e
   return search(profile, ends, losses, limits);
 }
 
+void find_arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses,
+                   const ArrivalLimits& limits, std::vector<Arrival>& found) {
+  const auto& all = search(profile, ends, losses, limits);
+  found.assign(all.begin(), all.end());
+}
+
 std::optional<Arrival> direct_arrival(const SoundSpeedProfile& profile, const RayEnds& ends) {
   constexpr double kAny_hz = 1e4;
   const auto& found =

@@ -67,6 +67,10 @@ struct Arrival {
 std::vector<Arrival> arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses,
                               const ArrivalLimits& limits = {});
 
+/// As above, into `found`. Allocates nothing once it has been called with as many layers and arrivals.
+void find_arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses,
+                   const ArrivalLimits& limits, std::vector<Arrival>& found);
+
 /// Returns the first arrival that has not bounced, or nullopt in a shadow zone of such rays; its level is that of its
 /// ray tube. Allocates nothing once it has been called with as many layers.
 std::optional<Arrival> direct_arrival(const SoundSpeedProfile& profile, const RayEnds& ends);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace uwsim {
 namespace {
@@ -23,6 +24,11 @@ std::size_t mixed(std::uint64_t value) {  // the finalizer of MurmurHash3
 
 }  // namespace
 
+ArrivalCells::ArrivalCells(std::size_t cells) : cells_(cells) {
+  for (Cell& cell : cells_) cell.arrivals.reserve(kKept.most);
+  moved_.reserve(kKept.most);
+}
+
 std::span<const Arrival> ArrivalCells::at(const SoundSpeedProfile& profile, const RayEnds& ends,
                                           const SoundLosses& losses) {
   const bool has_bottom = std::isfinite(ends.bottom_m);
@@ -43,9 +49,11 @@ std::span<const Arrival> ArrivalCells::at(const SoundSpeedProfile& profile, cons
     cell.ends.across_m = middle(key.cell[0], key.across_m);
     cell.ends.from_depth_m = std::min(middle(key.cell[1], key.depth_m), cell.ends.bottom_m);
     cell.ends.to_depth_m = std::min(middle(key.cell[2], key.depth_m), cell.ends.bottom_m);
-    cell.arrivals = arrivals(profile, cell.ends, losses, kKept);
-    const auto stronger = [](const Arrival& a, const Arrival& b) { return a.level_db > b.level_db; };
-    std::stable_sort(cell.arrivals.begin(), cell.arrivals.end(), stronger);
+    find_arrivals(profile, cell.ends, losses, kKept, cell.arrivals);
+    const auto stronger = [](const Arrival& a, const Arrival& b) {  // not std::stable_sort, which allocates
+      return std::tuple(-a.level_db, a.time_s, a.launch_dip_rad) < std::tuple(-b.level_db, b.time_s, b.launch_dip_rad);
+    };
+    std::sort(cell.arrivals.begin(), cell.arrivals.end(), stronger);
   }
   const double from_m_s = profile.at(cell.ends.from_depth_m), to_m_s = profile.at(cell.ends.to_depth_m);
   const double farther = ends.across_m - cell.ends.across_m, from_lower = ends.from_depth_m - cell.ends.from_depth_m;

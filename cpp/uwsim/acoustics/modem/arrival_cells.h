@@ -22,10 +22,10 @@ namespace uwsim {
 class ArrivalCells {
  public:
   /// `cells`: how many of them are remembered.
-  explicit ArrivalCells(std::size_t cells) : cells_(cells) {}
+  explicit ArrivalCells(std::size_t cells);
 
   /// Returns the arrivals within 30 dB of the strongest, at most 24, strongest first. Valid until the next call, which
-  /// must be for the same water and losses. Not thread-safe.
+  /// must be for the same water and losses. Allocates nothing once the search has seen as many layers. Not thread-safe.
   std::span<const Arrival> at(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses);
 
  private:
