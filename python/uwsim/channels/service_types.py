@@ -53,6 +53,7 @@ SERVICE_TYPES = {
         f"uint32[<=1] quality\n---\n{OUTCOME}"
     ),
     "uwsim_msgs/srv/SaveMap": f'string name "map.bt"\n---\n{OUTCOME}',
+    "uwsim_msgs/srv/Hold": f"bool heading\nbool depth\nbool altitude\nbool position\nbool speed\n---\n{OUTCOME}",
     "uwsim_msgs/srv/SetWrench": f"float64[3] force_body_n\nfloat64[3] torque_body_nm\n---\n{OUTCOME}",
     "uwsim_msgs/srv/SetThrusters": f"uwsim_msgs/NamedNumber[] commands  # in [-1, 1]\n---\n{OUTCOME}",
     "uwsim_msgs/srv/SetFins": f"uwsim_msgs/NamedNumber[] angles_rad\n---\n{OUTCOME}",

@@ -30,6 +30,7 @@ TOLD = ("track", "map")
 CARRIED = {name for name, command in COMMANDS.items() if command.crosses_link}
 REQUESTS = {
     "set_wrench": {"force_body_n": [1.0, 0.0, 0.0]}, "set_thrusters": {"commands": {}}, "set_fins": {"angles_rad": {}},
+    "hold": {"heading": True},
 }  # fmt: skip
 """Requests for command services whose arguments are not just `data`."""
 

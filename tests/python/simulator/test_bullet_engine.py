@@ -1,5 +1,7 @@
 """Bullet's own dynamics as the engine of a simulator: it flies alike and continues saved states."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -65,9 +67,14 @@ def test_a_state_of_the_other_engine_is_refused() -> None:
         Simulator(pool("uwsim"), seed=5).restore_state(state)
 
 
-def test_an_unknown_engine_is_refused() -> None:
-    with pytest.raises(ScenarioError, match=r"dynamics\.engine = 'havok'"):
-        Simulator(pool("havok"))
+def test_an_unknown_engine_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.yaml"
+    path.write_text(
+        "name: other\ndynamics: {engine: havok}\nterrain: {source: noise, size_m: [20, 20], bed_depth_m: 9}\n"
+        "vehicles: [{name: rov, model: rov}]\n"
+    )
+    with pytest.raises(ScenarioError, match=r"dynamics\.engine = .?havok.?: "):
+        load(path)
 
 
 def test_validation_runs_with_the_chosen_engine() -> None:

@@ -57,6 +57,8 @@ OTHER: dict[str, Any] = {
 SERVED = (".kind", ".command_timeout_s", "wire")  # the latter two act on servers: test_watchdog.py, test_paper.py
 SAME = {
     "rov.sonar.model": "the models that it may be replaced by differ from it in physics mode alone",
+    "rov.sensors.usbl.frequency_hz": "acts on arrivals that overlap; tests/cpp/sensors/test_sensors.cpp has some",
+    "rov.sensors.usbl.hears_strongest": "the first arrival is the strongest; tests/cpp/sensors has others",
     "rov.sensors.usbl.shares_modem": "this world has no link; tests/python/link/test_link_usbl.py has one",
     "station.cameras.deck.shutter_ms": "the station's camera is at rest",
     "station.cameras.deck.readout_ms": "the station's camera is at rest",

@@ -55,7 +55,7 @@ def packages(lines: list[str]) -> set[str]:
     return {each.name for each in wanted} | {name for lines in inner for name in packages(lines)}
 
 
-PACKAGE_OF = {"PIL": "pillow", "foxglove": "foxglove-sdk", "pygame": "pygame-ce"}
+PACKAGE_OF = {"PIL": "pillow", "zenoh": "eclipse-zenoh", "foxglove": "foxglove-sdk", "pygame": "pygame-ce"}
 OF_OTHERS = {
     "ruamel",
     "affine",

@@ -35,7 +35,19 @@ COLOURS = ("red", "green", "blue")
 
 FIXED: dict[type[Model], frozenset[str]] = {
     Scenario: frozenset(
-        ["name", "description", "seed", "step_s", "terrain", "ground", "obstacles", "link", "survey", "faults"]
+        [
+            "name",
+            "description",
+            "seed",
+            "step_s",
+            "dynamics",
+            "terrain",
+            "ground",
+            "obstacles",
+            "link",
+            "survey",
+            "faults",
+        ]
     ),
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
