@@ -50,11 +50,11 @@ def validate(
 
     Prints expected value, computed value and error; exits with 1 if a check fails.
     """
-    from uwsim.evidence.validate import ALONE, run_suites
+    from uwsim.evidence.validate import ON_REQUEST, SUITES, run_suites
     from uwsim.evidence.validate.check_table import print_checks
     from uwsim.evidence.validate.page import write_page
 
-    names = suites or list(ALONE)
+    names = suites or [name for name in SUITES if name not in ON_REQUEST]
     if engine != "uwsim" and names != ["dynamics"]:
         raise UsageError(f"--engine = {engine}: only the suite dynamics can be run with it (uwsim validate dynamics)")
     jobs = min(jobs or len(os.sched_getaffinity(0)), len(names))

@@ -15,9 +15,10 @@ from scipy.spatial.transform import Rotation
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.read.textures import load_texture
-from uwsim.scenario.spec.obstacle import MeshObstacle
+from uwsim.scenario.spec.obstacle import Ring
 from uwsim.simulator.simulator import Simulator
 
 MOVEMENTS = (("surge", "roll"), ("sway", "pitch"), ("heave", "yaw"))
@@ -58,7 +59,7 @@ def movements(sim: Simulator, path: Path) -> Figure:
 def ray(sim: Simulator, path: Path) -> Figure:
     """Draw Fig. 7, a ray that finds a collision, between rays that find none."""
     gate = next(item for item in sim.scenario.obstacles if item.name == TARGET)
-    assert isinstance(gate, MeshObstacle)
+    assert isinstance(gate, Ring)
     world_from_gate = Rotation.from_euler("ZYX", gate.yaw_pitch_roll_deg, degrees=True)
     ahead, across, _ = world_from_gate.as_matrix().T
     middle = np.asarray(gate.position_m, np.float64)
@@ -68,8 +69,8 @@ def ray(sim: Simulator, path: Path) -> Figure:
     hits = sim.scene.cast(np.tile(origin, (len(ways), 1)), ways, REACH_M)
     figure = new_figure(8.0, 6.0)
     axes = _axes_3d(figure, elevation_deg=28, azimuth_deg=-72)
-    vertices, triangles = load_mesh(gate.file, gate.scale, gate.up)
-    _draw_mesh(axes, world_from_gate.apply(vertices)[triangles], np.array([0.2, 0.62, 0.7]))
+    solid = obstacle_solid(gate, build_terrain(sim.scenario.terrain))
+    _draw_mesh(axes, (solid.vertices - middle)[solid.triangles], np.array([0.2, 0.62, 0.7]))
     rows = []
     for aim_m, way, range_m, label in zip(aims_m, ways, hits.ranges_m.tolist(), hits.labels.tolist(), strict=True):
         found = math.isfinite(range_m)

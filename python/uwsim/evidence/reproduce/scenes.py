@@ -16,7 +16,7 @@ from uwsim.instruments.cameras.image_file import write_image
 from uwsim.mapping import ranging
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.spec.camera import CameraMount
-from uwsim.scenario.spec.obstacle import MeshObstacle, Pipeline
+from uwsim.scenario.spec.obstacle import MeshObstacle, Pipeline, Ring
 from uwsim.scenario.spec.sonar import load_sonar
 from uwsim.simulator.simulator import Simulator
 
@@ -52,7 +52,7 @@ def overview(sim: Simulator, path: Path) -> Figure:
     }
     parts["vehicle"] = tuple(sim.rov.pose.position_world_m)
     for item in sim.scenario.obstacles:
-        if isinstance(item, MeshObstacle):
+        if isinstance(item, MeshObstacle | Ring):
             parts[item.name.replace("_", " ")] = item.position_m
         elif isinstance(item, Pipeline):
             x, y = item.points_m[2]

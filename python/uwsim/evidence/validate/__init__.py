@@ -29,8 +29,8 @@ SUITES = {
     "peers": "uwsim.evidence.validate.peers",
 }
 RECORDED = ("sound", "reality")
-ALONE = ("dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation")
-"""Suites that need neither data nor further packages."""
+ON_REQUEST = ("reality", "peers")
+"""Suites that need data or further packages."""
 
 
 def run_suite(name: str, out: Path | None = None, data: Path | None = None, engine: str = "uwsim") -> list[Check]:
