@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.mapping import OccupancyMap, ranging
+from uwsim.mapping import MapEngine, OccupancyMap, ranging
 
 VOXEL_M = 0.2
 CHAIN = (("odom", "base_footprint"), ("base_footprint", "base_scan"))
@@ -20,13 +20,13 @@ REACH_M = 95.0
 
 
 class MapBuilder:
-    """A map in odom with 0.2 m voxels, built by OctoMap's own insertPointCloud, as in the paper.
+    """A map in odom with 0.2 m voxels, built by OctoMap's own insertPointCloud, as in the paper, or bricks.
 
-    inserted: number of clouds in the map.
+    engine: "bricks" gives the same bytes, much faster. inserted: number of clouds in the map.
     """
 
-    def __init__(self) -> None:
-        self.map = OccupancyMap(VOXEL_M, engine="octomap", on_outside="count")
+    def __init__(self, engine: MapEngine = "octomap") -> None:
+        self.map = OccupancyMap(VOXEL_M, engine=engine, on_outside="count")
         self.inserted = 0
         self._poses: dict[tuple[str, str], deque[tuple[int, NDArray[np.float64]]]] = {
             link: deque(maxlen=REMEMBERED) for link in CHAIN

@@ -36,7 +36,7 @@ class Flight:
         self._live = live
         self._table = {c.name: c for c in channels(live.simulator, wire="published", origin="published")}
         self._last_ping = ""
-        self.builder = MapBuilder()
+        self.builder = MapBuilder("bricks")  # the same bytes
         self.track_m: list[tuple[float, float, float]] = []
 
     def fly(self) -> list[Key]:
