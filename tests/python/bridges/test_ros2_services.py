@@ -77,6 +77,7 @@ def test_every_service_has_a_type_and_its_response_a_field_for_each_value(live, 
 
 
 def test_optional_fields_and_numbers_by_name_become_plain_values():
+    load_service_types()
     thrusters = build.message("uwsim_msgs/srv/SetThrusters_Request", commands=[NUMBER])
     assert request_values("uwsim_msgs/srv/SetThrusters", thrusters) == {"commands": {"nothing": 0.5}}
     stream = build.message("uwsim_msgs/srv/SetStream_Request", rate_hz=[2.0])

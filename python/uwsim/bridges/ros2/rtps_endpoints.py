@@ -13,6 +13,7 @@ from uwsim.channels import Service
 Address = tuple[str, int]
 KEPT = 100  # responses that may be sent again
 CALLS_MAX = 100
+PAIRS_MAX = 10_000  # readers of a participant and writers of ours
 
 
 class History:
@@ -77,6 +78,17 @@ class Peer:
         self.tracks: dict[bytes, Track] = {}
         self.clients: dict[bytes, RtpsServer] = {}  # by their writers
         self.awaited: dict[bytes, int] = {}  # for each writer of ours, the first sample not acknowledged
+        self._met: set[tuple[bytes, bytes]] = set()
+
+    def is_new(self, reader: bytes, writer: bytes) -> bool:
+        """Return whether a reader has not been met before, at a writer of ours.
+
+        A new reader requests a heartbeat by an acknowledgement of nothing, and may skip what was sent before it.
+        """
+        is_new = (reader, writer) not in self._met and len(self._met) < PAIRS_MAX
+        if is_new:
+            self._met.add((reader, writer))
+        return is_new
 
 
 class RtpsServer:

@@ -261,7 +261,7 @@ class RtpsParticipant:
             if number in found.numbers:
                 for submessage in submessages:
                     self._send_to(prefix, peer, found.writer, submessage)
-        if found.numbers:
+        if found.numbers or peer.is_new(found.reader, found.writer):
             self._send_to(prefix, peer, found.writer, self._heartbeat(history))
 
     def _heartbeat(self, history: History) -> bytes:
