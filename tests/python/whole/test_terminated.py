@@ -10,13 +10,13 @@ import pytest
 from command_line import UWSIM, uwsim
 from uwsim.mapping import OccupancyMap
 
-LAKE = ["survey", "lake", "--mission-time", "80", "--voxel", "0.4"]
+LAKE = ["survey", "lake", "--mission-time", "240", "--voxel", "0.4"]
 FLOWN = {"map.bt", "track.npz", "summary.json", "log.jsonl", "track-rov.csv"}
 PLACES = {
     "the flight begins": [".uwsim.lock"],
     "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".flight.json.*"],
     "it has been saved": ["checkpoint/flight.json"],
-    "in flight, some saves later": ["checkpoint/map-[1-9]????.ot"],  # of 16,000 ticks
+    "in flight, some saves later": ["checkpoint/map-[1-9]???*.ot"],  # of 48,000 ticks
     "the map is scored, the report drawn": ["track.npz"],
 }
 
@@ -30,24 +30,28 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 @pytest.mark.parametrize("place", PLACES)
 def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, whole: bytes, tmp_path: Path) -> None:
-    command = [*UWSIM, *LAKE, "--out", str(tmp_path), "--autosave", "0.05", "--min-coverage", "0"]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    while process.poll() is None and not any(path for name in PLACES[place] for path in tmp_path.glob(name)):
-        time.sleep(0.002)
-    process.send_signal(signal.SIGTERM)
-    _, errors = process.communicate(timeout=120)
+    for attempt in range(5):  # a fast machine may pass the place before it is seen
+        out = tmp_path / str(attempt)
+        command = [*UWSIM, *LAKE, "--out", str(out), "--autosave", "0.05", "--min-coverage", "0"]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while process.poll() is None and not any(path for name in PLACES[place] for path in out.glob(name)):
+            time.sleep(0.002)
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=120)
+        if process.returncode != 0:
+            break
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
-    assert not (tmp_path / "report.html").exists()
-    if (tmp_path / "map.bt").exists():
-        OccupancyMap.read(tmp_path / "map.bt")
-    if not (tmp_path / "checkpoint" / "flight.json").exists():
+    assert not (out / "report.html").exists()
+    if (out / "map.bt").exists():
+        OccupancyMap.read(out / "map.bt")
+    if not (out / "checkpoint" / "flight.json").exists():
         assert place == next(iter(PLACES)), "nothing flown is lost"
         return
-    resumed = uwsim("survey", "--resume", "--out", tmp_path, "--report", "json", "--min-coverage", "0")
+    resumed = uwsim("survey", "--resume", "--out", out, "--report", "json", "--min-coverage", "0")
     assert resumed.returncode == 0, resumed.stderr
-    assert (tmp_path / "map.bt").read_bytes() == whole
-    assert {path.name for path in tmp_path.iterdir()} == FLOWN, "no leftovers"
+    assert (out / "map.bt").read_bytes() == whole
+    assert {path.name for path in out.iterdir()} == FLOWN, "no leftovers"
 
 
 def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
