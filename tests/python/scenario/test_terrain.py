@@ -90,12 +90,27 @@ def test_a_degree_grid_has_cells_of_the_right_metric_size(latitude: float, tmp_p
 def test_gaps_are_refused_or_filled(tmp_path: Path) -> None:
     holed = np.where(np.arange(GRID.size).reshape(GRID.shape) % 50 == 7, -9999, 260.0)
     file = write_asc(tmp_path / "a.asc", holed)
-    with pytest.raises(ScenarioError, match=r"'a\.asc': 4 of 180 cells have no data \(fill_nodata"):
+    with pytest.raises(ScenarioError, match=r"'a\.asc': 4 of the 180 cells that .* have no data \(fill_nodata"):
         build_terrain(raster(file))
     np.testing.assert_allclose(build_terrain(raster(file, fill_nodata=True)).heights_m, 10.0, atol=1e-4)
     nan = write_tif(tmp_path / "n.tif", np.where(holed < 0, np.nan, holed), "EPSG:32616")
-    with pytest.raises(ScenarioError, match="4 of 180 cells have no data"):
+    with pytest.raises(ScenarioError, match="4 of the 180 cells"):
         build_terrain(raster(nan))
+
+
+@pytest.mark.parametrize(("interpolation", "half_width"), [("linear", 8), ("cubic", 20)])
+def test_gaps_outside_the_terrain_do_not_matter(interpolation: str, half_width: int, tmp_path: Path) -> None:
+    """A survey is a strip in a raster that is mostly empty."""
+    rows, columns = np.mgrid[0:40, 0:60]
+    sloped = 200.0 + 2.0 * rows + columns
+    strip = np.where(abs(columns - 30) <= half_width, sloped, -9999)
+    size = {"size_m": [150, 200], "interpolation": interpolation, "spacing_m": 5}
+    built, whole = (
+        build_terrain(raster(write_asc(tmp_path / "a.asc", grid), **size)).heights_m for grid in (strip, sloped)
+    )
+    np.testing.assert_allclose(built, whole, atol=1e-6)
+    with pytest.raises(ScenarioError, match=r"'a\.asc': \d+ of the \d+ cells that the terrain needs have no data"):
+        build_terrain(raster(write_asc(tmp_path / "a.asc", strip), **{**size, "size_m": [420, 200]}))
 
 
 def test_a_file_of_several_bands_needs_a_choice(tmp_path: Path) -> None:

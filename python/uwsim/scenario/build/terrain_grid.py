@@ -12,6 +12,7 @@ FloatGrid = NDArray[np.float64]
 PixelAt = Callable[[FloatGrid, FloatGrid], tuple[FloatGrid, FloatGrid]]
 
 BLOCK_NODES = 1 << 20
+NODE_TOLERANCE = 1e-6  # of a cell; rounding moves a node by less
 SPLINE_MARGIN = 12  # number of copies of the edge values, as SciPy pads
 
 
@@ -44,6 +45,16 @@ def resampled(
         places = [rows + margin, columns + margin]
         result[down, across] = map_coordinates(known, places, order=order, mode="nearest", prefilter=False)
     return result
+
+
+def pixel_ranges(x: FloatGrid, y: FloatGrid, pixel_at: PixelAt) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return the first and last row and the first and last column that linear interpolation at the nodes uses."""
+    lowest, highest = np.full(2, np.inf), np.zeros(2)
+    for across, down in _blocks(len(x), len(y)):
+        for axis, places in enumerate(pixel_at(*np.meshgrid(x[across], y[down]))):
+            lowest[axis], highest[axis] = min(lowest[axis], places.min()), max(highest[axis], places.max())
+    first, last = np.floor(np.maximum(lowest + NODE_TOLERANCE, 0)), np.ceil(highest - NODE_TOLERANCE)
+    return (int(first[0]), int(last[0])), (int(first[1]), int(last[1]))
 
 
 def _blocks(nx: int, ny: int) -> Iterator[tuple[slice, slice]]:

@@ -19,7 +19,7 @@ from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
 from uwsim.base.cut_short import warn_if_cut_short
-from uwsim.scenario.build.terrain_grid import grid_axes, resampled
+from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, RasterTerrain
@@ -47,7 +47,8 @@ GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 class _Raster:
     """A raster read from a file.
 
-    elevations: (h, w), without gaps. file_from_pixel: from pixel corners (column, row) to the file's coordinates.
+    elevations: (h, w); NaN where there are none. file_from_pixel: from pixel corners (column, row) to the file's
+    coordinates.
     """
 
     name: str
@@ -93,8 +94,19 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
             )
         return rows, columns
 
-    elevations = resampled(raster.elevations, *grid_axes(size, spec.spacing_m), pixel_at, spec.interpolation)
-    return _heights(raster, elevations, spec)
+    axes = grid_axes(size, spec.spacing_m)
+    top, left, part = 0, 0, raster.elevations
+    if np.isnan(part).any():  # there may be gaps outside the terrain, as in a survey of a strip
+        (top, bottom), (left, right) = pixel_ranges(*axes, pixel_at)
+        _require_no_gaps(raster.name, part[top : bottom + 1, left : right + 1])
+        top, left = max(top - SPLINE_MARGIN, 0), max(left - SPLINE_MARGIN, 0)
+        part = _filled(part[top : bottom + SPLINE_MARGIN + 1, left : right + SPLINE_MARGIN + 1])
+
+    def part_pixel_at(x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
+        rows, columns = pixel_at(x, y)
+        return rows - top, columns - left
+
+    return _heights(raster, resampled(part, *axes, part_pixel_at, spec.interpolation), spec)
 
 
 @dataclass(frozen=True)
@@ -188,8 +200,8 @@ def _read(spec: RasterTerrain) -> _Raster:
             f"terrain.crs: that of '{name}' is neither geographic nor projected: give crs: {LOCAL} if it is in metres",
             at=("crs",) if spec.crs else ("file",),
         )
-    complete = _without_gaps(name, elevations, has_data & np.isfinite(elevations), spec)
-    return _Raster(name, complete, file_from_pixel, crs)
+    known = np.where(has_data & np.isfinite(elevations), elevations, np.nan)
+    return _Raster(name, _filled(known) if spec.fill_nodata else known, file_from_pixel, crs)
 
 
 def _opened(path: Path) -> DatasetReader:
@@ -198,17 +210,23 @@ def _opened(path: Path) -> DatasetReader:
         return DatasetReader(str(path), driver=list(FORMATS))
 
 
-def _without_gaps(name: str, elevations: FloatGrid, has_data: NDArray[np.bool_], spec: RasterTerrain) -> FloatGrid:
-    gaps = np.count_nonzero(~has_data)
-    if gaps == 0:
+def _filled(elevations: FloatGrid) -> FloatGrid:
+    """Return the elevations with their gaps interpolated, unless all of it is a gap."""
+    has_data = np.isfinite(elevations)
+    if has_data.all() or not has_data.any():
         return elevations
-    if not spec.fill_nodata or gaps == elevations.size:
-        raise ScenarioError(
-            f"terrain '{name}': {gaps} of {elevations.size} cells have no data (fill_nodata: true fills gaps)"
-        )
     reach = float(np.hypot(*elevations.shape))
     filled = fillnodata(np.where(has_data, elevations, 0).astype(np.float32), has_data, max_search_distance=reach)
     return np.where(has_data, elevations, filled)
+
+
+def _require_no_gaps(name: str, elevations: FloatGrid) -> None:
+    gaps = np.count_nonzero(np.isnan(elevations))
+    if gaps > 0:
+        raise ScenarioError(
+            f"terrain '{name}': {gaps} of the {elevations.size} cells that the terrain needs have no data "
+            "(fill_nodata: true fills gaps; centre and size_m select a part)"
+        )
 
 
 def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS | None:

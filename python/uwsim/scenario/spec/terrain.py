@@ -96,7 +96,7 @@ class RasterTerrain(Grid):
     file's own units; it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m
     lake. vertical_scale: likewise. centre: centre of the terrain in the file's coordinates (longitude, latitude or
     easting, northing); by default the file's centre. size_m: simulated extent; by default the largest that fits.
-    fill_nodata: interpolate cells without data.
+    fill_nodata: interpolate cells without data; without it, the terrain must not include any.
     """
 
     source: Literal["raster"]
