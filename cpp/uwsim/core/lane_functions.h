@@ -40,22 +40,29 @@ inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosin
   cosine = cosine_negative ? -cosine_size : cosine_size;
 }
 
-/// For x <= 0. Below -700, the result is 1e-304, as for -700.
-inline DoubleLanes exponential(DoubleLanes x) {
+/// exp(x) and exp(-x) for x <= 0. Below -700, as for -700. The even and the odd terms of the series are summed apart,
+/// which gives both exponentials and halves the chain of dependent operations.
+inline void exponentials(DoubleLanes x, DoubleLanes& exp_x, DoubleLanes& exp_minus_x) {
   constexpr double kHigh = 0x1.62e42fee00000p-1, kLow = 0x1.a39ef35793c76p-33;  // of ln 2
   x = x > -700.0 ? x : DoubleLanes{} - 700.0;
   IndexLanes power;
   const DoubleLanes doublings = nearest_whole(x * 0x1.71547652b82fep+0, power);
-  const DoubleLanes r = (x - doublings * kHigh) - doublings * kLow;
-  constexpr double kTerms[] = {
-      1.0,        1.0,         1.0 / 2,      1.0 / 6,       1.0 / 24,       1.0 / 120,         1.0 / 720,
-      1.0 / 5040, 1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600.0, 1.0 / 6227020800.0};
-  DoubleLanes sum = DoubleLanes{} + kTerms[13];
-  for (int n = 12; n >= 0; --n) sum = sum * r + kTerms[n];
-  const IndexLanes exponent = (power + 1023) << 52;
-  DoubleLanes scale;
+  const DoubleLanes r = (x - doublings * kHigh) - doublings * kLow, r2 = r * r;
+  constexpr double kEven[] = {1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600.0};
+  constexpr double kOdd[] = {1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800.0};
+  DoubleLanes even = DoubleLanes{} + kEven[5], odd = DoubleLanes{} + kOdd[5];
+  for (int n = 4; n >= 0; --n) {
+    even = even * r2 + kEven[n];
+    odd = odd * r2 + kOdd[n];
+  }
+  even = 1 + even * r2;
+  odd = r + r * (odd * r2);
+  const IndexLanes exponent = (power + 1023) << 52, opposite = (1023 - power) << 52;
+  DoubleLanes scale, opposite_scale;
   std::memcpy(&scale, &exponent, sizeof scale);
-  return sum * scale;
+  std::memcpy(&opposite_scale, &opposite, sizeof opposite_scale);
+  exp_x = (even + odd) * scale;
+  exp_minus_x = (even - odd) * opposite_scale;
 }
 
 }  // namespace

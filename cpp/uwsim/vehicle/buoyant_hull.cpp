@@ -14,7 +14,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kThinnest = 1e-9;  // parts with less than this fraction of the volume are left out
-constexpr double kWavePitch = 3;    // see CutVolume
+constexpr double kWavePitch = 5;    // see CutVolume
 
 /// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
 double smooth_step(double x) {
@@ -92,20 +92,27 @@ BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_bod
   require_closed(mesh_body_, "hull");
   solid_ = solid_properties(mesh_body_);
   whole_ = Slice(mesh_body_, 1);
-  cut_into_slices();
-}
-
-void BuoyantHull::cut_into_slices() {
   const Eigen::Matrix3d& inertia = solid_.inertia_per_density_m5;
   const Eigen::Matrix3d second = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
   parts_.slices[0] = {{solid_.volume_m3, solid_.centroid_m, second}};
   parts_.inverse_inertia_1_m5 = inertia.inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(second);
   parts_.spread_m = axes.eigenvectors() * (3 / solid_.volume_m3 * axes.eigenvalues()).cwiseSqrt().asDiagonal();
+  parts_.length_m = 2 * whole_.half_size_m.maxCoeff();
+  slices_ = std::make_shared<Slices>();
+}
+
+const BuoyantHull::Slices& BuoyantHull::in_slices() const {
+  std::call_once(slices_->are_cut, [this] { cut_into_slices(*slices_); });
+  return *slices_;
+}
+
+void BuoyantHull::cut_into_slices(Slices& slices) const {
+  slices.parts = parts_;
   Eigen::Index longest = 0;
-  parts_.length_m = 2 * whole_.half_size_m.maxCoeff(&longest);
-  slices_[0].emplace_back(mesh_body_, kWavePitch);
-  for (std::size_t division = 1, count = 2; division < parts_.slices.size(); ++division, count *= 2) {
+  whole_.half_size_m.maxCoeff(&longest);
+  slices.divisions[0].emplace_back(mesh_body_, kWavePitch);
+  for (std::size_t division = 1, count = 2; division < slices.divisions.size(); ++division, count *= 2) {
     const double thickness_m = parts_.length_m / static_cast<double>(count);
     for (std::size_t k = 0; k < count; ++k) {
       const double low_m = whole_.middle_body_m(longest) - 0.5 * parts_.length_m + static_cast<double>(k) * thickness_m;
@@ -116,8 +123,8 @@ void BuoyantHull::cut_into_slices() {
       Slice slice(std::move(mesh), kWavePitch);
       const VolumeMoments& all = slice.volume.whole();
       if (all.volume_m3 <= kThinnest * solid_.volume_m3) continue;
-      parts_.slices[division].push_back(part_of(all, slice.middle_body_m));
-      slices_[division].push_back(std::move(slice));
+      slices.parts.slices[division].push_back(part_of(all, slice.middle_body_m));
+      slices.divisions[division].push_back(std::move(slice));
     }
   }
 }
@@ -125,7 +132,8 @@ void BuoyantHull::cut_into_slices() {
 VolumeFlow BuoyantHull::flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
                                 double time_s) const {
   const Eigen::Vector3d centre = at.position_world_m + at.world_from_body * centre_body_m;
-  return water.flow_over({parts_, centre, at.world_from_body}, time_s);
+  const VolumeParts& parts = water.wave_bound_m() == 0 ? parts_ : in_slices().parts;
+  return water.flow_over({parts, centre, at.world_from_body}, time_s);
 }
 
 Displacement BuoyantHull::displacement(const Pose& world_from_body, double level_m) const {
@@ -151,11 +159,11 @@ template <typename Visit>
 void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, double time_s,
                                    const WaterSurface& over_hull, const Visit& visit) const {
   const std::size_t division = water.division_of(parts_, at.hull.middle_z_m);
-  const std::vector<Slice>& slices = slices_[division];
-  for (std::size_t k = 0; k < slices.size(); ++k) {
-    const Slice& slice = slices[k];
+  const std::vector<Slice>& division_slices = in_slices().divisions[division];
+  for (std::size_t k = 0; k < division_slices.size(); ++k) {
+    const Slice& slice = division_slices[k];
     const WaterSurface surface =
-        division == 0 ? over_hull : surface_over(at, slice, parts_.slices[division][k], water, time_s);
+        division == 0 ? over_hull : surface_over(at, slice, in_slices().parts.slices[division][k], water, time_s);
     const Eigen::Vector3d normal = Eigen::Vector3d(-surface.slope_x, -surface.slope_y, 1).normalized();
     const double middle_z_m = at.position_world_m.z() + at.hull.up_body.dot(slice.middle_body_m);
     const Cut cut(slice, at.world_from_body.transpose() * normal, normal.z() * (middle_z_m - surface.mean_m));

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "uwsim/core/pose.h"
@@ -36,11 +38,11 @@ struct Buoyancy {
 ///
 /// Waves: the integral of -grad p over the wet volume, which equals that of the pressure p over the wetted surface,
 /// since p is 0 at the water's surface (Gauss). The hull is cut into slices along its longest side that are short
-/// compared with the waves (WaterField::division_of), and each slice is cut by the plane that has the mean height and
-/// slopes of the surface over it. To first order in the waves' steepness, the error is that of the plane, 1 % of the
-/// wave's load for slices of a quarter of its length. For a hull deep enough below the waves, force and moment follow
-/// from the acceleration of the displaced water instead (VolumeFlow), which includes the second-order part of the
-/// pressure. The two are blended smoothly over one radius of depth.
+/// compared with the waves (WaterField::division_of), when it first meets any, and each slice is cut by the plane that
+/// has the mean height and slopes of the surface over it. To first order in the waves' steepness, the error is that of
+/// the plane, 1 % of the wave's load for slices of a quarter of its length. For a hull deep enough below the waves,
+/// force and moment follow from the acceleration of the displaced water instead (VolumeFlow), which includes the
+/// second-order part of the pressure. The two are blended smoothly over one radius of depth.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward.
@@ -73,6 +75,13 @@ class BuoyantHull {
     Slice(TriangleMesh mesh, double pitch);
   };
 
+  /// As in VolumeParts, for waves.
+  struct Slices {
+    std::once_flag are_cut;
+    VolumeParts parts;
+    std::array<std::vector<Slice>, 4> divisions;
+  };
+
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
   DisplacedMass mass_in_layers(const Cut& at, const WaterField& water, double surface_m,
                                const VolumeMoments& wet) const;
@@ -85,13 +94,15 @@ class BuoyantHull {
   Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s, const VolumeFlow& flow) const;
   VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
                      double time_s) const;
-  void cut_into_slices();
+  /// The hull in slices for waves, which are cut on the first call.
+  const Slices& in_slices() const;
+  void cut_into_slices(Slices& slices) const;
 
   TriangleMesh mesh_body_;
   SolidProperties solid_;
-  VolumeParts parts_;
+  VolumeParts parts_;  // without slices; for a flat surface
   Slice whole_;
-  std::array<std::vector<Slice>, 4> slices_;  // as in parts_; for waves
+  std::shared_ptr<Slices> slices_;
 };
 
 }  // namespace uwsim

@@ -1,15 +1,62 @@
 #pragma once
 
+#include "uwsim/core/double_lanes.h"
 #include "uwsim/vehicle/cut_kernels.h"
 
 // Compiled once for each instruction set, hence the anonymous namespace. The loops are written for auto-vectorisation.
 namespace uwsim {
 namespace {
 
+inline bool any_of(IndexLanes mask) {
+  using Flags = signed char __attribute__((vector_size(8)));
+  const Flags flags = __builtin_convertvector(mask, Flags);
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &flags, sizeof bits);
+  return bits != 0;
+}
+
+enum class Side { dry, cut, wet };
+
+/// On which side of the plane a block's triangles are, if all are on the same.
+inline Side side_of(const CutBlock& block, double ux, double uy, double uz, double level_m) {
+  const auto is_wet = [&](int corner) {
+    const double(*const at)[kCutLanes] = block.corner_m + 3 * corner;
+    const DoubleLanes height = ux * load_lanes(at[0]) + uy * load_lanes(at[1]) + uz * load_lanes(at[2]) - level_m;
+    return reinterpret_cast<IndexLanes>(height < 0);
+  };
+  const IndexLanes a = is_wet(0), b = is_wet(1), c = is_wet(2);
+  if (!any_of(a | b | c)) return Side::dry;
+  return any_of(~(a & b & c)) ? Side::cut : Side::wet;
+}
+
 /// The contribution of one tetrahedron from the origin to r r^T, without the factor volume / 20: a_i a_j + b_i b_j +
 /// c_i c_j + s_i s_j where s = a + b + c.
 inline double product_sum(double ai, double bi, double ci, double aj, double bj, double cj) {
   return ai * aj + bi * bj + ci * cj + (ai + bi + ci) * (aj + bj + cj);
+}
+
+/// What add_cut adds for triangles below the plane, to the last bit.
+template <bool kWithSecond>
+void add_wet(const CutBlock& block, CutSums& sums) {
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < kCutLanes; ++k) {
+    const double ax = block.corner_m[0][k], ay = block.corner_m[1][k], az = block.corner_m[2][k];
+    const double bx = block.corner_m[3][k], by = block.corner_m[4][k], bz = block.corner_m[5][k];
+    const double cx = block.corner_m[6][k], cy = block.corner_m[7][k], cz = block.corner_m[8][k];
+    const double volume = block.volume_m3[k];
+    sums.volume_m3[k] += volume;
+    sums.first_m4[0][k] += 0.25 * (volume * (ax + bx + cx));
+    sums.first_m4[1][k] += 0.25 * (volume * (ay + by + cy));
+    sums.first_m4[2][k] += 0.25 * (volume * (az + bz + cz));
+    if constexpr (kWithSecond) {
+      sums.second_m5[0][k] += 0.05 * (volume * product_sum(ax, bx, cx, ax, bx, cx));
+      sums.second_m5[1][k] += 0.05 * (volume * product_sum(ay, by, cy, ay, by, cy));
+      sums.second_m5[2][k] += 0.05 * (volume * product_sum(az, bz, cz, az, bz, cz));
+      sums.second_m5[3][k] += 0.05 * (volume * product_sum(ax, bx, cx, ay, by, cy));
+      sums.second_m5[4][k] += 0.05 * (volume * product_sum(ay, by, cy, az, bz, cz));
+      sums.second_m5[5][k] += 0.05 * (volume * product_sum(az, bz, cz, ax, bx, cx));
+    }
+  }
 }
 
 /// A triangle with two wet corners is counted as fully wet, and the piece at its dry corner is subtracted; the piece at
@@ -21,6 +68,12 @@ void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double
   const double fx = level_m * ux, fy = level_m * uy, fz = level_m * uz;  // the foot of the origin
   for (std::size_t n = 0; n < count; ++n) {
     const CutBlock& block = blocks[n];
+    const Side side = side_of(block, ux, uy, uz, level_m);
+    if (side == Side::dry) continue;
+    if (side == Side::wet) {
+      add_wet<kWithSecond>(block, sums);
+      continue;
+    }
 #pragma GCC ivdep
     for (std::size_t k = 0; k < kCutLanes; ++k) {
       const double ax = block.corner_m[0][k], ay = block.corner_m[1][k], az = block.corner_m[2][k];

@@ -110,19 +110,32 @@ struct CutVolume::PlaneCell {
 };
 
 /// The triangles that matter to a cell of planes: the sum over those below all of the cell's planes, and a list of
-/// those that some of its planes may cut.
+/// those that some of its planes may cut. In large cells, triangles are grouped by their height, since blocks whose
+/// triangles are all on the same side of a plane cost little.
 struct CutVolume::Near {
+  struct Group {
+    std::vector<CutBlock> blocks;
+    std::size_t count = 0;
+  };
   PlaneCell cell;
   VolumeMoments below;
-  std::vector<CutBlock> blocks;
-  std::size_t count = 0;
+  std::array<Group, 5> groups;
 
   void clear() {
     below = {};
-    blocks.clear();
-    count = 0;
+    for (Group& group : groups) {
+      group.blocks.clear();
+      group.count = 0;
+    }
   }
-  void add(const Corners& corners_m, double volume_m3) {
+  /// The group of a triangle whose corners are at these heights over the cell's central plane.
+  static std::size_t group_of(double low_m, double high_m, double margin_m) {
+    if (low_m > 0) return low_m > 0.5 * margin_m ? 4 : 3;
+    if (high_m < 0) return high_m < -0.5 * margin_m ? 2 : 1;
+    return 0;
+  }
+  void add(const Corners& corners_m, double volume_m3, std::size_t to) {
+    auto& [blocks, count] = groups[to];
     const std::size_t lane = count++ % kCutLanes;
     if (lane == 0) blocks.emplace_back(CutBlock{});
     CutBlock& block = blocks.back();
@@ -140,7 +153,9 @@ struct CutVolume::Memory {
   void reserve(std::size_t triangles) {
     if (triangles <= reserved) return;
     reserved = triangles;
-    for (Near& cell : cells) cell.blocks.reserve((triangles + kCutLanes - 1) / kCutLanes);
+    for (Near& cell : cells) {
+      for (Near::Group& group : cell.groups) group.blocks.reserve((triangles + kCutLanes - 1) / kCutLanes);
+    }
   }
 };
 
@@ -189,7 +204,9 @@ void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
       if (high_m - cell.level_m < -margin_m) {
         near.below += tetrahedra_[k];
       } else {
-        near.add(triangles_m_[k], tetrahedra_[k].volume_m3);
+        const std::size_t group =
+            pitch_ == 1 ? 0 : Near::group_of(low_m - cell.level_m, high_m - cell.level_m, margin_m);
+        near.add(triangles_m_[k], tetrahedra_[k].volume_m3, group);
       }
     }
   }
@@ -198,8 +215,8 @@ void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
 VolumeMoments CutVolume::below(const Eigen::Vector3d& up, double level_m, bool with_second) const {
   const Near& near = this->near(cell_of(up, level_m));
   CutSums sums{};
-  (with_second ? cut_kernels().add_with_second : cut_kernels().add)(near.blocks.data(), near.blocks.size(), up.data(),
-                                                                    level_m, sums);
+  const CutKernels::Add add = with_second ? cut_kernels().add_with_second : cut_kernels().add;
+  for (const Near::Group& group : near.groups) add(group.blocks.data(), group.blocks.size(), up.data(), level_m, sums);
   const auto total = [](const double(&lanes)[kCutLanes]) {
     return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
   };

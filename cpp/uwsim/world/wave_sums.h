@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 namespace uwsim {
 
@@ -16,7 +17,9 @@ struct alignas(64) WaveBlock {
   double deep[kLanes] = {1, 1, 1, 1, 1, 1, 1, 1};  ///< weight of exp(k z) in cosh(k (z + h)) / cosh(k h)
   double rise_rad_s[kLanes] = {};                  ///< vertical velocity relative to pressure head: w / tanh(k h)
   double along_m_s[kLanes] = {};                   ///< horizontal velocity relative to head times wave number
-  bool is_deep = true;                             ///< whether `deep` is 1 for all
+  double mirror[kLanes] = {};  ///< weight of exp(-k z), due to the waves' reflection at the bed: deep exp(-2 k h)
+  /// Upper bound of the wave numbers; infinity: unknown.
+  double most_rad_m = std::numeric_limits<double>::infinity();
 };
 
 /// The waves of a block at a position and time: amplitude times cosine and sine of the phase.
@@ -24,11 +27,12 @@ struct alignas(64) CrestBlock {
   double cosine_m[WaveBlock::kLanes], sine_m[WaveBlock::kLanes];
 };
 
-/// Sums over waves at one position and time; see Waves::motion_under.
+/// Sums over waves at one position and time; see Waves::convective_under.
 struct WaveMotionSums {
-  double velocity_m_s[3], local_m_s2[3];
+  double velocity_m_s[3];
   double surface[3];   ///< derivatives of the surface's height with respect to x, y and t
   double gradient[5];  ///< of the velocity: xx, xy, yy, xz, yz
+  double local_m_s2[3];
 };
 
 /// The surface's height and its two slopes, averaged over an area.
@@ -38,8 +42,8 @@ struct WaveSurfaceSums {
 
 /// A volume in waves; see Waves::add_flow_over.
 struct WavesOnVolume {
-  double z_m, depth_m;  ///< the height at which linear theory is evaluated, and the water's depth
-  double stretch;       ///< the rate at which that height changes with the height of a point
+  double z_m;      ///< the height at which linear theory is evaluated
+  double stretch;  ///< the rate at which that height changes with the height of a point
   double volume_m3;
   double second_m5[3][3];  ///< the volume's second moment about its centroid
 };
@@ -59,14 +63,16 @@ struct WaveSumKernels {
   /// Sets the crests and adds up their cosines. Returns false if a phase is too large.
   bool (*crests)(const WaveBlock* waves, std::size_t count, double x_m, double y_m, double time_s, CrestBlock* crests,
                  double& height_m);
-  void (*motion)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, double z_m, double depth_m,
-                 WaveMotionSums& sums);
+  void (*motion)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, double z_m, WaveMotionSums& sums);
   /// `spread_m2` is the second moment of the area, per unit area, about the position of the crests: xx, xy, yy.
   void (*surface)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const double* spread_m2,
                   WaveSurfaceSums& sums);
   /// All but `rise_gradient`.
   void (*over)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
                WaveIntegrals& integrals);
+  /// As `over`, and the motion at `on.z_m` but for `local_m_s2`.
+  void (*over_with_motion)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
+                           WaveIntegrals& integrals, WaveMotionSums& sums);
   /// All but those of the velocity.
   void (*load)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
                WaveIntegrals& integrals);

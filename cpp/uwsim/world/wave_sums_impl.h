@@ -7,19 +7,36 @@
 namespace uwsim {
 namespace {
 
-/// The decay of a block's waves with depth.
+/// The decay of a block's waves with depth: that of the pressure and of horizontal motion, and that of vertical motion.
 struct Decay {
-  DoubleLanes up;
-  DoubleLanes down{};  // the fraction due to the waves' reflection at the bed
+  DoubleLanes level, upright;
 
-  Decay(const WaveBlock& w, double z_m, double depth_m) {
-    const DoubleLanes k = load_lanes(w.number_rad_m), deep = load_lanes(w.deep);
-    up = deep * exponential(k * z_m);
-    if (w.is_deep) return;
-    const DoubleLanes share = deep * exponential(-k * (z_m + 2 * depth_m));
-    down = deep < 1 ? share : DoubleLanes{};
+  Decay() = default;
+  Decay(const WaveBlock& w, double z_m) {
+    DoubleLanes up, down;
+    exponentials(load_lanes(w.number_rad_m) * z_m, up, down);
+    up *= load_lanes(w.deep);
+    down *= load_lanes(w.mirror);
+    level = up + down;
+    upright = up - down;
   }
 };
+
+/// Calls visit(block, decay, cosine, sine) for each block. The decays of several blocks are computed before any is
+/// used: an exponential is a chain of dependent operations, and several of them take little longer than one.
+template <typename Visit>
+void visit_blocks(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, double z_m, const Visit& visit) {
+  constexpr std::size_t kTogether = 8;
+  Decay decays[kTogether];
+  for (std::size_t first = 0; first < count; first += kTogether) {
+    const std::size_t here = count - first < kTogether ? count - first : kTogether;
+    for (std::size_t n = 0; n < here; ++n) decays[n] = Decay(waves[first + n], z_m);
+    for (std::size_t n = 0; n < here; ++n) {
+      const CrestBlock& crest = crests[first + n];
+      visit(waves[first + n], decays[n], load_lanes(crest.cosine_m), load_lanes(crest.sine_m));
+    }
+  }
+}
 
 bool crests(const WaveBlock* waves, std::size_t count, double x_m, double y_m, double time_s, CrestBlock* crests,
             double& height_m) {
@@ -44,40 +61,50 @@ bool crests(const WaveBlock* waves, std::size_t count, double x_m, double y_m, d
   return true;
 }
 
-void motion(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, double z_m, double depth_m,
-            WaveMotionSums& sums) {
-  DoubleLanes velocity[3]{}, local[3]{}, surface[3]{}, xx{}, xy{}, yy{}, xz{}, yz{};
-  for (std::size_t n = 0; n < count; ++n) {
-    const WaveBlock& w = waves[n];
-    const DoubleLanes c = load_lanes(crests[n].cosine_m), s = load_lanes(crests[n].sine_m);
+template <bool kWithLocal>
+struct MotionSums {
+  DoubleLanes velocity[3]{}, local[3]{}, surface[3]{}, gradient[5]{};
+
+  void add(const WaveBlock& w, const Decay& decay, DoubleLanes c, DoubleLanes s) {
     const DoubleLanes kx = load_lanes(w.number_x_rad_m), ky = load_lanes(w.number_y_rad_m),
                       omega = load_lanes(w.omega_rad_s);
-    const Decay decay(w, z_m, depth_m);
-    const DoubleLanes along = load_lanes(w.along_m_s) * (decay.up + decay.down);
-    const DoubleLanes rise = load_lanes(w.rise_rad_s) * (decay.up - decay.down);
+    const DoubleLanes along = load_lanes(w.along_m_s) * decay.level, rise = load_lanes(w.rise_rad_s) * decay.upright;
     const DoubleLanes along_c = along * c, along_s = along * s, rise_c = rise * c;
+    const DoubleLanes along_x = along_s * kx, along_y = along_s * ky;
     velocity[0] += along_c * kx;
     velocity[1] += along_c * ky;
     velocity[2] += rise * s;
-    local[0] += omega * (along_s * kx);
-    local[1] += omega * (along_s * ky);
-    local[2] -= omega * rise_c;
+    if constexpr (kWithLocal) {
+      local[0] += omega * along_x;
+      local[1] += omega * along_y;
+      local[2] -= omega * rise_c;
+    }
     surface[0] -= s * kx;
     surface[1] -= s * ky;
     surface[2] += s * omega;
-    xx -= along_s * kx * kx;
-    xy -= along_s * kx * ky;
-    yy -= along_s * ky * ky;
-    xz += rise_c * kx;
-    yz += rise_c * ky;
+    gradient[0] -= along_x * kx;
+    gradient[1] -= along_x * ky;
+    gradient[2] -= along_y * ky;
+    gradient[3] += rise_c * kx;
+    gradient[4] += rise_c * ky;
   }
-  for (int k = 0; k < 3; ++k) {
-    sums.velocity_m_s[k] = sum_of_lanes(velocity[k]);
-    sums.local_m_s2[k] = sum_of_lanes(local[k]);
-    sums.surface[k] = sum_of_lanes(surface[k]);
+
+  void store(WaveMotionSums& sums) const {
+    for (int k = 0; k < 3; ++k) {
+      sums.velocity_m_s[k] = sum_of_lanes(velocity[k]);
+      sums.local_m_s2[k] = sum_of_lanes(local[k]);
+      sums.surface[k] = sum_of_lanes(surface[k]);
+    }
+    for (int k = 0; k < 5; ++k) sums.gradient[k] = sum_of_lanes(gradient[k]);
   }
-  const DoubleLanes* const gradient[] = {&xx, &xy, &yy, &xz, &yz};
-  for (int k = 0; k < 5; ++k) sums.gradient[k] = sum_of_lanes(*gradient[k]);
+};
+
+void motion(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, double z_m, WaveMotionSums& sums) {
+  MotionSums<true> lanes;
+  visit_blocks(waves, count, crests, z_m, [&](const WaveBlock& w, const Decay& decay, DoubleLanes c, DoubleLanes s) {
+    lanes.add(w, decay, c, s);
+  });
+  lanes.store(sums);
 }
 
 /// A body much longer than a wave spans crests and troughs, which cancel. There the series do not converge: their
@@ -101,47 +128,65 @@ void surface(const WaveBlock* waves, std::size_t count, const CrestBlock* crests
   sums = {sum_of_lanes(mean), sum_of_lanes(slope_x), sum_of_lanes(slope_y)};
 }
 
-/// The integral of the gradient of -(a + i b) exp(kappa r), and its moment, for kappa = (i k_x, i k_y, `number`): see
-/// Waves::add_flow_over.
+/// The integral of the gradient of -eta exp(kappa . r), and its moment, for the sum of kappa = (i k_x, i k_y, k) and of
+/// its mirror image (i k_x, i k_y, -k): see Waves::add_flow_over. What is odd in k differs in sign between the two.
 template <bool kWithVelocity>
 struct GradientSums {
   DoubleLanes rate[3]{}, turning_rate[3]{}, velocity[3]{}, turning[3]{}, rise_x{}, rise_y{};
 
-  void add(const WaveBlock& w, const WavesOnVolume& on, DoubleLanes number, DoubleLanes a, DoubleLanes b) {
+  void add(const WaveBlock& w, const WavesOnVolume& on, const Decay& decay, DoubleLanes c, DoubleLanes s) {
     const auto& second = on.second_m5;
+    const DoubleLanes number = on.stretch * load_lanes(w.number_rad_m);
     const DoubleLanes kx = load_lanes(w.number_x_rad_m), ky = load_lanes(w.number_y_rad_m);
     const DoubleLanes g0 = second[0][0] * kx + second[0][1] * ky, g1 = second[1][0] * kx + second[1][1] * ky,
                       g2 = second[2][0] * kx + second[2][1] * ky;
-    const double h0 = second[0][2], h1 = second[1][2], h2 = second[2][2];
+    const double h0 = second[0][2], h1 = second[1][2], h2 = second[2][2], half = 0.5 / on.volume_m3;
     const DoubleLanes k2 = number * number, level = kx * g0 + ky * g1;
-    const DoubleLanes share = limited((0.5 / on.volume_m3) * (k2 * h2 + level)),
-                      per_volume = share * (1 / on.volume_m3);
-    const DoubleLanes x = per_volume * (0.5 * (k2 * h2 - level)), y = per_volume * (number * (kx * h0 + ky * h1));
-    const DoubleLanes real = on.volume_m3 * share * (1 + x + (x * x - y * y) * (1.0 / 3));
-    const DoubleLanes imaginary = on.volume_m3 * share * (y + 2.0 / 3 * x * y);
+    DoubleLanes share = DoubleLanes{} + 1;
+    const double largest =
+        half * w.most_rad_m * w.most_rad_m * (on.stretch * on.stretch * second[2][2] + second[0][0] + second[1][1]);
+    if (!(largest < 0.999)) share = limited(half * (k2 * h2 + level));
+    const DoubleLanes x = share * (half * (k2 * h2 - level)), y = share * ((2 * half) * (number * (kx * h0 + ky * h1)));
+    const DoubleLanes real = share * (1 + x + (x * x - y * y) * (1.0 / 3)), imaginary = share * (y + 2.0 / 3 * x * y);
     const DoubleLanes turn_real = share * (1 + 0.65 * x), turn_imaginary = share * (0.65 * y);
     // The moment is that of a real and an imaginary part of kappa.
-    const DoubleLanes even[3] = {k2 * h1 + g2 * ky, -(k2 * h0 + g2 * kx), ky * g0 * -1.0 + g1 * kx};
+    const DoubleLanes even[3] = {k2 * h1 + g2 * ky, -(k2 * h0 + g2 * kx), g1 * kx - ky * g0};
     const DoubleLanes odd[3] = {g1 - h2 * ky, h2 * kx - g0, h0 * ky - h1 * kx};
-    const auto add_to = [&](DoubleLanes(&force)[3], DoubleLanes(&moment)[3], DoubleLanes p, DoubleLanes q,
-                            DoubleLanes m, DoubleLanes n) {
-      force[0] += q * kx;
-      force[1] += q * ky;
-      force[2] -= number * p;
-      const DoubleLanes by = n * number;
-      for (int k = 0; k < 3; ++k) moment[k] += by * odd[k] - m * even[k];
-    };
-    const DoubleLanes p = a * real - b * imaginary, q = a * imaginary + b * real;
-    const DoubleLanes m = a * turn_real - b * turn_imaginary, n = a * turn_imaginary + b * turn_real;
-    add_to(rate, turning_rate, p, q, m, n);
+    const DoubleLanes a = decay.upright * c, b = decay.level * s;
+    const DoubleLanes mirrored_a = decay.level * c, mirrored_b = decay.upright * s;
+    const DoubleLanes mirrored_q = mirrored_a * imaginary + mirrored_b * real;
+    add_to(rate, turning_rate, kx, ky, a * imaginary + b * real, number * (a * real - b * imaginary),
+           number * (mirrored_a * turn_imaginary + mirrored_b * turn_real), odd,
+           mirrored_a * turn_real - mirrored_b * turn_imaginary, even);
     // The velocity follows from the integral of the head over time, i eta / omega.
     if constexpr (kWithVelocity) {
-      const DoubleLanes t = load_lanes(w.period_s_rad);
-      add_to(velocity, turning, -t * q, t * p, -t * n, t * m);
+      const DoubleLanes t = load_lanes(w.period_s_rad), by = t * number;
+      add_to(velocity, turning, kx, ky, t * (mirrored_a * real - mirrored_b * imaginary), -(by * mirrored_q),
+             by * (a * turn_real - b * turn_imaginary), odd, -(t * (a * turn_imaginary + b * turn_real)), even);
     } else {
-      rise_x += number * q * kx;
-      rise_y += number * q * ky;
+      rise_x += number * mirrored_q * kx;
+      rise_y += number * mirrored_q * ky;
     }
+  }
+
+  static void add_to(DoubleLanes (&force)[3], DoubleLanes (&moment)[3], DoubleLanes kx, DoubleLanes ky,
+                     DoubleLanes level, DoubleLanes down, DoubleLanes by, const DoubleLanes (&odd)[3], DoubleLanes less,
+                     const DoubleLanes (&even)[3]) {
+    force[0] += level * kx;
+    force[1] += level * ky;
+    force[2] -= down;
+    for (int k = 0; k < 3; ++k) moment[k] += by * odd[k] - less * even[k];
+  }
+
+  void store(double volume_m3, WaveIntegrals& integrals) const {
+    for (int k = 0; k < 3; ++k) {
+      integrals.rate[k] = volume_m3 * sum_of_lanes(rate[k]);
+      integrals.turning_rate[k] = sum_of_lanes(turning_rate[k]);
+      integrals.velocity[k] = volume_m3 * sum_of_lanes(velocity[k]);
+      integrals.turning[k] = sum_of_lanes(turning[k]);
+    }
+    integrals.rise_gradient[0] = volume_m3 * sum_of_lanes(rise_x);
+    integrals.rise_gradient[1] = volume_m3 * sum_of_lanes(rise_y);
   }
 };
 
@@ -149,26 +194,26 @@ struct GradientSums {
 template <bool kWithVelocity>
 void over(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
           WaveIntegrals& integrals) {
-  GradientSums<kWithVelocity> sums;
-  for (std::size_t n = 0; n < count; ++n) {
-    const WaveBlock& w = waves[n];
-    const DoubleLanes c = load_lanes(crests[n].cosine_m), s = load_lanes(crests[n].sine_m);
-    const DoubleLanes number = on.stretch * load_lanes(w.number_rad_m);
-    const Decay decay(w, on.z_m, on.depth_m);
-    sums.add(w, on, number, decay.up * c, decay.up * s);
-    if (!w.is_deep) sums.add(w, on, -number, decay.down * c, decay.down * s);
-  }
-  for (int k = 0; k < 3; ++k) {
-    integrals.rate[k] = sum_of_lanes(sums.rate[k]);
-    integrals.turning_rate[k] = sum_of_lanes(sums.turning_rate[k]);
-    integrals.velocity[k] = sum_of_lanes(sums.velocity[k]);
-    integrals.turning[k] = sum_of_lanes(sums.turning[k]);
-  }
-  integrals.rise_gradient[0] = sum_of_lanes(sums.rise_x);
-  integrals.rise_gradient[1] = sum_of_lanes(sums.rise_y);
+  GradientSums<kWithVelocity> lanes;
+  visit_blocks(waves, count, crests, on.z_m, [&](const WaveBlock& w, const Decay& decay, DoubleLanes c, DoubleLanes s) {
+    lanes.add(w, on, decay, c, s);
+  });
+  lanes.store(on.volume_m3, integrals);
 }
 
-constexpr WaveSumKernels kSumKernels = {crests, motion, surface, over<true>, over<false>};
+void over_with_motion(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
+                      WaveIntegrals& integrals, WaveMotionSums& sums) {
+  GradientSums<true> lanes;
+  MotionSums<false> motion;
+  visit_blocks(waves, count, crests, on.z_m, [&](const WaveBlock& w, const Decay& decay, DoubleLanes c, DoubleLanes s) {
+    lanes.add(w, on, decay, c, s);
+    motion.add(w, decay, c, s);
+  });
+  lanes.store(on.volume_m3, integrals);
+  motion.store(sums);
+}
+
+constexpr WaveSumKernels kSumKernels = {crests, motion, surface, over<true>, over_with_motion, over<false>};
 
 }  // namespace
 }  // namespace uwsim

@@ -98,7 +98,8 @@ void Waves::put_into_blocks() {
     block.deep[lane] = w.deep;
     block.rise_rad_s[lane] = w.omega_rad_s * w.shallow;
     block.along_m_s[lane] = w.omega_rad_s * w.shallow / w.number_rad_m;
-    block.is_deep = block.is_deep && w.deep == 1;
+    block.mirror[lane] = w.deep < 1 ? w.deep * std::exp(-2 * w.number_rad_m * depth_m_) : 0;
+    block.most_rad_m = w.number_rad_m;  // the last is the shortest
   }
 }
 
@@ -179,24 +180,15 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
 /// the flow of linear theory has neither rotation nor divergence. A particle at z' has the velocity that linear theory
 /// predicts at z(z', eta), so its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, where Dz/Dt follows from the
 /// chain rule.
-WaveMotion Waves::motion_under(const Crests& crests, std::size_t count, double height, double z_m,
-                               const Eigen::Vector3d& current_m_s) const {
-  WaveMotion sum;
-  const Stretched at = stretched(z_m, height);
-  WaveMotionSums sums;
-  wave_sum_kernels().motion(blocks_.data(), count, crests.data(), at.z_m, depth_m_, sums);
-  sum.velocity_m_s = Eigen::Map<const Eigen::Vector3d>(sums.velocity_m_s);
-  sum.local_m_s2 = Eigen::Map<const Eigen::Vector3d>(sums.local_m_s2);
+Eigen::Vector3d Waves::convective(const WaveMotionSums& sums, const Stretched& at, const Eigen::Vector3d& current_m_s) {
   // derivatives of eta with respect to x, y and t
   const Eigen::Vector3d surface(Eigen::Map<const Eigen::Vector3d>(sums.surface));
   const auto& [xx, xy, yy, xz, yz] = sums.gradient;
-  const Eigen::Vector3d carried = sum.velocity_m_s + current_m_s;
+  const Eigen::Vector3d carried = Eigen::Map<const Eigen::Vector3d>(sums.velocity_m_s) + current_m_s;
   const double surface_rises = surface.z() + carried.x() * surface.x() + carried.y() * surface.y();
   const double rises = at.by_point * carried.z() + at.by_surface * surface_rises;
-  sum.convective_m_s2 = carried.x() * Eigen::Vector3d(xx, xy, xz) + carried.y() * Eigen::Vector3d(xy, yy, yz) +
-                        rises * Eigen::Vector3d(xz, yz, -xx - yy);
-  if (at.z_m < 0) sum.fade = std::min((height - z_m) / (layer_m(height) + height), 1.0);
-  return sum;
+  return carried.x() * Eigen::Vector3d(xx, xy, xz) + carried.y() * Eigen::Vector3d(xy, yy, yz) +
+         rises * Eigen::Vector3d(xz, yz, -xx - yy);
 }
 
 WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen::Vector3d& current_m_s) const {
@@ -204,7 +196,12 @@ WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen
   if (count == 0) return {};
   Crests crests;
   const double height = crests_at(p.x(), p.y(), time_s, count, crests);
-  return motion_under(crests, count, height, p.z(), current_m_s);
+  const Stretched at = stretched(p.z(), height);
+  WaveMotionSums sums;
+  wave_sum_kernels().motion(blocks_.data(), count, crests.data(), at.z_m, sums);
+  const double fade = at.z_m < 0 ? std::min((height - p.z()) / (layer_m(height) + height), 1.0) : 0;
+  return {Eigen::Vector3d(sums.velocity_m_s), Eigen::Vector3d(sums.local_m_s2), convective(sums, at, current_m_s),
+          fade};
 }
 
 void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {

@@ -131,12 +131,12 @@ class Waves {
   struct Stretched {
     double z_m, by_point, by_surface;
   };
+  static Eigen::Vector3d convective(const WaveMotionSums& sums, const Stretched& at,
+                                    const Eigen::Vector3d& current_m_s);
   void put_into_blocks();
   /// Number of blocks, counted from the longest waves, whose motion reaches `z_m`.
   std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crests& crests) const;
-  WaveMotion motion_under(const Crests& crests, std::size_t count, double height_m, double z_m,
-                          const Eigen::Vector3d& current_m_s) const;
   /// Depth D of the stretched layer for a surface height of `height_m`.
   double layer_m(double height_m) const;
   Stretched stretched(double z_m, double height_m) const;

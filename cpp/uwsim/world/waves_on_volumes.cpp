@@ -34,36 +34,41 @@ void Waves::add_flow_over(const PlacedVolume& volume, double time_s, VolumeFlow&
   const std::size_t division = division_of(parts, middle.z());
   Crests crests;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turning = velocity, rate = velocity, turning_rate = velocity;
-  Eigen::Vector3d convective = velocity;
-  const auto add_convective = [&](std::size_t count, double height) {
-    convective = motion_under(crests, count, height, middle.z(), flow.velocity_m_s).convective_m_s2;
-  };
+  WaveMotionSums motion{};  // at the middle
+  Stretched middle_at{};
   for (const VolumePart& part : parts.slices[division]) {
     const Eigen::Vector3d arm = rotation * (part.centroid_m - parts.whole().centroid_m), at = middle + arm;
     const std::size_t count = count_reaching(at.z());
     if (count == 0) continue;
     const double height = crests_at(at.x(), at.y(), time_s, count, crests);
-    WavesOnVolume on{unstretched(at.z(), height), depth_m_, 1, part.volume_m3, {}};
+    const Stretched level = stretched(at.z(), height);
+    WavesOnVolume on{level.z_m, 1, part.volume_m3, {}};
     Eigen::Map<Eigen::Matrix3d>(&on.second_m5[0][0]) = rotation * part.second_moment_m5 * rotation.transpose();
     WaveIntegrals sums;
-    wave_sum_kernels().over(blocks_.data(), count, crests.data(), on, sums);
+    if (division == 0) {
+      wave_sum_kernels().over_with_motion(blocks_.data(), count, crests.data(), on, sums, motion);
+      middle_at = level;
+    } else {
+      wave_sum_kernels().over(blocks_.data(), count, crests.data(), on, sums);
+    }
     const Eigen::Map<const Eigen::Vector3d> part_velocity(sums.velocity), part_rate(sums.rate);
     velocity += part_velocity;
     rate += part_rate;
     turning += Eigen::Map<const Eigen::Vector3d>(sums.turning) + arm.cross(part_velocity);
     turning_rate += Eigen::Map<const Eigen::Vector3d>(sums.turning_rate) + arm.cross(part_rate);
-    if (division == 0) add_convective(count, height);
   }
   if (const std::size_t count = count_reaching(middle.z()); division > 0 && count > 0) {
-    add_convective(count, crests_at(middle.x(), middle.y(), time_s, count, crests));
+    middle_at = stretched(middle.z(), crests_at(middle.x(), middle.y(), time_s, count, crests));
+    wave_sum_kernels().motion(blocks_.data(), count, crests.data(), middle_at.z_m, motion);
   }
   const double by_volume = gravity_m_s2_ / parts.whole().volume_m3;
   const auto turned = [&](const Eigen::Vector3d& momentum) -> Eigen::Vector3d {
     return gravity_m_s2_ * (rotation * (parts.inverse_inertia_1_m5 * (rotation.transpose() * momentum)));
   };
+  const Eigen::Vector3d convective_m_s2 = convective(motion, middle_at, flow.velocity_m_s);
   flow.velocity_m_s += by_volume * velocity;
   flow.angular_velocity_rad_s += turned(turning);
-  flow.wave_acceleration_m_s2 += by_volume * rate + convective;
+  flow.wave_acceleration_m_s2 += by_volume * rate + convective_m_s2;
   flow.wave_angular_acceleration_rad_s2 += turned(turning_rate);
 }
 
@@ -80,7 +85,7 @@ VolumeLoad Waves::load_on(const VolumePart& wet, const WaterSurface& surface, do
   const double top_m = std::min(at.z() + half_m, height), bottom_m = std::min(at.z() - half_m, height);
   const Stretched top = stretched(top_m, height), bottom = stretched(bottom_m, height);
   const double stretch = top_m > bottom_m ? (top.z_m - bottom.z_m) / (top_m - bottom_m) : bottom.by_point;
-  WavesOnVolume on{std::min(0.0, bottom.z_m + stretch * half_m), depth_m_, stretch, wet.volume_m3, {}};
+  WavesOnVolume on{std::min(0.0, bottom.z_m + stretch * half_m), stretch, wet.volume_m3, {}};
   Eigen::Map<Eigen::Matrix3d>(&on.second_m5[0][0]) = wet.second_moment_m5;
   WaveIntegrals sums;
   wave_sum_kernels().load(blocks_.data(), count, crests.data(), on, sums);

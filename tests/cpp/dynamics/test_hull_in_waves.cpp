@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <thread>
+#include <vector>
 
 #include "meshes.h"
 #include "uwsim/dynamics/integrator.h"
@@ -67,6 +69,24 @@ TEST(HullInWaves, TheForceOnAFloatingBoxIsThePressureUnderItsBottom) {
     }
     const Buoyancy got = buoyancy(hull, {{0, 0, 0}, Eigen::Quaterniond::Identity()}, water, t);
     EXPECT_NEAR(got.force_body_n.z(), sum, 3e-3 * sum) << t;
+  }
+}
+
+/// Slices are cut when the hull first meets waves, by whichever thread is first.
+TEST(HullInWaves, AHullThatSeveralThreadsShareIsCutOnce) {
+  const TriangleMesh mesh = testing::box(2, 1, 1);
+  const Water water = with_wave(0.15, 1.2);
+  const Pose pose{{0, 0, 0}, tilted(0.3)};
+  const Buoyancy expected = buoyancy(BuoyantHull(mesh), pose, water, 0.5);
+  const BuoyantHull shared(mesh);
+  std::array<Buoyancy, 4> got;
+  {
+    std::vector<std::jthread> threads;
+    for (Buoyancy& mine : got) threads.emplace_back([&] { mine = buoyancy(shared, pose, water, 0.5); });
+  }
+  for (const Buoyancy& mine : got) {
+    EXPECT_EQ(mine.force_body_n, expected.force_body_n);
+    EXPECT_EQ(mine.moment_body_nm, expected.moment_body_nm);
   }
 }
 

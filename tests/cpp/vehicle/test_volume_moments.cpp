@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -59,31 +60,37 @@ void expect_same(const VolumeMoments& got, const VolumeMoments& expected, const 
   EXPECT_LT((got.second_m5 - expected.second_m5).norm(), 1e-12 * scale.second_m5.norm());
 }
 
+constexpr std::array kPitches = {1.0, 5.0};  // in still water and in waves
+
 TEST(CutVolume, AtAnyTiltAndLevelItEqualsTheSumOfClippedTriangles) {
   const TriangleMesh mesh = egg();
-  const CutVolume volume(mesh);
-  for (int tilt = 0; tilt < 12; ++tilt) {
-    const Eigen::Vector3d up =
-        Eigen::AngleAxisd(0.5 * tilt, Eigen::Vector3d(1, 0.4 * tilt, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
-    for (const double level_m : {-0.2, -0.07, -0.001, 0.0, 0.03, 0.11, 0.4}) {
-      expect_same(volume.below(up, level_m, true), clipped(mesh, up, level_m), volume.whole());
-      EXPECT_EQ(volume.below(up, level_m, false).volume_m3, volume.below(up, level_m, true).volume_m3);
-      EXPECT_EQ(volume.below(up, level_m, false).first_m4, volume.below(up, level_m, true).first_m4);
+  for (const double pitch : kPitches) {
+    const CutVolume volume(mesh, pitch);
+    for (int tilt = 0; tilt < 12; ++tilt) {
+      const Eigen::Vector3d up =
+          Eigen::AngleAxisd(0.5 * tilt, Eigen::Vector3d(1, 0.4 * tilt, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
+      for (const double level_m : {-0.2, -0.07, -0.001, 0.0, 0.03, 0.11, 0.4}) {
+        expect_same(volume.below(up, level_m, true), clipped(mesh, up, level_m), volume.whole());
+        EXPECT_EQ(volume.below(up, level_m, false).volume_m3, volume.below(up, level_m, true).volume_m3);
+        EXPECT_EQ(volume.below(up, level_m, false).first_m4, volume.below(up, level_m, true).first_m4);
+      }
     }
   }
 }
 
 TEST(CutVolume, APlaneAnywhereInItsCellEqualsTheSumOfClippedTriangles) {
   const TriangleMesh mesh = egg();
-  const CutVolume volume(mesh);
-  const RandomStream random(3, "planes");
-  const double pitch_m = 0.3 / 128;  // pitch of cells in level
-  for (std::uint64_t k = 0; k < 300; ++k) {
-    const auto draw = [&](std::uint64_t index) { return 2 * random.uniform(k, index) - 1; };
-    const Eigen::Vector3d up = Eigen::Vector3d(draw(0), draw(1), draw(2)).normalized();
-    const double level_m = 0.15 * draw(3), edge_m = (std::floor(level_m / pitch_m) + 0.5) * pitch_m;
-    for (const double at_m : {level_m, edge_m * (1 - 1e-15), edge_m, edge_m * (1 + 1e-15)})
-      expect_same(volume.below(up, at_m, true), clipped(mesh, up, at_m), volume.whole());
+  for (const double pitch : kPitches) {
+    const CutVolume volume(mesh, pitch);
+    const RandomStream random(3, "planes");
+    const double pitch_m = pitch * 0.3 / 128;  // pitch of cells in level
+    for (std::uint64_t k = 0; k < 300; ++k) {
+      const auto draw = [&](std::uint64_t index) { return 2 * random.uniform(k, index) - 1; };
+      const Eigen::Vector3d up = Eigen::Vector3d(draw(0), draw(1), draw(2)).normalized();
+      const double level_m = 0.15 * draw(3), edge_m = (std::floor(level_m / pitch_m) + 0.5) * pitch_m;
+      for (const double at_m : {level_m, edge_m * (1 - 1e-15), edge_m, edge_m * (1 + 1e-15)})
+        expect_same(volume.below(up, at_m, true), clipped(mesh, up, at_m), volume.whole());
+    }
   }
 }
 
@@ -107,6 +114,8 @@ TEST(CutKernels, AllInstructionSetsGiveTheSameBits) {
   for (std::uint64_t n = 0; n < blocks.size(); ++n) {
     for (std::uint64_t k = 0; k < kCutLanes; ++k) {
       for (std::uint64_t c = 0; c < 9; ++c) blocks[n].corner_m[c][k] = random.uniform(n, 10 * k + c) - 0.5;
+      const double higher_m = static_cast<double>(n % 3) - 1;  // below the plane, cut, or above it
+      for (std::uint64_t c = 2; c < 9; c += 3) blocks[n].corner_m[c][k] += 2 * higher_m;
       blocks[n].volume_m3[k] = random.uniform(n, 10 * k + 9) - 0.5;
     }
   }

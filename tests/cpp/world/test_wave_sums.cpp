@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <cstring>
 #include <utility>
 #include <vector>
@@ -48,7 +49,7 @@ std::vector<WaveBlock> in_blocks(const std::vector<Wave>& waves) {
     b.deep[k % 8] = w.deep;
     b.rise_rad_s[k % 8] = w.omega / std::tanh(w.number * kDepth_m);
     b.along_m_s[k % 8] = b.rise_rad_s[k % 8] / w.number;
-    b.is_deep = b.is_deep && w.deep == 1;
+    b.mirror[k % 8] = w.deep * std::exp(-2 * w.number * kDepth_m);
   }
   return blocks;
 }
@@ -56,16 +57,15 @@ std::vector<WaveBlock> in_blocks(const std::vector<Wave>& waves) {
 struct Sums {
   std::array<CrestBlock, 9> crests;
   double height_m;
-  WaveMotionSums motion;
+  WaveMotionSums motion, motion_too;
   WaveSurfaceSums surface;
-  WaveIntegrals over, load;
+  WaveIntegrals over, over_too, load;
 
   double cosine(std::size_t k) const { return crests[k / 8].cosine_m[k % 8]; }
   double sine(std::size_t k) const { return crests[k / 8].sine_m[k % 8]; }
 };
 
-constexpr WavesOnVolume kVolume = {
-    -1.5, kDepth_m, 1, 0.02, {{3e-4, 1e-5, 2e-5}, {1e-5, 5e-4, 4e-5}, {2e-5, 4e-5, 2e-4}}};
+constexpr WavesOnVolume kVolume = {-1.5, 1, 0.02, {{3e-4, 1e-5, 2e-5}, {1e-5, 5e-4, 4e-5}, {2e-5, 4e-5, 2e-4}}};
 constexpr std::array kSpread_m2 = {0.05, 0.01, 0.03};
 
 Sums sums_by(const WaveSumKernels& kernels, const std::vector<Wave>& waves, double time_s) {
@@ -73,9 +73,10 @@ Sums sums_by(const WaveSumKernels& kernels, const std::vector<Wave>& waves, doub
   std::memset(&sums, 0, sizeof sums);
   const std::vector<WaveBlock> blocks = in_blocks(waves);
   EXPECT_TRUE(kernels.crests(blocks.data(), blocks.size(), 3.1, -7.7, time_s, sums.crests.data(), sums.height_m));
-  kernels.motion(blocks.data(), blocks.size(), sums.crests.data(), kVolume.z_m, kDepth_m, sums.motion);
+  kernels.motion(blocks.data(), blocks.size(), sums.crests.data(), kVolume.z_m, sums.motion);
   kernels.surface(blocks.data(), blocks.size(), sums.crests.data(), kSpread_m2.data(), sums.surface);
   kernels.over(blocks.data(), blocks.size(), sums.crests.data(), kVolume, sums.over);
+  kernels.over_with_motion(blocks.data(), blocks.size(), sums.crests.data(), kVolume, sums.over_too, sums.motion_too);
   kernels.load(blocks.data(), blocks.size(), sums.crests.data(), kVolume, sums.load);
   return sums;
 }
@@ -130,6 +131,7 @@ TEST(WaveSums, VelocityAndItsGradientAreThoseOfLinearTheory) {
   }
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(sums.motion.velocity_m_s[k], u[k], 1e-14);
   EXPECT_NEAR(sums.motion.gradient[3], xz, 1e-14);
+  EXPECT_EQ(std::memcmp(&sums.motion, &sums.motion_too, offsetof(WaveMotionSums, local_m_s2)), 0);
   EXPECT_NEAR(sums.motion.local_m_s2[2], accelerates_up, 1e-14);
 }
 
@@ -162,6 +164,7 @@ TEST(WaveSums, VelocityAndItsRateAreIntegratedOverTheVolume) {
       }
     }
   }
+  EXPECT_EQ(std::memcmp(&sums.over, &sums.over_too, sizeof sums.over), 0);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(sums.load.rate[i], sums.over.rate[i]) << i;
     EXPECT_EQ(sums.load.turning_rate[i], sums.over.turning_rate[i]) << i;
