@@ -35,7 +35,7 @@ inline double product_sum(double ai, double bi, double ci, double aj, double bj,
   return ai * aj + bi * bj + ci * cj + (ai + bi + ci) * (aj + bj + cj);
 }
 
-/// What add_cut adds for triangles below the plane, to the last bit.
+/// Adds the same as add_cut, to the last bit, for triangles that are all below the plane.
 template <bool kWithSecond>
 void add_wet(const CutBlock& block, CutSums& sums) {
 #pragma GCC ivdep
