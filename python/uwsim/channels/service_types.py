@@ -11,15 +11,11 @@ of numbers by name.
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
-
-from rosbags.interfaces import Nodetype
-from rosbags.typesys import get_types_from_msg
 
 from uwsim.channels.cdr import Distro, store_of
-from uwsim.channels.message_types import EMPTY_PLACEHOLDER, ros1_typestore, typestore
+from uwsim.channels.interface_types import parsed, service_texts
+from uwsim.channels.message_types import ros1_typestore, typestore
 
-PLACEHOLDER = [(EMPTY_PLACEHOLDER, (Nodetype.BASE, ("uint8", 0)))]
 OUTCOME = "bool success\nstring message\n"
 _NAMED = "rcl_interfaces/Parameter[] parameters\n---\n"
 
@@ -36,6 +32,11 @@ SERVICE_TYPES = {
     "rcl_interfaces/srv/DescribeParameters": "string[] names\n---\nrcl_interfaces/ParameterDescriptor[] descriptors\n",
     "rcl_interfaces/srv/SetParameters": f"{_NAMED}rcl_interfaces/SetParametersResult[] results\n",
     "rcl_interfaces/srv/SetParametersAtomically": f"{_NAMED}rcl_interfaces/SetParametersResult result\n",
+    # https://github.com/ros2/rcl_interfaces; every action has one
+    "action_msgs/srv/CancelGoal": (
+        "action_msgs/GoalInfo goal_info\n---\nint8 ERROR_NONE=0\nint8 ERROR_REJECTED=1\nint8 ERROR_UNKNOWN_GOAL_ID=2\n"
+        "int8 ERROR_GOAL_TERMINATED=3\nint8 return_code\naction_msgs/GoalInfo[] goals_canceling\n"
+    ),
     # Our own
     "uwsim_msgs/srv/Step": f"uint32 steps 1\n---\n{OUTCOME}",
     "uwsim_msgs/srv/SetSpeed": f"float64 speed  # simulated seconds per second; 0: as fast as possible\n---\n{OUTCOME}",
@@ -80,34 +81,6 @@ def halves(service_type: str) -> tuple[str, str]:
 @cache
 def load_service_types(distro: Distro = "jazzy") -> None:
     """Add all service types to the message types, on first use, since rosbags takes half a second for it."""
-    found = {part: fields for name in SERVICE_TYPES for part, fields in _parts(name).items()}
+    found = {part: fields for name in SERVICE_TYPES for part, fields in parsed(service_texts(name, *halves(name))).items()}
     for store in (typestore(), ros1_typestore(), store_of(distro)):
         store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
-
-
-def _parts(name: str) -> dict[str, Any]:
-    """Return the message types of a service type, as rosbags stores them."""
-    request, response, event = request_type(name), response_type(name), f"{name}_Event"
-    texts = {
-        request: halves(name)[0],
-        response: halves(name)[1],
-        event: f"service_msgs/ServiceEventInfo info\n{request}[<=1] request\n{response}[<=1] response\n",
-        name: f"{request} request_message\n{response} response_message\n{event} event_message\n",
-    }
-    in_rosbags = {_as_message(part): part for part in texts}  # its parser takes "msg" alone in the middle of a name
-
-    def restored(kind: Any) -> Any:
-        if isinstance(kind, str):
-            return in_rosbags.get(kind, kind)
-        return tuple(map(restored, kind)) if isinstance(kind, tuple) else kind
-
-    found = {}
-    for part, text in texts.items():
-        lines = "\n".join(_as_message(line) if line.startswith(name) else line for line in text.splitlines())
-        constants, fields = get_types_from_msg(lines, _as_message(part))[_as_message(part)]
-        found[part] = constants, [(field, restored(kind)) for field, kind in fields] or PLACEHOLDER
-    return found
-
-
-def _as_message(name: str) -> str:
-    return name.replace("/srv/", "/msg/")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any
 
@@ -40,6 +40,7 @@ class Steering:
         self._stops = 0  # the gate's count of all stops when the loop began
         self._wanted = np.zeros(6)
         self.by_keys = False
+        self._replaced: Callable[[], object] | None = None
         self.watch = Watchdog(source.command_timeout_s)
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
@@ -61,11 +62,36 @@ class Steering:
         if live.simulator.link is None and _moves(arguments):  # over a link, the state aboard is unknown here
             self._gate(live).require_no_stop(name)
         with self._lock:
-            self.by_keys = False
-            if self._loop is not None:
-                self._loop.cancel()
-                self._loop = None
+            self._replace()
             return self._command(live, name, **arguments)
+
+    def begin_flight(self, replaced: Callable[[], object]) -> None:
+        """End any velocity hold or other flight, for a flight that commands the vehicle itself.
+
+        replaced: called, on any thread, when another command takes the flight's place; it must not block.
+        """
+        self.watch.forget()
+        with self._lock:
+            self._replace()
+            self._replaced = replaced
+
+    def end_flight(self, replaced: Callable[[], object]) -> bool:
+        """Note that a flight has ended; return whether it was still in effect."""
+        with self._lock:
+            was_in_effect = self._replaced == replaced
+            if was_in_effect:
+                self._replaced = None
+            return was_in_effect
+
+    def _replace(self) -> None:
+        """End what has been in effect, except single commands."""
+        self.by_keys = False
+        if self._loop is not None:
+            self._loop.cancel()
+            self._loop = None
+        replaced, self._replaced = self._replaced, None
+        if replaced is not None:
+            replaced()
 
     def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
         """Hold a velocity (6,) [m/s, rad/s] in body axes. Raises ValueError while all stop is set."""
@@ -74,6 +100,8 @@ class Steering:
         gate = self._gate(live)
         gate.require_no_stop("cmd_vel")
         with self._lock:
+            if self._replaced is not None:
+                self._replace()
             self._wanted = velocity_body
             self.by_keys = False
             self._end_if_stopped(gate)

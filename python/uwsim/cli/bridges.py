@@ -15,6 +15,7 @@ from uwsim.cli.choices import one_of
 from uwsim.cli.options import need
 
 if TYPE_CHECKING:
+    from uwsim.bridges.actions import Action
     from uwsim.bridges.ros2 import Ros2Settings
     from uwsim.channels import Channel, Service
     from uwsim.channels.feed import Readings
@@ -120,6 +121,7 @@ class Bridges:
         *,
         live: LiveSimulator | None = None,
         services: Sequence[Service] = (),
+        actions: Sequence[Action] = (),
         origin: str = "world",
         namespace: str = "",
         access: Mapping[str, Any] = MappingProxyType({}),
@@ -138,7 +140,9 @@ class Bridges:
         if self._ros2 is not None:
             from uwsim.bridges.ros2 import Ros2Node
 
-            node = stack.enter_context(Ros2Node(live, channels, services, self._ros2, feed=feed, namespace=namespace))
+            node = stack.enter_context(
+                Ros2Node(live, channels, services, self._ros2, feed=feed, namespace=namespace, actions=actions)
+            )
             said.append(f"ROS 2 {node.settings}")
         if self._foxglove_port is not None:
             from uwsim.bridges.foxglove import FoxgloveServer

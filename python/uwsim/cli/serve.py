@@ -102,6 +102,7 @@ def serve(
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.actions import actions_in, actions_of
     from uwsim.channels.feed import Feed
     from uwsim.channels.names import channels_in, services_in
     from uwsim.channels.served import default_origin, served_table
@@ -154,6 +155,7 @@ def serve(
             hub.run(lambda: live, lambda running: record_from(running.table), feed)
             places = [f"{scenario} at {server.url}", f"the station's page at {page_url(server.url, token)}"]
             shown = hub.present().table
+            actions = actions_of(simulator, shown)
         else:
             shown = served_table(live, wire=wire, origin=origin, tf=tf, frame_prefix=prefix)  # type: ignore[arg-type]  # checked there
             # refuses invalid options before a file is created
@@ -166,7 +168,8 @@ def serve(
             record_from(shown)
             shown.channels = channels_in(namespace, shown.channels)
             shown.services = services_in(namespace, shown.services)
-            server.channels, server.services = shown.channels, shown.services
+            actions = actions_in(namespace, actions_of(simulator, shown))
+            server.channels, server.services, server.actions = shown.channels, shown.services, actions
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]
         places += bridges.join(
@@ -175,6 +178,7 @@ def serve(
             feed,
             live=live,
             services=shown.services,
+            actions=actions,
             origin=origin,
             namespace=namespace,
             access=accessible,

@@ -135,11 +135,16 @@ def follow(
         raise ValueError(f"follow: path_world_m.shape = {points.shape}: must be (n, 3) or (n, 2), n at least 2")
     yield from goto(vehicle, points[0], altitude_m=altitude_m, speed_m_s=speed_m_s)
     for start, end in pairwise(points):
-        yield from _along(vehicle, start, end, altitude_m, speed_m_s)
+        yield from follow_leg(vehicle, start, end, altitude_m=altitude_m, speed_m_s=speed_m_s)
 
 
-def _along(
-    vehicle: OwnVehicle, start: NDArray[Any], end: NDArray[Any], altitude_m: float | None, speed_m_s: float
+def follow_leg(
+    vehicle: OwnVehicle,
+    start: NDArray[Any],
+    end: NDArray[Any],
+    *,
+    altitude_m: float | None = None,
+    speed_m_s: float = 0.5,
 ) -> Steps[None]:
     """Follow one leg, staying on the line between its ends."""
     x, y, height = _target(vehicle, "follow", end, altitude_m)

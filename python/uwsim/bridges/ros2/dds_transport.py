@@ -16,7 +16,6 @@ from uwsim.bridges.ros2.rtps_endpoints import RtpsServer
 from uwsim.bridges.ros2.rtps_participant import RtpsParticipant
 from uwsim.bridges.ros2.settings import Ros2Settings
 from uwsim.bridges.ros2.transport import DEPTH
-from uwsim.channels import Service
 from uwsim.channels.cdr import encode
 
 
@@ -39,10 +38,10 @@ class DdsTransport:
         """Return a new reader."""
         return self._reader(dds_name(topic), type_name, reliable=reliable)
 
-    def server(self, service: Service) -> RtpsServer:
-        """Return a new server."""
+    def server(self, name: str, type_name: str) -> RtpsServer:
+        """Return a new server of a service."""
         self._services = self._services or RtpsParticipant(self._settings)
-        return self._services.server(service, self._events.put)
+        return self._services.server(name, type_name, self._events.put)
 
     def wait_set(self) -> Events:
         """Return an object that waits on all of them."""

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.channels.cdr import Distro, schema, store_of
+from uwsim.channels.cdr import Distro, store_of
+from uwsim.channels.type_hash import type_hash
 
 ENTITIES = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 ENTITIES_TOPIC = "ros_discovery_info"
@@ -29,7 +30,7 @@ def dds_name(topic: str) -> str:
 
 def endpoint_data(type_name: str, distro: Distro) -> bytes:
     """Return an endpoint's user data, which in Jazzy contains the type hash."""
-    return b"" if distro == "humble" else f"typehash={schema(type_name, distro).type_hash};".encode()
+    return b"" if distro == "humble" else f"typehash={type_hash(store_of(distro), type_name)};".encode()
 
 
 def entities_info(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
+from uwsim.bridges.ros2.action_server import ActionServer
 from uwsim.bridges.ros2.graph import dds_name
 from uwsim.bridges.ros2.parameter_events import EVENTS, EVENTS_DEPTH, EVENTS_TOPIC, ParameterEvents
 from uwsim.bridges.ros2.parameter_topic import parameter_channel
@@ -17,6 +19,7 @@ from uwsim.bridges.ros2.service_topics import service_channels
 from uwsim.bridges.ros2.settings import Ros2Settings, need_middleware
 from uwsim.bridges.ros2.transport import DEPTH, Call, Reader, Server, Transport, Writer
 from uwsim.channels import Channel, Service, require_live
+from uwsim.channels.action_types import ONLY_IN_JAZZY, load_action_types
 from uwsim.channels.cdr import encode, is_as_in_jazzy
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import from_bytes
@@ -54,9 +57,9 @@ class Ros2Node(Bridge):
 
     A channel is read only while a node subscribes to it. Messages are encoded and written on one thread; commands are
     received on another. live: None if the feed plays a recording, which accepts no commands. feed: shared with other
-    sinks so that each reading is taken and encoded only once. namespace: part of the node's name. Raises
-    ValueError for settings or names that ROS 2 does
-    not allow, and OSError if the domain cannot be joined.
+    sinks so that each reading is taken and encoded only once. namespace: part of the node's name.
+    actions: flights that peers may start, see `uwsim.bridges.actions.actions_of`. Raises ValueError for settings or
+    names that ROS 2 does not allow, and OSError if the domain cannot be joined.
     """
 
     peer = "a ROS 2 node"
@@ -70,6 +73,7 @@ class Ros2Node(Bridge):
         *,
         feed: Readings | None = None,
         namespace: str = "",
+        actions: Sequence[Action] = (),
     ) -> None:
         self.name = node_name(namespace)
         self.settings = settings or Ros2Settings()
@@ -84,7 +88,9 @@ class Ros2Node(Bridge):
         super().__init__("ros2", live, self.channels, services, feed, open_calls=OPEN_CALLS_MAX)
         self._writers: dict[str, Writer] = {}
         self._lines: dict[str, Line[Job]] = {}
-        self._sources: dict[Writer | Reader, Channel] = {}
+        self._sources: dict[Writer | Reader | Server, Channel] = {}
+        self._calls: dict[Writer | Reader | Server, Callable[[Call], None]] = {}
+        self._actions: list[ActionServer] = []
         self._stopping = threading.Event()
         self._transport = transport_of(self.settings, self.name)
         self._outgoing = Outgoing("uwsim-ros2-write")
@@ -96,6 +102,7 @@ class Ros2Node(Bridge):
         self._parameter_events: ParameterEvents | None = None
         if live is not None:
             self._serve(live, services)
+            self._act(live, actions)
         self.keep_up()
         self._transport.announce()
         self._thread = threading.Thread(target=self._listen, name="uwsim-ros2-read", daemon=True)
@@ -115,6 +122,8 @@ class Ros2Node(Bridge):
         """Leave the domain; other nodes are notified, and both threads end."""
         was_open = super().close()
         if was_open:
+            for server in self._actions:
+                server.close()
             self._stopping.set()
             self._events.wake()
             self._thread.join(5.0)
@@ -140,23 +149,40 @@ class Ros2Node(Bridge):
         """Offer the services whose types are defined, and the parameters."""
         for service in (*services, *rcl_parameter_services(self.name)):
             if service.type in SERVICE_TYPES:
-                self._events.attach(self._transport.server(service))
-        events = self._transport.writer(EVENTS_TOPIC, EVENTS, EVENTS_DEPTH, latched=False)
-        line: Line[Job] = Line(EVENTS_TOPIC, EVENTS_DEPTH)
-
-        def publish(message: Any) -> None:
-            self._outgoing.offer(line, lambda: events.write(encode(message, self.settings.distro)))
-
+                self._offer(service.name, service.type, partial(self._call_service, service))
+        publish = self._publisher(EVENTS_TOPIC, EVENTS, EVENTS_DEPTH, latched=False)
         self._parameter_events = ParameterEvents(live, f"/{self.name}", publish)
         self._parameter_events.open()
+
+    def _act(self, live: LiveSimulator, actions: Sequence[Action]) -> None:
+        """Offer the actions whose types are those of the distribution."""
+        if actions:
+            load_action_types(self.settings.distro)
+        for action in actions:
+            if self.settings.distro == "jazzy" or action.type not in ONLY_IN_JAZZY:
+                said = partial(self._say, WARN)
+                server = ActionServer(live, action, self.settings.distro, self._publisher, self._offer, said)
+                self._actions.append(server)
+
+    def _offer(self, name: str, type_name: str, take: Callable[[Call], None]) -> None:
+        """Offer a service whose calls `take` receives on the reading thread."""
+        server = self._transport.server(name, type_name)
+        self._calls[server] = take
+        self._events.attach(server)
+
+    def _publisher(self, topic: str, type_name: str, depth: int, *, latched: bool) -> Callable[[Any], None]:
+        """Return a function that publishes messages on a new topic."""
+        writer = self._transport.writer(topic, type_name, depth, latched=latched)
+        line: Line[Job] = Line(topic, depth)
+        return lambda message: self._outgoing.offer(line, lambda: writer.write(encode(message, self.settings.distro)))
 
     def _listen(self) -> None:
         """Receive commands and calls, and track when subscribers and publishers come and go."""
         while not self._stopping.is_set():
             for source in self._events.wait(LOOK_S):
-                channel = self._sources.get(source)  # type: ignore[arg-type]  # a Server is in none
+                channel = self._sources.get(source)
                 if channel is None:
-                    self._take_calls(source)  # type: ignore[arg-type]
+                    self._take_calls(source)
                 elif channel.direction == "out":
                     self._notice_readers(channel, source.readers())  # type: ignore[union-attr]
                 else:
@@ -166,15 +192,21 @@ class Ros2Node(Bridge):
                         self.abandon(channel)
             self._stopping.wait(PAUSE_S)
 
-    def _take_calls(self, server: Server) -> None:
-        """Make the calls that have arrived."""
-        service = server.service
-        for call in server.take(DEPTH):
+    def _take_calls(self, server: Writer | Reader | Server) -> None:
+        """Make the calls that have arrived at a server; writers outside the table of channels have none."""
+        take = self._calls.get(server)
+        for call in server.take(DEPTH) if take is not None else ():  # type: ignore[union-attr]
             try:
-                request = request_values(service.type, from_bytes(call.request, request_type(service.type)))
-                self.call(service, request, partial(self._respond, service, call))
-            except (ValueError, RuntimeError) as error:
-                self._respond(service, call, False, str(error))
+                take(call)  # type: ignore[misc, arg-type]
+            except Exception:
+                self.log.exception("a call could not be made")
+
+    def _call_service(self, service: Service, call: Call) -> None:
+        try:
+            request = request_values(service.type, from_bytes(call.request, request_type(service.type)))
+            self.call(service, request, partial(self._respond, service, call))
+        except (ValueError, RuntimeError) as error:
+            self._respond(service, call, False, str(error))
 
     def _respond(self, service: Service, call: Call, succeeded: bool, values: Any) -> None:
         try:

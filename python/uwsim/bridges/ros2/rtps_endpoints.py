@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 from uwsim.bridges.ros2 import rtps
 from uwsim.bridges.ros2.transport import Call
-from uwsim.channels import Service
 
 Address = tuple[str, int]
 KEPT = 100  # responses that may be sent again
@@ -96,8 +95,7 @@ class RtpsServer:
 
     entities = ()  # of Cyclone DDS; its events are reported with `put`
 
-    def __init__(self, service: Service, number: int, put: Callable[[RtpsServer], object]) -> None:
-        self.service = service
+    def __init__(self, number: int, put: Callable[[RtpsServer], object]) -> None:
         self.reader, self.history = (
             number.to_bytes(3, "big") + b"\x04",
             History(number.to_bytes(3, "big") + b"\x03", kept=KEPT),

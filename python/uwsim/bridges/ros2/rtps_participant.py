@@ -22,7 +22,6 @@ from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name, endpoint_data
 from uwsim.bridges.ros2.rtps_endpoints import History, Peer, RtpsServer, Track
 from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2Settings, multicast_port, unicast_port
 from uwsim.bridges.ros2.transport import Call
-from uwsim.channels import Service
 from uwsim.channels.service_types import request_type, response_type
 
 Address = tuple[str, int]
@@ -59,21 +58,21 @@ class RtpsParticipant:
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="uwsim-ros2-rtps", daemon=True)
 
-    def server(self, service: Service, put: Callable[[RtpsServer], object]) -> RtpsServer:
-        """Return a new server. put: called on the participant's thread when a call has arrived."""
-        server = RtpsServer(service, len(self._servers) + 1, put)
+    def server(self, service: str, service_type: str, put: Callable[[RtpsServer], object]) -> RtpsServer:
+        """Return a new server of a service. put: called on the participant's thread when a call has arrived."""
+        server = RtpsServer(len(self._servers) + 1, put)
         identity = f"serviceid={'.'.join(f'{byte:x}' for byte in self.prefix + server.reader)};"
-        name, (package, _, short) = dds_name(service.name).removeprefix("rt/"), service.type.split("/")
+        name, (package, group, short) = dds_name(service).removeprefix("rt/"), service_type.split("/")
         for writer, entity, topic, part, type_name in (
-            (SUBSCRIPTIONS, server.reader, f"rq/{name}Request", "Request", request_type(service.type)),
-            (PUBLICATIONS, server.history.writer, f"rr/{name}Reply", "Response", response_type(service.type)),
+            (SUBSCRIPTIONS, server.reader, f"rq/{name}Request", "Request", request_type(service_type)),
+            (PUBLICATIONS, server.history.writer, f"rr/{name}Reply", "Response", response_type(service_type)),
         ):
             hashed = identity.encode() + endpoint_data(type_name, self._settings.distro)
             found = [
                 (rtps.ENDPOINT_GUID, self.prefix + entity),
                 (rtps.PARTICIPANT_GUID, self.prefix + PARTICIPANT),
                 (rtps.TOPIC_NAME, rtps.text(topic)),
-                (TYPE_NAME, rtps.text(f"{package}::srv::dds_::{short}_{part}_")),
+                (TYPE_NAME, rtps.text(f"{package}::{group}::dds_::{short}_{part}_")),
                 (RELIABILITY, struct.pack("<IiI", 2, 0, 0x1999_9999)),
                 (DURABILITY, bytes(4)),
                 (USER_DATA, struct.pack("<I", len(hashed)) + hashed),

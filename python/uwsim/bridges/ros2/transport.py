@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
-from uwsim.channels import Service
-
 DEPTH = 10  # messages by which a reader may lag behind; the ROS 2 default
 
 
@@ -40,8 +38,6 @@ class Call(NamedTuple):
 class Server(Protocol):
     """Receives the calls of a service."""
 
-    service: Service
-
     def take(self, limit: int) -> list[Call]:
         """Return up to `limit` calls that have arrived."""
 
@@ -68,8 +64,8 @@ class Transport(Protocol):
     def reader(self, topic: str, type_name: str, *, reliable: bool) -> Reader:
         """Return a new reader."""
 
-    def server(self, service: Service) -> Server:
-        """Return a new server."""
+    def server(self, name: str, type_name: str) -> Server:
+        """Return a new server of a service."""
 
     def wait_set(self) -> Events:
         """Return an object that waits on all of them."""

@@ -23,7 +23,6 @@ import zenoh.ext
 from uwsim.bridges.ros2.settings import ZENOH_PORT, Ros2Settings
 from uwsim.bridges.ros2.transport import DEPTH, Call
 from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_of
-from uwsim.channels import Service
 
 ROUTER_S, LOOK_S = 1.0, 0.02
 CALLS_MAX = 100
@@ -73,10 +72,10 @@ class ZenohTransport:
         self._watch("MP", entity, reader)
         return reader
 
-    def server(self, service: Service) -> ZenohServer:
-        """Return a new server."""
-        entity = self._entity("SS", service.name, service.type, DEPTH)
-        server = ZenohServer(service, entity.key, self._events)
+    def server(self, name: str, type_name: str) -> ZenohServer:
+        """Return a new server of a service."""
+        entity = self._entity("SS", name, type_name, DEPTH)
+        server = ZenohServer(entity.key, self._events)
         server.queryable = self._session.declare_queryable(entity.key, server.receive, complete=True)
         self._announce(entity)
         return server
@@ -197,8 +196,8 @@ class ZenohReader:
 class ZenohServer:
     """A `Server`. key: of its requests and responses."""
 
-    def __init__(self, service: Service, key: str, events: ZenohEvents) -> None:
-        self.service, self._key, self._events = service, key, events
+    def __init__(self, key: str, events: ZenohEvents) -> None:
+        self._key, self._events = key, events
         self._found: deque[Any] = deque(maxlen=CALLS_MAX)
         self.queryable: Any = None
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from uwsim.bridges.actions import Action, actions_of
 from uwsim.bridges.connection import HeardConnection
 from uwsim.bridges.conversation import Allowance, Rates
 from uwsim.bridges.listener import STOP_S, Address, Listener, Site
@@ -51,8 +52,8 @@ class RosbridgeServer:
     spelling of times and headers is used for clients whose type names are valid in both ("sensor_msgs/LaserScan").
     origins: web pages that may connect, in addition to this machine's. token: a secret that clients must send:
     ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
-    odom, see uwsim.channels.Table, by default the scenario's; channels and services, such as those of a shared Table,
-    replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the same
+    odom, see uwsim.channels.Table, by default the scenario's; channels, services and actions, such as those of a shared
+    Table, replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the same
     port, without a check of the token. Raises ValueError or OSError.
     """
 
@@ -72,6 +73,7 @@ class RosbridgeServer:
         origin: str | Sequence[float] | None = None,
         channels: Iterable[Channel] | None = None,
         services: Iterable[Service] = (),
+        actions: Iterable[Action] = (),
         feed: Readings | None = None,
         guests: Sequence[Guest] = (),
         site: Site | None = None,
@@ -100,8 +102,10 @@ class RosbridgeServer:
         if live is not None and channels is None:
             table = served_table(live, wire=wire, origin=origin)
             channels, services = table.channels, table.services
+            actions = actions_of(live.simulator, table)
         self.channels: list[Channel] = list(channels or ())  # may be replaced before start
         self.services: list[Service] = list(services)
+        self.actions: list[Action] = list(actions)
         self._numbers = itertools.count(1)
         self._node: SimulatorNode | None = None
         self._pool: ThreadPoolExecutor | None = None
@@ -181,6 +185,7 @@ class RosbridgeServer:
         channels: Iterable[Channel],
         services: Iterable[Service],
         feed: Readings | None = None,
+        actions: Iterable[Action] = (),
     ) -> None:
         """Replace the simulator that clients see with another or none; clients stay connected and subscribed.
 
@@ -194,7 +199,7 @@ class RosbridgeServer:
             if self._node is not None:
                 self._node.close()
             self._live, self._feed = live, feed
-            self.channels, self.services = list(channels), list(services)
+            self.channels, self.services, self.actions = list(channels), list(services), list(actions)
             self._join(loop)
 
         asyncio.run_coroutine_threadsafe(change(), loop).result(STOP_S)
@@ -203,7 +208,9 @@ class RosbridgeServer:
         """Add the current simulator or recording, if any, to the graph."""
         self._node = None
         if self._live is not None or self._feed is not None:
-            self._node = SimulatorNode(self._live, self.channels, self.services, self._feed, self.graph, loop)
+            self._node = SimulatorNode(
+                self._live, self.channels, self.services, self._feed, self.graph, loop, self.actions
+            )
 
     def _time_ns(self) -> int:
         return 0 if self._live is None else self._live.simulator.time_ns

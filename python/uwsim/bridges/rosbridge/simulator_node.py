@@ -7,14 +7,16 @@ the other way. The simulator's thread never waits for the graph's.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
+from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
+from uwsim.bridges.rosbridge.own_actions import OwnAction
 from uwsim.channels import Channel, Service
 from uwsim.channels.command_services import named_arguments
 from uwsim.channels.feed import Reading, Readings
@@ -28,7 +30,7 @@ WAITING = 10  # times a topic's usual queue, since one client may keep the netwo
 
 
 class SimulatorNode(Bridge):
-    """Connects a live simulator's channels and services, or a recording's channels, to a graph on its event loop."""
+    """Connects a live simulator's channels, services and actions, or a recording's channels, to a graph on its event loop."""
 
     peer = "a rosbridge client"
 
@@ -40,6 +42,7 @@ class SimulatorNode(Bridge):
         feed: Readings | None,
         graph: Graph,
         loop: asyncio.AbstractEventLoop,
+        actions: Sequence[Action] = (),
     ) -> None:
         channels = with_earlier_names(channels)
         super().__init__("rosbridge", live, channels, services, feed)
@@ -62,12 +65,19 @@ class SimulatorNode(Bridge):
                 self.log.error("%s", error)
         for service in self.services.values():
             graph.advertise_service(self._name, service.name, service.type, partial(self._serve, service))
+        self._actions: list[OwnAction] = []
+        for action in actions if live is not None else ():
+            handler = OwnAction(live, action, partial(post, loop))
+            self._actions.append(handler)
+            graph.advertise_action(self._name, action.name, action.type, handler)
         self.keep_up()
 
     def close(self) -> bool:
         """Stop reading and leave the graph."""
         was_open = super().close()
         if was_open:
+            for action in self._actions:
+                action.close()
             self._graph.on_demand.remove(self._notice_demand)
             self._graph.on_abandoned.remove(self._notice_abandoned)
             self._graph.leave(self._name)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Self
 
+from uwsim.bridges.actions import Action, actions_of
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
@@ -25,7 +26,7 @@ from uwsim.operator.station.services import Services
 from uwsim.scenario import ScenarioError
 from uwsim.simulator.simulator import Simulator
 
-Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None], None]
+Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None, list[Action]], None]
 
 
 class Station:
@@ -66,7 +67,7 @@ class Station:
         self._options: dict[str, Any] = {"truth": truth, "wire": wire, "origin": origin}
         self._threads = threads
         self.prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
-        self._show: Show = lambda live, channels, services, feed: None
+        self._show: Show = lambda live, channels, services, feed, actions: None
         self.phase = "starting" if is_fixed else "idle"  # idle shows the start screen
         self.session = 0
         self._numbers = itertools.count(1)
@@ -165,7 +166,8 @@ class Station:
             self._leave_present()
             self.node.offer_topics(self._topics(running))
             running.start()
-            self._show(running.live, running.table.channels, running.table.services, running.feed)
+            actions = actions_of(running.live.simulator, running.table)
+            self._show(running.live, running.table.channels, running.table.services, running.feed, actions)
             self.running = running
             self.session = next(self._numbers)
             before = "running"
@@ -204,7 +206,7 @@ class Station:
     def _leave_present(self) -> None:
         if self.running is not None:
             running, self.running = self.running, None
-            self._show(None, [], [], None)
+            self._show(None, [], [], None, [])
             running.stop()
 
     def _enter(self, phase: str) -> None:

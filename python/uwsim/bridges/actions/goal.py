@@ -1,0 +1,169 @@
+"""Goal: a flight on its own thread, which reports its progress and can be cancelled."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from uwsim.bridges.actions.action import Action, Progress, Route
+from uwsim.channels import build
+from uwsim.channels.steering import require_link
+from uwsim.live import LiveSimulator
+from uwsim.live.vehicle import LiveVehicle
+from uwsim.missions import OwnVehicle, Steps, StoppedError, drive, goto, turn_to
+from uwsim.missions.moves import follow_leg
+from uwsim.navigation.control.protocols import Clock
+
+ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # action_msgs/msg/GoalStatus
+FEEDBACK_S = 0.5
+CLOSE_S = 2.0
+REPLACED, SERVER_STOPS = "another command has taken its place", "the server stops"
+
+Fed = Callable[[Any], object]
+Ended = Callable[[int, Any], object]
+"""Receives the status at the end, and the result."""
+logger = logging.getLogger("uwsim.actions")
+
+
+class _EndedError(Exception):
+    """Ends a flight early."""
+
+    def __init__(self, status: int, reason: str) -> None:
+        super().__init__(reason)
+        self.status = status
+
+
+class Goal:
+    """A goal that has been accepted; `start` begins the flight.
+
+    fed: called with each feedback. ended: called once. Both are called on the flight's thread. Raises ValueError if the
+    goal is impossible or the vehicle cannot be commanded now.
+    """
+
+    def __init__(self, live: LiveSimulator, action: Action, goal: Any, fed: Fed, ended: Ended) -> None:
+        self.action, self._live, self._fed, self._ended = action, live, fed, ended
+        self._name = action.source.name
+        action.steering.rights.require(action.name)
+        require_link(live, self._name, action.name)
+        self._hull: LiveVehicle = live.vehicles[self._name]
+        if not self._hull.released:
+            raise ValueError(f"vehicle '{self._name}' is at the station: call /{action.source.topic('undock')} first")
+        if self._hull.all_stopped:
+            raise ValueError(f"vehicle '{self._name}': all stop is set")
+        self._route: Route = action.route(goal)
+        self._stop: _EndedError | None = None
+        self._leg = 0
+        self._thread = threading.Thread(target=self._run, name=f"uwsim-{action.name}", daemon=True)
+
+    def start(self) -> None:
+        """Begin the flight, in place of any other command of a bridge to the vehicle."""
+        self.action.steering.begin_flight(self._replaced)
+        self._thread.start()
+
+    def cancel(self) -> None:
+        """End the flight within a control period of simulated time; the vehicle comes to rest."""
+        self._end(_EndedError(CANCELED, "cancelled"))
+
+    def close(self) -> None:
+        """End the flight because the server stops, and wait for that."""
+        self._end(_EndedError(ABORTED, SERVER_STOPS))
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join(CLOSE_S)
+
+    def _replaced(self) -> None:
+        self._end(_EndedError(ABORTED, REPLACED))
+
+    def _end(self, reason: _EndedError) -> None:
+        self._stop = self._stop or reason
+
+    def _run(self) -> None:
+        began_s = self._live.simulator.time_s
+        status, why = SUCCEEDED, ""
+        try:
+            with self._live.mission_clock() as clock:
+                self._fly(clock, began_s)
+        except _EndedError as error:
+            status, why = error.status, str(error)
+        except (StoppedError, ValueError, RuntimeError) as error:
+            status, why = ABORTED, str(error) or type(error).__name__
+        except Exception as error:
+            logger.exception("action '%s' failed", self.action.name)
+            status, why = ABORTED, str(error) or type(error).__name__
+        self._rest()
+        self._ended(status, self.action.result(max(self._live.simulator.time_s - began_s, 0.0), why))
+
+    def _rest(self) -> None:
+        """Bring the vehicle to rest, unless something else steers it now."""
+        steering = self.action.steering
+        if steering.end_flight(self._replaced) and self._hull.released and not steering.rights.pilot():
+            with suppress(ValueError, RuntimeError):  # all stop is set, or the simulator does not run
+                steering.hold_velocity(self._live, np.zeros(6))
+
+    def _fly(self, clock: Clock, began_s: float) -> None:
+        estimate = None if self.action.uses_truth else self._hull.estimate
+        vehicle = OwnVehicle(self._hull, clock, estimate=estimate)
+        holds = self._hull.gate.holds
+        if holds is not None and holds.has_control:
+            self._hull.command("hold")
+        drive(self._steps(vehicle), _WatchedClock(clock, self, vehicle, began_s))
+
+    def _steps(self, vehicle: OwnVehicle) -> Steps[None]:
+        points, speed_m_s = self._route.points_world_m, self._route.speed_m_s
+        if len(points) > 1:
+            yield from goto(vehicle, points[0], speed_m_s=speed_m_s)
+            for start, end in pairwise(points):
+                self._leg += 1
+                yield from follow_leg(vehicle, start, end, speed_m_s=speed_m_s)
+        yield from goto(vehicle, points[-1], speed_m_s=speed_m_s)
+        if self._route.heading_rad is not None:
+            yield from turn_to(vehicle, self._route.heading_rad)
+
+    def check(self) -> None:
+        """Raise the reason if the flight is to end now."""
+        pilot = self.action.steering.rights.pilot()
+        if self._stop is not None:
+            raise self._stop
+        if pilot:
+            raise _EndedError(ABORTED, f"{pilot} has the controls, at the operator's station")
+        if not self._hull.released:
+            raise _EndedError(ABORTED, f"vehicle '{self._name}' is at the station")
+
+    def feed_back(self, vehicle: OwnVehicle, elapsed_s: float) -> None:
+        """Report the progress."""
+        source, pose = self.action.source, vehicle.pose
+        legs = np.vstack([pose.position_world_m, self._route.points_world_m[self._leg :]])
+        remaining_m = float(np.linalg.norm(np.diff(legs, axis=0), axis=1).sum())
+        stamped = build.message(
+            "geometry_msgs/msg/PoseStamped",
+            header=build.header(self._live.time_ns, source.frame("odom")),
+            pose=build.pose(pose.position_world_m + source.origin_m, pose.orientation_xyzw),
+        )
+        self._fed(self.action.feedback(Progress(stamped, self._leg, remaining_m, elapsed_s)))
+
+
+class _WatchedClock:
+    """A mission's clock that ends the mission when its goal ends, and gives feedback."""
+
+    def __init__(self, clock: Clock, goal: Goal, vehicle: OwnVehicle, began_s: float) -> None:
+        self._clock, self._goal, self._vehicle = clock, goal, vehicle
+        self._began_s = self._fed_s = began_s
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time in seconds."""
+        return self._clock.time_s
+
+    def wait(self, duration_s: float) -> None:
+        """Wait; see LiveClock."""
+        self._goal.check()
+        self._clock.wait(duration_s)
+        self._goal.check()
+        if self.time_s >= self._fed_s + FEEDBACK_S:
+            self._fed_s = self.time_s
+            self._goal.feed_back(self._vehicle, self.time_s - self._began_s)

@@ -1,0 +1,134 @@
+"""Actions: a vehicle flies to a pose or along a path, for clients of ROS 2 (by DDS) and of rosbridge."""
+
+import time
+import uuid
+
+import numpy as np
+import pytest
+
+from ros2_tools import free_domain, peer, until
+from rosbridge_session import Client
+from uwsim.bridges.actions import ABORTED, CANCELED, CANCELING, EXECUTING, SUCCEEDED, actions_of
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
+from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.own_actions import OwnAction
+from uwsim.channels import Table, build
+from uwsim.channels.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
+from uwsim.channels.cdr import store_of
+from uwsim.channels.interface_types import action_texts, parsed
+from uwsim.channels.messages import default_message, typestore
+from uwsim.channels.type_hash import type_hash
+from uwsim.live import LiveSimulator
+
+SETTINGS = Ros2Settings(domain_id=free_domain())
+FIBONACCI = "rob599_msgs/action/Fibonacci"
+PUBLISHED = {  # hashes that rosidl and rmw_zenoh users have published
+    FIBONACCI: "00bf40d6e8121f2f6fa89a9f8b78e28efc8c958cfc656f9cd7f51f223224e2a3",
+    f"{FIBONACCI}_SendGoal": "3d7412ff91ff9c5abfbf9f7f5dc2171a3f32cf6da2414b2c2c82f034d176fa01",
+    f"{FIBONACCI}_GetResult": "8ebe968757e1b88d729ad53e9aca6d14e4b2f113272786f55541cf b26acc91fc".replace(" ", ""),
+    f"{FIBONACCI}_FeedbackMessage": "a941cc541674f910f08c54c0d6a8a5a63be0ee7697a74928f342b2583dcfa88a",
+    "action_msgs/srv/CancelGoal_Request": "3d3c84653c1f96918086887e1dcb236faec88b81a5b14fd4cf4840065bcdf8af",
+    "action_msgs/msg/GoalStatusArray": "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e",
+}
+STATUS, CANCEL = "action_msgs/msg/GoalStatusArray", "action_msgs/srv/CancelGoal"
+
+
+@pytest.fixture(scope="module")
+def live():
+    with LiveSimulator("pool", speed=10.0) as live:
+        live.command("undock", vehicle="rov").result()
+        yield live
+
+
+@pytest.fixture(scope="module")
+def actions(live):
+    return {action.name: action for action in actions_of(live.simulator, Table(live.simulator))}
+
+
+@pytest.fixture(scope="module")
+def node(live, actions):
+    with Ros2Node(live, [], [], SETTINGS, actions=list(actions.values())) as node:
+        yield node
+
+
+@pytest.fixture(scope="module")
+def client(node):
+    with peer(SETTINGS) as other:
+        yield ActionClient(other, "navigate_to_pose", NAVIGATE_TO_POSE)
+
+
+class ActionClient:
+    """A client of an action, as rcl_action makes it of three services and two topics."""
+
+    def __init__(self, other, name, kind):
+        self.other, self.own, self.kind = other, f"{name}/_action", kind
+        other.listen(f"{self.own}/feedback", f"{kind}_FeedbackMessage")
+        other.listen(f"{self.own}/status", STATUS, latched=True)
+
+    def send(self, goal):
+        identity = build.message("unique_identifier_msgs/msg/UUID", uuid=np.frombuffer(uuid.uuid4().bytes, np.uint8))
+        response = self.other.call(f"{self.own}/send_goal", f"{self.kind}_SendGoal", goal_id=identity, goal=goal)
+        return identity, response.accepted
+
+    def result(self, identity):
+        return self.other.call(f"{self.own}/get_result", f"{self.kind}_GetResult", goal_id=identity)
+
+    def cancel(self, identity=None):
+        info = default_message("action_msgs/msg/GoalInfo")
+        if identity is not None:
+            info.goal_id = identity
+        return self.other.call(f"{self.own}/cancel_goal", CANCEL, goal_info=info)
+
+    def statuses(self):
+        return [one.status for array in self.other.heard(f"{self.own}/status") for one in array.status_list[-1:]]
+
+
+def pose_at(point, frame_id="odom", yaw_rad=None):
+    quaternion = (0.0,) * 4 if yaw_rad is None else (0.0, 0.0, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2))
+    return build.message(
+        "geometry_msgs/msg/PoseStamped", header=build.header(0, frame_id), pose=build.pose(point, quaternion)
+    )
+
+
+def navigate(point, **more):
+    return build.message(f"{NAVIGATE_TO_POSE}_Goal", pose=pose_at(point, **more))
+
+
+def near(live, offset):
+    return live.rov.pose.position_world_m + offset
+
+
+def test_type_hashes_of_actions_are_the_published_ones():
+    load_action_types()
+    store = typestore()
+    store.register(parsed(action_texts(FIBONACCI, "int64 number\n", "int64[] sequence\n", "int64 progress\n")))
+    assert {name: type_hash(store, name) for name in PUBLISHED} == {
+        name: f"RIHS01_{digest}" for name, digest in PUBLISHED.items()
+    }
+
+
+def test_a_goal_is_reached_with_feedback_and_a_result(client, live):
+    target = near(live, (2.0, 1.0, -0.5))
+    identity, accepted = client.send(navigate(target, yaw_rad=1.0))
+    assert accepted
+    response = client.result(identity)
+    assert (response.status, response.result.error_msg) == (SUCCEEDED, "")
+    assert np.linalg.norm(live.rov.pose.position_world_m - target) < 0.8
+    assert abs(live.rov.pose.yaw_rad - 1.0) < 0.2
+    fed = client.other.heard(f"{client.own}/feedback")
+    left = [one.feedback.distance_remaining for one in fed]
+    assert all(bytes(one.goal_id.uuid) == bytes(identity.uuid) for one in fed)
+    assert left[0] > left[-1] and fed[0].feedback.current_pose.header.frame_id == "odom"
+    assert client.statuses()[-1] == SUCCEEDED
+
+
+def test_a_goal_can_be_cancelled_and_the_vehicle_comes_to_rest(client, live):
+    identity, _ = client.send(navigate(near(live, (-3.0, 0.0, 0.0))))
+    response = client.cancel(identity)
+    assert response.return_code == 0
+    assert [bytes(one.goal_id.uuid) for one in response.goals_canceling] == [bytes(identity.uuid)]
+    assert client.result(identity).status == CANCELED
+    assert {EXECUTING, CANCELING, CANCELED} <= set(client.statuses())
+    assert client.cancel(identity).return_code == 3, "it has ended"
+    assert client.cancel(default_message("unique_identifier_msgs/msg/UUID")).goals_canceling == []
+    until(lambda: np.linalg.norm(live.rov.velocity.linear_body_m_s) < 0.1, "rest")
