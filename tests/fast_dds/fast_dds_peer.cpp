@@ -1,13 +1,13 @@
 // A stand-in for a node of ROS 2 with rmw_fastrtps, its default middleware: the same DDS, the same names of topics and
 // types, the same codec. It subscribes and publishes as its arguments say, and prints what it saw as lines of JSON.
 //
-//   fast_dds_peer DOMAIN SECONDS [alone] [sub TOPIC TYPE reliable|best_effort volatile|latched]... [pub TOPIC HZ]...
-//   [call SERVICE TYPE COUNT]... [graph]
+//   fast_dds_peer DOMAIN SECONDS [alone | at ADDRESS] [sub TOPIC TYPE reliable|best_effort volatile|latched]... [pub TOPIC HZ]...
+//   [call SERVICE TYPE COUNT|HEX]... [graph]
 //
-// call: calls a service with an empty request, as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp,
+// call: calls a service with an empty request, or once with the request in HEX, as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp,
 // rmw_client.cpp): once both ends are matched, COUNT requests that name the reader of their responses; prints the
 // responses that are its. alone: it does not name the other side, which must find it. pub: geometry_msgs/Twist whose
-// linear.x counts up. A line of standard input ends it before the time.
+// linear.x counts up. at: it uses the network of this address, and multicast, instead of the loopback. A line of standard input ends it before the time.
 
 #include <poll.h>
 
@@ -116,10 +116,10 @@ class Subscription : public fd::DataReaderListener {
   std::string topic_, type_;
 };
 
-fd::DomainParticipantQos participant_qos(bool alone) {
+fd::DomainParticipantQos participant_qos(bool alone, const std::string& address) {
   fd::DomainParticipantQos qos;
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.push_back("127.0.0.1");
+  udp->interfaceWhiteList.push_back(address);
   udp->non_blocking_send = true;
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
@@ -148,17 +148,25 @@ void publish(fd::DataWriter* writer, double hz, const std::atomic<bool>& stops) 
 /// A client of a service. The next request follows each response.
 class Client : public fd::DataReaderListener {
  public:
-  explicit Client(std::string service, int count) : service_(std::move(service)), left_(count) {}
+  Client(std::string service, const std::string& what) : service_(std::move(service)), request_(20) {
+    request_[1] = 1;  // otherwise zeros, enough for the requests of our tests, which ignore more
+    if (what.size() < 8) {
+      left_ = std::stoi(what);
+      return;
+    }
+    request_.clear();
+    for (std::size_t i = 0; i + 1 < what.size(); i += 2)
+      request_.push_back(static_cast<Payload::value_type>(std::stoi(what.substr(i, 2), nullptr, 16)));
+  }
 
   fd::DataWriter* requests = nullptr;
   fd::DataReader* responses = nullptr;
 
   void send() {
-    Payload empty(20);  // enough zeros for the requests of our tests, which ignore more
-    empty[1] = 1;
+    Payload request = request_;
     rtps::WriteParams params;
     params.related_sample_identity().writer_guid() = responses->guid();
-    requests->write(&empty, params);
+    requests->write(&request, params);
     sent_ = params.sample_identity().sequence_number();
   }
 
@@ -183,7 +191,8 @@ class Client : public fd::DataReaderListener {
 
  private:
   std::string service_;
-  int left_;
+  Payload request_;
+  int left_ = 1;
   rtps::SequenceNumber_t sent_;
 };
 
@@ -197,11 +206,14 @@ int main(int argc, char** argv) {
   std::size_t at = 2;
   const bool alone = at < words.size() && words[at] == "alone";
   at += alone;
+  std::string address = "127.0.0.1";
+  const bool far = at + 1 < words.size() && words[at] == "at";
+  if (far) address = words[at + 1], at += 2;
 
   Graph graph;
   for (const auto& word : words) graph.prints |= word == "graph";
   auto* participant = fd::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(std::stoul(words[0])), participant_qos(alone), &graph, fd::StatusMask::none());
+      static_cast<std::uint32_t>(std::stoul(words[0])), participant_qos(alone || far, address), &graph, fd::StatusMask::none());
   if (participant == nullptr) return 1;
   auto* subscriber = participant->create_subscriber(fd::SUBSCRIBER_QOS_DEFAULT);
   auto* publisher = participant->create_publisher(fd::PUBLISHER_QOS_DEFAULT);
@@ -235,7 +247,7 @@ int main(int argc, char** argv) {
       threads.emplace_back(publish, writer, std::stod(words[at + 2]), std::cref(stops));
       at += 3;
     } else if (words[at] == "call") {
-      clients.push_back(std::make_unique<Client>(words[at + 1], std::stoi(words[at + 3])));
+      clients.push_back(std::make_unique<Client>(words[at + 1], words[at + 3]));
       fd::DataWriterQos asks;
       asks.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
       fd::DataReaderQos answers;

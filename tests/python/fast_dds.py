@@ -3,7 +3,7 @@
 import json
 import subprocess
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,12 +15,12 @@ SECONDS = 120  # after which the peer exits by itself
 
 
 class FastDdsPeer:
-    """A running peer process. lines: its output so far."""
+    """A running peer process. lines: its output so far. on: a command that runs it elsewhere."""
 
-    def __init__(self, domain: int, *words: str) -> None:
+    def __init__(self, domain: int, *words: str, on: Sequence[str] = ()) -> None:
         self.lines: list[dict[str, Any]] = []
         self.process = subprocess.Popen(
-            [str(BINARY), str(domain), str(SECONDS), *words],
+            [*on, str(BINARY), str(domain), str(SECONDS), *words],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -69,9 +69,9 @@ def sub(topic: str, type_name: str, reliability: str = "reliable", durability: s
 
 
 @contextmanager
-def fast_dds_peer(domain: int, *words: str) -> Iterator[FastDdsPeer]:
+def fast_dds_peer(domain: int, *words: str, on: Sequence[str] = ()) -> Iterator[FastDdsPeer]:
     """Run a peer for the duration of a test."""
-    peer = FastDdsPeer(domain, *words)
+    peer = FastDdsPeer(domain, *words, on=on)
     try:
         yield peer
     finally:

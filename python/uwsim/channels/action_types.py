@@ -6,7 +6,7 @@ from functools import cache
 
 from uwsim.channels.cdr import Distro, store_of
 from uwsim.channels.interface_types import action_texts, parsed
-from uwsim.channels.message_types import typestore
+from uwsim.channels.message_types import ros1_typestore, typestore
 from uwsim.channels.service_types import load_service_types
 
 NAVIGATE_TO_POSE, FLY_PATH = "nav2_msgs/action/NavigateToPose", "uwsim_msgs/action/FlyPath"
@@ -48,5 +48,5 @@ def load_action_types(distro: Distro = "jazzy") -> None:
     """Add all action types, and the service that cancels goals, to the message types, on first use."""
     load_service_types(distro)
     found = {part: made for name in ACTION_TYPES for part, made in parsed(action_texts(name, *parts(name))).items()}
-    for store in (typestore(), store_of(distro)):
+    for store in (typestore(), ros1_typestore(), store_of(distro)):
         store.register({name: made for name, made in found.items() if name not in store.fielddefs})

@@ -20,6 +20,7 @@ from uwsim.simulator.command_gate import CommandGate
 from uwsim.simulator.simulator import Simulator
 
 CONTROL_S = 0.05
+REPLACED = "another command has taken its place"
 
 logger = logging.getLogger("uwsim.channels")
 
@@ -74,6 +75,13 @@ class Steering:
         with self._lock:
             self._replace()
             self._replaced = replaced
+
+    def in_flight(self, replaced: Callable[[], object], command: Callable[[], Future[Any]]) -> Future[Any]:
+        """Issue a flight's command. Raises RuntimeError if another command has taken the flight's place."""
+        with self._lock:
+            if self._replaced != replaced:
+                raise RuntimeError(REPLACED)
+            return command()
 
     def end_flight(self, replaced: Callable[[], object]) -> bool:
         """Note that a flight has ended; return whether it was still in effect."""

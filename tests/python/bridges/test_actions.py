@@ -1,17 +1,16 @@
 """Actions: a vehicle flies to a pose or along a path, for clients of ROS 2 (by DDS) and of rosbridge."""
 
-import time
+import queue
 import uuid
 
 import numpy as np
 import pytest
+import roslibpy
 
 from ros2_tools import free_domain, peer, until
-from rosbridge_session import Client
+from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.actions import ABORTED, CANCELED, CANCELING, EXECUTING, SUCCEEDED, actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
-from uwsim.bridges.rosbridge.graph import Graph
-from uwsim.bridges.rosbridge.own_actions import OwnAction
 from uwsim.channels import Table, build
 from uwsim.channels.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
 from uwsim.channels.cdr import store_of
@@ -25,7 +24,7 @@ FIBONACCI = "rob599_msgs/action/Fibonacci"
 PUBLISHED = {  # hashes that rosidl and rmw_zenoh users have published
     FIBONACCI: "00bf40d6e8121f2f6fa89a9f8b78e28efc8c958cfc656f9cd7f51f223224e2a3",
     f"{FIBONACCI}_SendGoal": "3d7412ff91ff9c5abfbf9f7f5dc2171a3f32cf6da2414b2c2c82f034d176fa01",
-    f"{FIBONACCI}_GetResult": "8ebe968757e1b88d729ad53e9aca6d14e4b2f113272786f55541cf b26acc91fc".replace(" ", ""),
+    f"{FIBONACCI}_GetResult": "8ebe968757e1b88d729ad53e9aca6d14e4b2f113272786f55541cfb26acc91fc",
     f"{FIBONACCI}_FeedbackMessage": "a941cc541674f910f08c54c0d6a8a5a63be0ee7697a74928f342b2583dcfa88a",
     "action_msgs/srv/CancelGoal_Request": "3d3c84653c1f96918086887e1dcb236faec88b81a5b14fd4cf4840065bcdf8af",
     "action_msgs/msg/GoalStatusArray": "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e",
@@ -132,3 +131,62 @@ def test_a_goal_can_be_cancelled_and_the_vehicle_comes_to_rest(client, live):
     assert client.cancel(identity).return_code == 3, "it has ended"
     assert client.cancel(default_message("unique_identifier_msgs/msg/UUID")).goals_canceling == []
     until(lambda: np.linalg.norm(live.rov.velocity.linear_body_m_s) < 0.1, "rest")
+
+
+def test_a_goal_ends_when_another_command_takes_its_place(client, live, actions):
+    first, _ = client.send(navigate(near(live, (3.0, 0.0, 0.0))))
+    second, _ = client.send(navigate(near(live, (-3.0, 0.0, 0.0))))
+    response = client.result(first)
+    assert response.status == ABORTED and "another command" in response.result.error_msg
+    steering = actions["navigate_to_pose"].steering
+    steering.give(live, "set_effort", surge=0.25).result()
+    assert client.result(second).status == ABORTED
+    last = list(live.log)[-1]
+    assert (last.name, last.arguments["surge"]) == ("set_effort", 0.25), "it was not brought to rest"
+    steering.give(live, "set_effort").result()
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        ({"point": (0.0, 0.0, 2.0)}, "above the water's surface"),
+        ({"point": (0.0, np.nan, -2.0)}, "must be finite"),
+        ({"point": (0.0, 0.0, -2.0), "frame_id": "moon"}, "frame_id = 'moon': must be odom, map or world"),
+    ],
+)
+def test_an_impossible_goal_is_rejected_with_the_reason_in_the_log(client, goal, reason, caplog):
+    assert not client.send(navigate(**goal))[1]
+    assert reason in caplog.text
+
+
+def test_a_docked_or_stopped_vehicle_rejects_goals(client, live, caplog):
+    live.command("all_stop", vehicle="rov", on=True).result()
+    assert not client.send(navigate((0.0, 0.0, -2.0)))[1]
+    live.command("all_stop", vehicle="rov", on=False).result()
+    assert "all stop is set" in caplog.text
+
+
+def test_a_result_of_an_unknown_goal_is_unknown(client):
+    nobody = build.message("unique_identifier_msgs/msg/UUID", uuid=np.ones(16, np.uint8))
+    assert client.result(nobody).status == 0 and client.cancel(nobody).return_code == 2
+
+
+def test_roslibpy_flies_a_path_and_cancels(live, actions):
+    start, heard, fed = live.rov.pose.position_world_m, queue.SimpleQueue(), []
+    poses = [{"pose": {"position": dict(zip("xyz", start + (0.0, y, 0.0), strict=True))}} for y in (0.5, -0.5, -1.5)]
+    goal = {"path": {"header": {"frame_id": "world"}, "poses": poses}, "speed": 1.0}
+    with RosbridgeServer(live, channels=[], actions=actions.values(), ros=2) as server:
+        client = roslibpy.Ros("127.0.0.1", server.port)
+        client.run(10.0)
+        action = roslibpy.ActionClient(client, "/fly_path", FLY_PATH)
+        action.send_goal(goal, heard.put, fed.append, heard.put)
+        result = heard.get(timeout=30.0)
+        assert result["status"].value == SUCCEEDED and result["values"]["success"]
+        assert {one["leg"] for one in fed} == {0, 1, 2}
+        identity = action.send_goal(goal, heard.put, fed.append, heard.put)
+        action.cancel_goal(identity)
+        ended = heard.get(timeout=30.0)
+        assert ended["status"].value == CANCELED and ended["values"]["message"] == "cancelled"
+        action.send_goal({"path": {}}, heard.put, fed.append, heard.put)
+        assert "0 poses: must be 1 to" in str(heard.get(timeout=30.0))
+        client.close()

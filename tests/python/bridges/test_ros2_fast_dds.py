@@ -11,13 +11,15 @@ import pytest
 from channel_tools import stamp_ns
 from fast_dds import BINARY, fast_dds_peer, sub
 from ros2_tools import free_domain, peer, until
+from uwsim.bridges.actions import actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps, rtps_participant
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.channels import Channel, Table, build, channels
-from uwsim.channels.cdr import schema, store_of
+from uwsim.channels.action_types import FLY_PATH
+from uwsim.channels.cdr import encode, schema, store_of
 from uwsim.channels.feed import Feed
-from uwsim.channels.messages import from_bytes
+from uwsim.channels.messages import default_message, from_bytes
 from uwsim.live import LiveSimulator
 
 pytestmark = pytest.mark.skipif(not BINARY.is_file(), reason="fast_dds_peer is built by tools/setup --dev")
@@ -55,6 +57,27 @@ def test_calls_as_rmw_fastrtps_makes_them_are_answered_even_in_fragments(live, s
                 assert len(data) > 3 * rtps.FRAGMENT and listed == list(live.simulator.parameters)
         types = {one["topic"]: one["type"] for one in other.endpoints().values() if one["endpoint"] == "writer"}
         assert types[f"rr/{node.name}/get_parametersReply"] == f"{RCL}GetParameters_Response_"
+
+
+def test_an_action_of_rmw_fastrtps_ends_with_a_result(live, settings):
+    """A goal that is rejected, since the vehicle is docked, and a result that is unknown: one response each."""
+    kind, own = "uwsim_msgs::action::dds_::FlyPath", "fly_path/_action"
+    actions = actions_of(live.simulator, Table(live.simulator))
+    goal = bytes(encode(default_message(f"{FLY_PATH}_SendGoal_Request"))).hex()
+    asked = bytes(encode(default_message(f"{FLY_PATH}_GetResult_Request"))).hex()
+    words = ["call", f"{own}/send_goal", f"{kind}_SendGoal", goal, "call", f"{own}/get_result", f"{kind}_GetResult", asked]
+    status = ["sub", f"rt/{own}/status", "action_msgs::msg::dds_::GoalStatusArray_", "reliable", "latched"]
+    with (
+        Ros2Node(live, [], [], settings, actions=actions),
+        fast_dds_peer(settings.domain_id, "graph", *words, *status) as other,
+    ):
+        responses = [until(lambda: other.answers(f"{own}/{name}"), name) for name in ("send_goal", "get_result")]  # noqa: B023
+        sent, found = (bytes.fromhex(one[0]["hex"]) for one in responses)
+        assert not from_bytes(sent, f"{FLY_PATH}_SendGoal_Response").accepted
+        assert from_bytes(found, f"{FLY_PATH}_GetResult_Response").status == 0
+        types = {one["topic"]: one["type"] for one in other.endpoints().values()}
+        assert types[f"rt/{own}/feedback"] == f"{kind}_FeedbackMessage_"
+        assert types[f"rq/{own}/cancel_goalRequest"] == "action_msgs::srv::dds_::CancelGoal_Request_"
 
 
 def test_a_server_that_leaves_is_unmatched_at_once(live, settings, monkeypatch):

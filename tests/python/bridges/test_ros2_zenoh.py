@@ -10,8 +10,10 @@ import zenoh
 import zenoh.ext
 
 from ros2_tools import until
+from uwsim.bridges.actions import SUCCEEDED, actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
 from uwsim.channels import Table, build
+from uwsim.channels.action_types import FLY_PATH
 from uwsim.channels.cdr import encode
 from uwsim.channels.messages import default_message, from_bytes
 from uwsim.live import LiveSimulator
@@ -55,7 +57,8 @@ def node(live, endpoint):
     table = Table(live.simulator)
     with pytest.MonkeyPatch.context() as patch, session("router", **{"listen/endpoints": [endpoint]}):
         patch.setenv("ZENOH_CONFIG_OVERRIDE", f'connect/endpoints=["{endpoint}"]')
-        with Ros2Node(live, table.channels, table.services, SETTINGS) as node:
+        actions = actions_of(live.simulator, table)
+        with Ros2Node(live, table.channels, table.services, SETTINGS, actions=actions) as node:
             yield node
 
 
@@ -121,6 +124,27 @@ def test_services_and_parameters_respond_to_a_query(peer, live):
     assert live.rov.lamps["front"].on
     listed = call(peer, "uwsim/list_parameters", LIST, default_message("rcl_interfaces/srv/ListParameters_Request"))
     assert listed.result.names == list(live.simulator.parameters)
+
+
+def test_an_action_has_its_keys_and_its_goal_a_result(peer, live, graph):
+    own, fed = "fly_path/_action", []
+    found = {one[9]: "/".join(one[10:12]) for one in graph if one[5] != "NN" and one[9].startswith("%fly_path")}
+    assert sorted(name.rpartition("%")[2] for name in found) == [
+        "cancel_goal", "feedback", "get_result", "send_goal", "status",
+    ]  # fmt: skip
+    kinds = {name.rpartition("%")[2]: typed for name, typed in found.items()}
+    assert kinds["send_goal"].startswith("uwsim_msgs::action::dds_::FlyPath_SendGoal_/RIHS01_")
+    call(peer, "undock", TRIGGER, default_message("std_srvs/srv/Trigger_Request"))
+    sent = default_message(f"{FLY_PATH}_SendGoal_Request")
+    at = build.pose(live.rov.pose.position_world_m + (0.0, 0.0, -0.2), (0.0, 0.0, 0.0, 0.0))
+    sent.goal.path.poses = [build.message("geometry_msgs/msg/PoseStamped", pose=at)]
+    asked = build.message(f"{FLY_PATH}_GetResult_Request", goal_id=sent.goal_id)
+    with peer.declare_subscriber(f"5/{own}/status/{kinds['status']}", fed.append):
+        assert call(peer, f"{own}/send_goal", kinds["send_goal"], sent).accepted
+        response = call(peer, f"{own}/get_result", kinds["get_result"], asked)
+        assert response.status == SUCCEEDED and response.result.success
+        arrays = [from_bytes(one.payload.to_bytes(), "action_msgs/msg/GoalStatusArray") for one in fed]
+        assert [array.status_list[-1].status for array in arrays] == [1, 2, SUCCEEDED]
 
 
 def test_a_topic_is_read_while_a_subscription_is_announced_and_numbers_its_messages(node, peer, graph):

@@ -13,7 +13,8 @@ import numpy as np
 
 from uwsim.bridges.actions.action import Action, Progress, Route
 from uwsim.channels import build
-from uwsim.channels.steering import require_link
+from uwsim.channels.steering import REPLACED, require_link
+from uwsim.commands import command_named
 from uwsim.live import LiveSimulator
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.missions import OwnVehicle, Steps, StoppedError, drive, goto, turn_to
@@ -23,7 +24,7 @@ from uwsim.navigation.control.protocols import Clock
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # action_msgs/msg/GoalStatus
 FEEDBACK_S = 0.5
 CLOSE_S = 2.0
-REPLACED, SERVER_STOPS = "another command has taken its place", "the server stops"
+SERVER_STOPS = "the server stops"
 
 Fed = Callable[[Any], object]
 Ended = Callable[[int, Any], object]
@@ -106,11 +107,11 @@ class Goal:
                 steering.hold_velocity(self._live, np.zeros(6))
 
     def _fly(self, clock: Clock, began_s: float) -> None:
-        estimate = None if self.action.uses_truth else self._hull.estimate
-        vehicle = OwnVehicle(self._hull, clock, estimate=estimate)
-        holds = self._hull.gate.holds
+        hull = _FlownVehicle(self._live, self.action, self._replaced)
+        vehicle = OwnVehicle(hull, clock, estimate=None if self.action.uses_truth else hull.estimate)
+        holds = hull.gate.holds
         if holds is not None and holds.has_control:
-            self._hull.command("hold")
+            hull.command("hold")
         drive(self._steps(vehicle), _WatchedClock(clock, self, vehicle, began_s))
 
     def _steps(self, vehicle: OwnVehicle) -> Steps[None]:
@@ -145,6 +146,19 @@ class Goal:
             pose=build.pose(pose.position_world_m + source.origin_m, pose.orientation_xyzw),
         )
         self._fed(self.action.feedback(Progress(stamped, self._leg, remaining_m, elapsed_s)))
+
+
+class _FlownVehicle(LiveVehicle):
+    """A vehicle that accepts a flight's commands until another command takes its place."""
+
+    def __init__(self, live: LiveSimulator, action: Action, replaced: Callable[[], object]) -> None:
+        super().__init__(live, action.source.of(live.simulator))
+        self._steering, self._replaced = action.steering, replaced
+
+    def command(self, name: str, /, **arguments: Any) -> Any:
+        """Issue a command; see LiveVehicle. Raises RuntimeError once the flight has been replaced."""
+        named = command_named(name).named(self.name, arguments)
+        return self._steering.in_flight(self._replaced, lambda: self._live.command(name, **named)).result()
 
 
 class _WatchedClock:

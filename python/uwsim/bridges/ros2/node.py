@@ -173,7 +173,7 @@ class Ros2Node(Bridge):
     def _publisher(self, topic: str, type_name: str, depth: int, *, latched: bool) -> Callable[[Any], None]:
         """Return a function that publishes messages on a new topic."""
         writer = self._transport.writer(topic, type_name, depth, latched=latched)
-        line: Line[Job] = Line(topic, depth)
+        line: Line[Job] = Line(topic, max(depth, DEPTH))
         return lambda message: self._outgoing.offer(line, lambda: writer.write(encode(message, self.settings.distro)))
 
     def _listen(self) -> None:

@@ -26,6 +26,7 @@ from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_o
 
 ROUTER_S, LOOK_S = 1.0, 0.02
 CALLS_MAX = 100
+CLIENT_MS = 10_000  # for which a distant router is waited for
 CONFIG_FILE, CONFIG_CHANGES = "ZENOH_SESSION_CONFIG_URI", "ZENOH_CONFIG_OVERRIDE"
 """Environment variables of rmw_zenoh."""
 
@@ -38,7 +39,7 @@ class ZenohTransport:
         try:
             self._session: Any = zenoh.open(config_of(settings))
         except zenoh.ZError as error:
-            raise OSError(f"cannot open a Zenoh session: {error}") from None
+            raise OSError(f"cannot open a Zenoh session: {str(error).partition(' at /')[0]}") from None
         self._id = str(self._session.zid())
         self._numbers = itertools.count(1)
         self._events = ZenohEvents()
@@ -230,10 +231,13 @@ def config_of(settings: Ros2Settings) -> Any:
     file = os.environ.get(CONFIG_FILE)
     config: Any = zenoh.Config.from_file(file) if file else zenoh.Config()
     if not file:
-        hosts = settings.peers if settings.reach == "subnet" and settings.peers else ("localhost",)
+        is_far = settings.reach == "subnet" and bool(settings.peers)
+        hosts = settings.peers if is_far else ("localhost",)
         endpoints = ", ".join(f'"tcp/{host}"' if ":" in host else f'"tcp/{host}:{ZENOH_PORT}"' for host in hosts)
         for key, value in {
-            "mode": '"peer"',
+            # Sessions of another machine listen on that machine alone: only its router can pass messages on.
+            "mode": '"client"' if is_far else '"peer"',
+            "connect/timeout_ms": str(CLIENT_MS) if is_far else "-1",
             "connect/endpoints": f"[{endpoints}]",
             "listen/endpoints": '["tcp/localhost:0"]',
             "scouting/multicast/enabled": "false",
