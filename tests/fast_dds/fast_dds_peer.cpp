@@ -1,13 +1,14 @@
 // A stand-in for a node of ROS 2 with rmw_fastrtps, its default middleware: the same DDS, the same names of topics and
 // types, the same codec. It subscribes and publishes as its arguments say, and prints what it saw as lines of JSON.
 //
-//   fast_dds_peer DOMAIN SECONDS [alone | at ADDRESS] [sub TOPIC TYPE reliable|best_effort volatile|latched]... [pub TOPIC HZ]...
-//   [call SERVICE TYPE COUNT|HEX]... [graph]
+//   fast_dds_peer DOMAIN SECONDS [alone | at ADDRESS] [sub TOPIC TYPE reliable|best_effort volatile|latched]...
+//   [pub TOPIC HZ]... [call SERVICE TYPE COUNT|HEX]... [graph]
 //
-// call: calls a service with an empty request, or once with the request in HEX, as rmw_fastrtps does (rmw_request.cpp, rmw_response.cpp,
-// rmw_client.cpp): once both ends are matched, COUNT requests that name the reader of their responses; prints the
-// responses that are its. alone: it does not name the other side, which must find it. pub: geometry_msgs/Twist whose
-// linear.x counts up. at: it uses the network of this address, and multicast, instead of the loopback. A line of standard input ends it before the time.
+// call: calls a service with an empty request, or once with the request in HEX, as rmw_fastrtps does
+// (rmw_request.cpp, rmw_response.cpp, rmw_client.cpp): once both ends are matched, COUNT requests that name the reader
+// of their responses; prints the responses that are its. alone: it does not name the other side, which must find it.
+// at: it uses the network of this address, and multicast, instead of the loopback. pub: geometry_msgs/Twist whose
+// linear.x counts up. A line of standard input ends it before the time.
 
 #include <poll.h>
 
@@ -213,7 +214,8 @@ int main(int argc, char** argv) {
   Graph graph;
   for (const auto& word : words) graph.prints |= word == "graph";
   auto* participant = fd::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(std::stoul(words[0])), participant_qos(alone || far, address), &graph, fd::StatusMask::none());
+      static_cast<std::uint32_t>(std::stoul(words[0])), participant_qos(alone || far, address), &graph,
+      fd::StatusMask::none());
   if (participant == nullptr) return 1;
   auto* subscriber = participant->create_subscriber(fd::SUBSCRIBER_QOS_DEFAULT);
   auto* publisher = participant->create_publisher(fd::PUBLISHER_QOS_DEFAULT);

@@ -81,6 +81,8 @@ def halves(service_type: str) -> tuple[str, str]:
 @cache
 def load_service_types(distro: Distro = "jazzy") -> None:
     """Add all service types to the message types, on first use, since rosbags takes half a second for it."""
-    found = {part: fields for name in SERVICE_TYPES for part, fields in parsed(service_texts(name, *halves(name))).items()}
+    found = {
+        part: fields for name in SERVICE_TYPES for part, fields in parsed(service_texts(name, *halves(name))).items()
+    }
     for store in (typestore(), ros1_typestore(), store_of(distro)):
         store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})

@@ -13,7 +13,6 @@ from uwsim.bridges.actions import ABORTED, CANCELED, CANCELING, EXECUTING, SUCCE
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
 from uwsim.channels import Table, build
 from uwsim.channels.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
-from uwsim.channels.cdr import store_of
 from uwsim.channels.interface_types import action_texts, parsed
 from uwsim.channels.messages import default_message, typestore
 from uwsim.channels.type_hash import type_hash
@@ -167,13 +166,15 @@ def test_a_docked_or_stopped_vehicle_rejects_goals(client, live, caplog):
 
 
 def test_a_result_of_an_unknown_goal_is_unknown(client):
-    nobody = build.message("unique_identifier_msgs/msg/UUID", uuid=np.ones(16, np.uint8))
-    assert client.result(nobody).status == 0 and client.cancel(nobody).return_code == 2
+    unknown = build.message("unique_identifier_msgs/msg/UUID", uuid=np.ones(16, np.uint8))
+    assert client.result(unknown).status == 0 and client.cancel(unknown).return_code == 2
 
 
 def test_roslibpy_flies_a_path_and_cancels(live, actions):
     start, heard, fed = live.rov.pose.position_world_m, queue.SimpleQueue(), []
-    poses = [{"pose": {"position": dict(zip("xyz", start + (0.0, y, 0.0), strict=True))}} for y in (0.5, -0.5, -1.5)]
+    poses = [
+        {"pose": {"position": dict(zip("xyz", np.add(start, (0.0, y, 0.0)), strict=True))}} for y in (0.5, -0.5, -1.5)
+    ]
     goal = {"path": {"header": {"frame_id": "world"}, "poses": poses}, "speed": 1.0}
     with RosbridgeServer(live, channels=[], actions=actions.values(), ros=2) as server:
         client = roslibpy.Ros("127.0.0.1", server.port)

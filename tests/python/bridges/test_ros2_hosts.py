@@ -1,4 +1,4 @@
-"""Calls between hosts: two network namespaces joined by a cable, with `uwsim serve` in one and a client in the other."""
+"""Calls between hosts: two network namespaces joined by a cable, with `uwsim serve` in one, a client in the other."""
 
 import os
 import shutil
@@ -31,7 +31,21 @@ def hosts():
         try:
             for name in names:
                 run("ip", "netns", "add", name)
-            run("ip", "link", "add", "cable", "netns", names[0], "type", "veth", "peer", "name", "cable", "netns", names[1])
+            run(
+                "ip",
+                "link",
+                "add",
+                "cable",
+                "netns",
+                names[0],
+                "type",
+                "veth",
+                "peer",
+                "name",
+                "cable",
+                "netns",
+                names[1],
+            )
         except subprocess.CalledProcessError as error:
             pytest.skip(f"no network namespaces here: {error.stderr.decode().strip()}")
         for name, address in zip(names, (OURS, THEIRS), strict=True):
@@ -52,7 +66,18 @@ def netns(host):
 @contextmanager
 def serving(host, domain, *options):
     """Serve the pool on a host until the end of the test."""
-    words = ["serve", "pool", "--port", "0", "--ros2", "--ros-domain-id", str(domain), "--ros-reach", "subnet", *options]
+    words = [
+        "serve",
+        "pool",
+        "--port",
+        "0",
+        "--ros2",
+        "--ros-domain-id",
+        str(domain),
+        "--ros-reach",
+        "subnet",
+        *options,
+    ]
     with subprocess.Popen([*netns(host), UWSIM, *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
         try:
             yield
@@ -74,7 +99,8 @@ def test_clients_of_both_dds_middlewares_call_services_of_another_host(hosts):
         if BINARY.is_file():
             words, on = ("at", THEIRS, "call", "dock", "std_srvs::srv::dds_::Trigger", "2"), netns(theirs)
             with fast_dds_peer(domain, *words, on=on) as other:
-                assert all(one["is_answer_of_last"] for one in until(lambda: len(other.answers("dock")) == 2 and other.answers("dock")))
+                until(lambda: len(other.answers("dock")) == 2, "two responses")
+                assert all(one["is_answer_of_last"] for one in other.answers("dock"))
 
 
 def test_a_client_of_zenoh_calls_services_of_another_host_through_its_router(hosts):

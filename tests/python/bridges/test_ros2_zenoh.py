@@ -5,6 +5,7 @@ import socket
 import struct
 import time
 
+import numpy as np
 import pytest
 import zenoh
 import zenoh.ext
@@ -136,7 +137,7 @@ def test_an_action_has_its_keys_and_its_goal_a_result(peer, live, graph):
     assert kinds["send_goal"].startswith("uwsim_msgs::action::dds_::FlyPath_SendGoal_/RIHS01_")
     call(peer, "undock", TRIGGER, default_message("std_srvs/srv/Trigger_Request"))
     sent = default_message(f"{FLY_PATH}_SendGoal_Request")
-    at = build.pose(live.rov.pose.position_world_m + (0.0, 0.0, -0.2), (0.0, 0.0, 0.0, 0.0))
+    at = build.pose(np.add(live.rov.pose.position_world_m, (0.0, 0.0, -0.2)), (0.0, 0.0, 0.0, 0.0))
     sent.goal.path.poses = [build.message("geometry_msgs/msg/PoseStamped", pose=at)]
     asked = build.message(f"{FLY_PATH}_GetResult_Request", goal_id=sent.goal_id)
     with peer.declare_subscriber(f"5/{own}/status/{kinds['status']}", fed.append):

@@ -69,13 +69,14 @@ def test_definitions_for_ros_1_have_the_announced_checksums(folder: Path, monkey
 @pytest.mark.parametrize("ros", [1, 2])
 def test_packages_name_every_file_and_dependency_that_they_use(folder: Path, ros: int) -> None:
     messages, bringup = (folder / f"ros{ros}" / name for name in ("uwsim_msgs", "uwsim_bringup"))
-    used = set(re.findall(r"^(\w+)/", "\n".join(OWN_TYPES.values()), flags=re.MULTILINE))
+    texts = [*OWN_TYPES.values(), *(path.read_text() for path in messages.glob("action/*"))]
+    used = set(re.findall(r"^(\w+)/", "\n".join(texts), flags=re.MULTILINE))
     manifest = ElementTree.parse(messages / "package.xml")
     assert {element.text for element in manifest.iter("depend")} == used
     build = (messages / "CMakeLists.txt").read_text()
-    files = {path.name for kind in ("msg", "srv") for path in messages.glob(f"{kind}/*")}
-    assert set(re.findall(r"(\w+\.(?:msg|srv))$", build, flags=re.MULTILINE)) == files
-    assert ("Step.srv" in files) == (ros == 2)
+    files = {path.name for kind in ("msg", "srv", "action") for path in messages.glob(f"{kind}/*")}
+    assert set(re.findall(r"(\w+\.(?:msg|srv|action))$", build, flags=re.MULTILINE)) == files
+    assert ({"Step.srv", "FlyPath.action"} <= files) == (ros == 2)
     assert f"DEPENDENCIES {' '.join(sorted(used))})" in build
     launch = ElementTree.parse(next(bringup.glob("launch/uwsim.launch*")))
     runs = {element.text for element in ElementTree.parse(bringup / "package.xml").iter("exec_depend")}

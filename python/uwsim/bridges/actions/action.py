@@ -23,8 +23,11 @@ class Route(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """The state of a flight. pose: a geometry_msgs/PoseStamped. leg: index of the point ahead. remaining_m: along the
-    legs. elapsed_s: simulated time since the start."""
+    """The state of a flight.
+
+    pose: a geometry_msgs/PoseStamped. leg: index of the point ahead. remaining_m: along the legs. elapsed_s: simulated
+    time since the start.
+    """
 
     pose: Any
     leg: int

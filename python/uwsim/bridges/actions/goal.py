@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.actions.action import Action, Progress, Route
 from uwsim.channels import build
@@ -138,12 +139,13 @@ class Goal:
     def feed_back(self, vehicle: OwnVehicle, elapsed_s: float) -> None:
         """Report the progress."""
         source, pose = self.action.source, vehicle.pose
+        quaternion = Rotation.from_matrix(pose.world_from_body[:3, :3]).as_quat()
         legs = np.vstack([pose.position_world_m, self._route.points_world_m[self._leg :]])
         remaining_m = float(np.linalg.norm(np.diff(legs, axis=0), axis=1).sum())
         stamped = build.message(
             "geometry_msgs/msg/PoseStamped",
             header=build.header(self._live.time_ns, source.frame("odom")),
-            pose=build.pose(pose.position_world_m + source.origin_m, pose.orientation_xyzw),
+            pose=build.pose(pose.position_world_m + source.origin_m, quaternion),
         )
         self._fed(self.action.feedback(Progress(stamped, self._leg, remaining_m, elapsed_s)))
 

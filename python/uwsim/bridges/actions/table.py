@@ -37,7 +37,7 @@ def actions_of(sim: Simulator, table: Table) -> list[Action]:
 
 
 def _actions(source: Source, table: Table, uses_truth: bool) -> list[Action]:
-    shared = {"source": source, "steering": table.steering[source.name], "uses_truth": uses_truth}
+    shared: dict[str, Any] = {"source": source, "steering": table.steering[source.name], "uses_truth": uses_truth}
     return [
         Action(
             source.topic("navigate_to_pose"), NAVIGATE_TO_POSE, "fly to a pose in odom, map or world", **shared,

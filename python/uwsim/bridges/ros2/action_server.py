@@ -25,13 +25,14 @@ FEEDBACK_DEPTH, STATUS_DEPTH = 10, 1  # as in rclcpp_action and rcl_action_qos_p
 NONE, REJECTED, UNKNOWN_GOAL, TERMINATED = range(4)  # action_msgs/srv/CancelGoal
 UNKNOWN_STATUS = 0
 KEPT_MAX = 100  # goals that have ended, whose results can still be requested
-NOBODY = bytes(16)
+NO_IDENTITY = bytes(16)
 
 
 class Publisher(Protocol):
     """Returns a function that publishes messages on a new topic."""
 
-    def __call__(self, topic: str, type_name: str, depth: int, *, latched: bool) -> Callable[[Any], None]: ...
+    def __call__(self, topic: str, type_name: str, depth: int, *, latched: bool) -> Callable[[Any], None]:
+        """Create the topic."""
 
 
 class _Kept:
@@ -46,7 +47,7 @@ class _Kept:
 
     @property
     def has_ended(self) -> bool:
-        """Whether its status is a final one."""
+        """True once its status is a final one."""
         return self.status >= SUCCEEDED
 
     def info(self) -> Any:
@@ -109,7 +110,7 @@ class ActionServer:
         """Cancel a goal, all goals up to a time, both, or all, according to which of them the request contains."""
         wanted = from_bytes(call.request, request_type(CANCEL)).goal_info
         identity, until_ns = bytes(wanted.goal_id.uuid), 1_000_000_000 * wanted.stamp.sec + wanted.stamp.nanosec
-        all_of_them = identity == NOBODY and until_ns == 0
+        all_of_them = identity == NO_IDENTITY and until_ns == 0
         with self._lock:
             known = self._goals.get(identity)
             chosen = [
@@ -120,7 +121,7 @@ class ActionServer:
             for kept in chosen:
                 self._enter(kept, CANCELING)
         code = NONE
-        if not chosen and until_ns == 0 and identity != NOBODY:
+        if not chosen and until_ns == 0 and identity != NO_IDENTITY:
             code = UNKNOWN_GOAL if known is None else TERMINATED
         infos = [kept.info() for kept in chosen]
         self._answer(call, build.message(response_type(CANCEL), return_code=code, goals_canceling=infos))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import version
 
 from uwsim.bridges.ros_packages.rviz import rviz_configuration
+from uwsim.channels.action_types import ACTION_TYPES, load_action_types
 from uwsim.channels.cdr import schema
 from uwsim.channels.message_types import Ros, fields, ros1_typestore
 from uwsim.channels.own_types import OWN_TYPES
@@ -12,6 +13,7 @@ from uwsim.channels.service_types import SERVICE_TYPES
 
 MESSAGES, BRINGUP = "uwsim_msgs", "uwsim_bringup"
 OWN_SERVICES = [name for name in SERVICE_TYPES if name.startswith(f"{MESSAGES}/")]
+OWN_ACTIONS = [name for name in ACTION_TYPES if name.startswith(f"{MESSAGES}/")]
 VIEWERS: dict[Ros, tuple[str, ...]] = {1: ("rviz", "octomap_server"), 2: ("rviz2", "octomap_server")}
 
 
@@ -24,6 +26,8 @@ def ros_packages() -> dict[str, str]:
             files[f"{messages}/msg/{_short(name)}.msg"] = text
         for name in OWN_SERVICES if ros == 2 else ():  # ROS 1 knows neither defaults nor bounded lists
             files[f"{messages}/srv/{_short(name)}.srv"] = SERVICE_TYPES[name]
+        for name in OWN_ACTIONS if ros == 2 else ():
+            files[f"{messages}/action/{_short(name)}.action"] = ACTION_TYPES[name]
         files[f"{messages}/package.xml"] = _manifest(
             ros, MESSAGES, "Messages of the simulator uwsim.", _of_messages(ros)
         )
@@ -44,7 +48,11 @@ def _short(name: str) -> str:
 
 def _dependencies(ros: Ros) -> list[str]:
     """Return the packages whose messages ours contain."""
-    kinds = (field.kind for name in OWN_TYPES for field in fields(name, ros))
+    names = list(OWN_TYPES)
+    if ros == 2 and OWN_ACTIONS:
+        load_action_types()
+        names += [f"{name}_{part}" for name in OWN_ACTIONS for part in ("Goal", "Result", "Feedback")]
+    kinds = (field.kind for name in names for field in fields(name, ros))
     return sorted({kind.base.partition("/")[0] for kind in kinds if kind.is_message} - {MESSAGES})
 
 
@@ -81,6 +89,7 @@ def _build_of_messages(ros: Ros) -> str:
     packages = " ".join(_dependencies(ros))
     names = "".join(f"  {_short(name)}.msg\n" for name in OWN_TYPES)
     services = "".join(f"  srv/{_short(name)}.srv\n" for name in OWN_SERVICES)
+    services += "".join(f"  action/{_short(name)}.action\n" for name in OWN_ACTIONS)
     if ros == 1:
         return f"""cmake_minimum_required(VERSION 3.0.2)
 project({MESSAGES})
@@ -145,7 +154,8 @@ def _readme() -> str:
 Written by `uwsim ros package`. Copy `ros1/` into the `src` folder of a catkin workspace, or `ros2/` into that of a
 colcon workspace, and build it.
 
-- `{MESSAGES}`: the messages that only uwsim has, such as `/telemetry` and `/map_changes`, and, for ROS 2, its services.
+- `{MESSAGES}`: the messages that only uwsim has, such as `/telemetry` and `/map_changes`, and, for ROS 2, its
+  services and actions.
 - `{BRINGUP}`: `uwsim.launch` sets `use_sim_time` and starts RViz; `octomap:=true` starts octomap_server, too.
 
 | message | ROS 1: md5 | ROS 2: RIHS01 |

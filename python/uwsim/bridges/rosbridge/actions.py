@@ -1,6 +1,6 @@
-"""A client's goals to the actions of other clients, and goals of others to the actions that it offers.
+"""A client's goals to the actions of the simulator and of other clients, and goals of others to those that it offers.
 
-The action operations of the protocol's version 2.1. The simulator itself offers no actions.
+These are the action operations of the protocol's version 2.1. See `own_actions` for the simulator's end.
 """
 
 from __future__ import annotations

@@ -53,8 +53,8 @@ class RosbridgeServer:
     origins: web pages that may connect, in addition to this machine's. token: a secret that clients must send:
     ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
     odom, see uwsim.channels.Table, by default the scenario's; channels, services and actions, such as those of a shared
-    Table, replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the same
-    port, without a check of the token. Raises ValueError or OSError.
+    Table, replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the
+    same port, without a check of the token. Raises ValueError or OSError.
     """
 
     def __init__(

@@ -17,7 +17,7 @@ from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
 from uwsim.bridges.rosbridge.own_actions import OwnAction
-from uwsim.channels import Channel, Service
+from uwsim.channels import Channel, Service, require_live
 from uwsim.channels.command_services import named_arguments
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.names import with_earlier_names
@@ -30,7 +30,7 @@ WAITING = 10  # times a topic's usual queue, since one client may keep the netwo
 
 
 class SimulatorNode(Bridge):
-    """Connects a live simulator's channels, services and actions, or a recording's channels, to a graph on its event loop."""
+    """Connects a live simulator's channels, services and actions, or a recording's channels, to a graph."""
 
     peer = "a rosbridge client"
 
@@ -66,8 +66,8 @@ class SimulatorNode(Bridge):
         for service in self.services.values():
             graph.advertise_service(self._name, service.name, service.type, partial(self._serve, service))
         self._actions: list[OwnAction] = []
-        for action in actions if live is not None else ():
-            handler = OwnAction(live, action, partial(post, loop))
+        for action in actions:
+            handler = OwnAction(require_live(live), action, partial(post, loop))
             self._actions.append(handler)
             graph.advertise_action(self._name, action.name, action.type, handler)
         self.keep_up()
