@@ -173,7 +173,7 @@ def test_a_result_of_an_unknown_goal_is_unknown(client):
 def test_roslibpy_flies_a_path_and_cancels(live, actions):
     start, heard, fed = live.rov.pose.position_world_m, queue.SimpleQueue(), []
     poses = [
-        {"pose": {"position": dict(zip("xyz", np.add(start, (0.0, y, 0.0)), strict=True))}} for y in (0.5, -0.5, -1.5)
+        {"pose": {"position": dict(zip("xyz", np.add(start, (0.0, y, 0.0)), strict=True))}} for y in (1.5, 0.0, 1.5)
     ]
     goal = {"path": {"header": {"frame_id": "world"}, "poses": poses}, "speed": 1.0}
     with RosbridgeServer(live, channels=[], actions=actions.values(), ros=2) as server:
@@ -183,7 +183,7 @@ def test_roslibpy_flies_a_path_and_cancels(live, actions):
         action.send_goal(goal, heard.put, fed.append, heard.put)
         result = heard.get(timeout=30.0)
         assert result["status"].value == SUCCEEDED and result["values"]["success"]
-        assert {one["leg"] for one in fed} == {0, 1, 2}
+        assert {1, 2} <= {one["leg"] for one in fed}
         identity = action.send_goal(goal, heard.put, fed.append, heard.put)
         action.cancel_goal(identity)
         ended = heard.get(timeout=30.0)

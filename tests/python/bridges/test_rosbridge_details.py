@@ -3,6 +3,8 @@
 import base64
 import io
 import json
+import re
+from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -10,6 +12,20 @@ from PIL import Image
 from rosbridge_session import Client
 from uwsim.bridges.rosbridge.encoding import to_png
 from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.session import Session
+
+HERE = Path(__file__).parent
+LINES = {  # of the table in docs/connections/rosbridge.md, by their first operations, and the test of each
+    "advertise": "test_a_header_without_a_stamp_gets_the_present_time",
+    "subscribe": "test_compressions",
+    "unsubscribe": "test_only_the_subscription_with_the_id_ends_and_without_an_id_all_do",
+    "call_service": "test_a_missing_service_and_one_whose_server_leaves_answer_false",
+    "advertise_service": "test_an_open_call_fails_when_its_provider_unadvertises_the_service",
+    "advertise_action": "test_a_goal_gets_feedback_and_a_result",
+    "fragment": "test_operations_may_come_as_png_whole_or_in_fragments",
+    "set_level": "test_the_level_is_set_by_either_name",
+    "ack": "test_no_more_messages_are_on_their_way_than_the_credit",
+}
 
 
 @pytest.fixture
@@ -24,6 +40,15 @@ def pair(graph):
 
 def texts(client):
     return [operation["msg"]["data"] for operation in client.received()]
+
+
+def test_the_documented_table_names_every_operation_and_each_line_has_its_test():
+    text = (HERE.parents[2] / "docs/connections/rosbridge.md").read_text().partition("| operation | support |")[2]
+    rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in text.partition("not offered")[0].splitlines()[2:-1]]
+    assert {name for row in rows for name in row} == Session.operations.keys()
+    assert [row[0] for row in rows] == list(LINES)
+    tests = "".join(path.read_text() for path in HERE.glob("test_rosbridge_*.py"))
+    assert all(f"def {name}(" in tests for name in LINES.values())
 
 
 def test_only_the_subscription_with_the_id_ends_and_without_an_id_all_do(pair):
