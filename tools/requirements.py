@@ -1,0 +1,30 @@
+"""Print the requirements of pyproject.toml, one per line: `python tools/requirements.py build|run|dev`.
+
+build: those of building. run: also those of running, with the extra `standard`. dev: with all extras and the group `dev`.
+"""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+
+def requirements(mode: str) -> list[str]:
+    """Return the lines, with uwsim's own extras resolved."""
+    config = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
+    wanted = dict.fromkeys(config["build-system"]["requires"])
+    if mode != "build":
+        wanted |= dict.fromkeys(config["project"]["dependencies"])
+    lines = {"build": [], "run": ["uwsim[standard]"], "dev": config["dependency-groups"]["dev"]}[mode]
+    while lines:
+        line, *lines = lines
+        if own := re.fullmatch(r"uwsim\[(.*)\]", line):
+            extras = [config["project"]["optional-dependencies"][name] for name in own[1].split(",")]
+            lines = [each for extra in extras for each in extra] + lines
+        else:
+            wanted[line] = None
+    return list(wanted)
+
+
+if __name__ == "__main__":
+    print(*requirements(sys.argv[1]), sep="\n")
