@@ -18,7 +18,6 @@ World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103);
 """
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from uwsim._moved import lead_old_names_on
@@ -34,13 +33,10 @@ if TYPE_CHECKING:
     from uwsim.simulator.docking import DockedWarning
     from uwsim.simulator.simulator import Simulator
 
+    __version__: str
+
 lead_old_names_on()
 explain_missing_extras()
-
-try:
-    __version__ = version("uwsim")
-except PackageNotFoundError:  # running from a source tree that was never installed
-    __version__ = "0+unknown"
 
 # Imported on first use (PEP 562), so that `uwsim --help` responds immediately.
 _MODULE_OF = {
@@ -71,11 +67,23 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return _version()
     if name not in _MODULE_OF:
         raise AttributeError(f"module 'uwsim' has no attribute '{name}'")
     value = getattr(import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
+
+
+def _version() -> str:
+    """Return the installed version. The import of importlib.metadata takes longer than all others here together."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("uwsim")
+    except PackageNotFoundError:  # running from a source tree that was never installed
+        return "0+unknown"
 
 
 def scenarios() -> list[str]:
