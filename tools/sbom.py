@@ -70,7 +70,7 @@ def _bundled(wheel: Path) -> list[tuple[str, str, str, str]]:
         names = {Path(name).name for name in archive.namelist() if ".so" in name and "uwsim.libs/" in name}
     packages = set()
     for name in names:
-        pattern = f"*/{re.sub(r'-[0-9a-f]{8}[.]so', '.so', name)}*"
+        pattern = f"/usr/lib/*/{re.sub(r'-[0-9a-f]{8}[.]so', '.so', name)}*"
         found = subprocess.run(["dpkg-query", "--search", pattern], capture_output=True, text=True, check=True).stdout
         packages.add(found.split(":")[0])
     return [("library", each, debian_version(each), debian_licence(each)) for each in sorted(packages)]

@@ -115,6 +115,7 @@ BARE = """
         import uwsim.figures.style
     except uwsim.base.extras.MissingExtraError as error:
         print(error)
+    import uwsim.cli.map, uwsim.mapping.info
     from uwsim.cli import main
     sys.argv = ["uwsim", "survey", "pool", "--time-limit", "4", "--out", sys.argv[1]]
     main()

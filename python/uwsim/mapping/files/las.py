@@ -6,7 +6,6 @@ import io
 import struct
 from datetime import date
 
-import laspy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +18,8 @@ def encode(points_m: NDArray[np.floating]) -> bytes:
 
     Raises ValueError if the cloud extends over more than 2,147 km.
     """
+    import laspy
+
     points = np.asarray(points_m, np.float64)
     header = laspy.LasHeader(point_format=0, version="1.2")
     header.scales = np.full(3, SCALE_M)
@@ -37,6 +38,8 @@ def encode(points_m: NDArray[np.floating]) -> bytes:
 
 def decode(data: bytes) -> NDArray[np.float64]:
     """Return the points of an uncompressed LAS file of any version."""
+    import laspy
+
     _require_records(data)
     header = laspy.LasHeader.read_from(io.BytesIO(data))
     if header.are_points_compressed:
