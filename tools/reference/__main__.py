@@ -3,7 +3,6 @@
 import sys
 from pathlib import Path
 
-from tools.reference.benchmarks import benchmarks_page
 from tools.reference.channels import channels_page
 from tools.reference.commands import commands_page
 from tools.reference.environments import environments_page
@@ -22,7 +21,6 @@ PAGES = {
     "environments": environments_page,
     "python": python_page,
     "sources": sources_page,
-    "benchmarks": benchmarks_page,
 }
 
 
