@@ -19,6 +19,13 @@ import {
   pixelsBelow,
 } from '../../python/uwsim/operator/station/page/views/camera_axis.js';
 import { Closing, soonest } from '../../python/uwsim/operator/station/page/views/closing.js';
+import {
+  Fan,
+  reaches,
+  recolouring,
+  ringStep,
+  Waterfall,
+} from '../../python/uwsim/operator/station/page/views/sonar_geometry.js';
 
 const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <= tolerance, `${got}: not ${expected}`);
 const RAD = Math.PI / 180;
@@ -147,3 +154,49 @@ assert.equal(pass(0.7), 0);
 const unknown = new Arming();
 for (let k = 0; k < 20; k += 1) unknown.pass({}, true);
 assert.equal(unknown.isArmed, false);
+
+// A sonar's picture: what is drawn at a range and bearing is read there, in fans of any angle, up and down.
+for (const half_deg of [20, 65, 120]) {
+  for (const isDown of [false, true]) {
+    const fan = new Fan({
+      reach_m: 40,
+      shown_m: 10,
+      half_rad: half_deg * RAD,
+      width: 800,
+      height: 500,
+      margin: 20,
+      isDown,
+    });
+    const { range_m, bearing_rad } = fan.read(...fan.at(7, -0.3));
+    near(range_m, 7, 1e-9);
+    near(bearing_rad, -0.3, 1e-9);
+    assert.equal(fan.read(...fan.at(11, 0)), null);
+    for (const bearing of [-fan.half_rad, 0, fan.half_rad]) {
+      const [x, y] = fan.at(10, bearing);
+      assert.ok(x >= 19.9 && x <= 780.1 && y >= 19.9 && y <= 480.1, `${half_deg}: ${x}, ${y}`);
+    }
+    const [left, top, width, height] = fan.picture; // of 40 m, four times as large as what is shown
+    near(left + width / 2, fan.apex[0], 1e-9);
+    near(isDown ? top + height - fan.apex[1] : fan.apex[1] - top, 40 * fan.scale, 1e-6);
+  }
+}
+const waterfall = new Waterfall({ reach_m: 50, shown_m: 25, width: 1000, height: 300 });
+assert.deepEqual(waterfall.read(300, 10), { range_m: 10, bearing_rad: -Math.PI / 2 });
+assert.deepEqual(waterfall.picture, [-500, 0, 2000, 300]);
+assert.deepEqual(reaches(40), [2.5, 5, 10, 20, 40]);
+assert.equal(ringStep(40), 10);
+const coloured = (rgb, name, gain_db) => {
+  const pixels = [...rgb, 255];
+  recolouring(name, gain_db)(pixels);
+  return pixels.slice(0, 3);
+};
+for (const rgb of [
+  [0, 0, 0],
+  [74, 37, 3],
+  [196, 122, 26],
+  [255, 251, 232],
+]) {
+  coloured(rgb, 'amber', 0).forEach((value, k) => near(value, rgb[k], 3)); // as received
+}
+near(coloured([196, 122, 26], 'grey', 0)[0], 128, 2);
+near(coloured([196, 122, 26], 'grey', 12.5)[0], 255, 2); // half of the span above the middle

@@ -134,6 +134,15 @@ class Across:
         return look
 
 
+def picture_geometry(model: Any) -> dict[str, Any]:
+    """Return the shape, range and angle of an imaging sonar's picture, for range rings and bearings over it."""
+    if isinstance(model, SideScan):
+        return {"shape": "waterfall", "range_m": model.range_max_m, "fov_rad": 0.0}
+    if isinstance(model, SingleBeam):
+        return {"shape": "fan_down", "range_m": model.range_max_m, "fov_rad": 2 * float(SWEEP_RAD)}
+    return {"shape": "fan", "range_m": model.range_max_m, "fov_rad": model.field_of_view_rad}
+
+
 VIEWS: dict[type, Callable[[], View]] = {ForwardLooking: Ahead, SideScan: Aside, SingleBeam: Across}
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from uwsim.base.axes import AXES
 from uwsim.channels.feed import Feed
+from uwsim.channels.imaging import picture_geometry
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.map import PLACED
 from uwsim.channels.served import served_table
@@ -159,6 +160,7 @@ class Running:
                 "vehicle": source.name, "frame_id": source.frame(f"{name}_link"), "width": 0, "height": 0,
                 "topic": f"/{source.topic(name)}/picture/compressed",
                 "small_topic": f"/{source.topic(name)}/picture/compressed",
+                "sonar": picture_geometry(sonar.model),
                 **self._sonar_link(f"{source.topic(name)}/picture/compressed"),
             }
             for source in self.table.sources

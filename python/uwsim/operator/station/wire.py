@@ -189,6 +189,17 @@ class Optics(Message):
     turns: bool
 
 
+class SonarPicture(Message):
+    """How an imaging sonar's picture lies. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
+
+    fov_rad: the fan's angle; 0 for a waterfall.
+    """
+
+    shape: Literal["fan", "fan_down", "waterfall"]
+    range_m: float
+    fov_rad: float
+
+
 class ViewDescription(Message):
     """A view: its topics and the size of its pictures; 0 if each picture has its own size."""
 
@@ -202,6 +213,7 @@ class ViewDescription(Message):
     topic: str
     small_topic: str
     optics: Optics | None = None
+    sonar: SonarPicture | None = None
     link: ViewLink | None = None
     aboard_topic: str | None = None
     aboard_small_topic: str | None = None

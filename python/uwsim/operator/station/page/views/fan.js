@@ -1,5 +1,9 @@
 // The newest ping of the multibeam in the plane of its fan: the sonar is below, up is ahead, right is starboard.
 import { el } from '../dom.js';
+import { STRINGS } from '../strings.js';
+import { inUnit, unit, unitName } from '../units.js';
+import { Fan, ringStep } from './sonar_geometry.js';
+import { SonarTools } from './sonar_tools.js';
 
 const INK = '#c9d8e2';
 const SOFT = 'rgb(150 178 194 / .55)';
@@ -7,7 +11,7 @@ const WATER = 'rgb(38 132 148 / .22)';
 const ECHO = '#ffd166';
 const OLD = 'rgb(255 209 102 / .16)';
 const MEMORY = 12; // pings that remain visible as an afterglow
-const RINGS = 5;
+const CURSOR = '#6ee0ec';
 const REACHES = [3, 5, 10, 20, 30, 50, 100];
 
 export class FanView {
@@ -17,15 +21,19 @@ export class FanView {
   #scan = null;
   #old = [];
   #isLarge = false;
+  shown = null; // the geometry last drawn
 
   constructor() {
     this.canvas = el('canvas', { role: 'img', 'aria-label': 'Ranges of the newest sonar ping' });
-    this.element = [this.canvas];
+    this.tools = new SonarTools(this.canvas, { ranges: [0, ...REACHES], hasLevels: false });
+    this.element = [this.canvas, this.tools.element, this.tools.frozen];
+    this.tools.addEventListener('change', () => this.#draw());
     new ResizeObserver(() => this.#draw()).observe(this.canvas);
   }
 
   setLarge(isLarge) {
     this.#isLarge = isLarge;
+    if (!isLarge) this.tools.freeze(false);
     this.#draw();
   }
 
@@ -36,6 +44,7 @@ export class FanView {
   }
 
   take(scan) {
+    if (this.tools.isFrozen) return;
     if (this.#scan) this.#old = [...this.#old.slice(-MEMORY), this.#scan];
     this.#scan = scan;
     if (!document.hidden) this.#draw();
@@ -55,51 +64,64 @@ export class FanView {
     c.fillRect(0, 0, width, height);
     if (!this.#scan) return;
     const { angle_min: least, angle_max: most } = this.#scan;
-    const reach = shownReach(this.#scan);
-    const half = Math.min(Math.max(Math.abs(least), Math.abs(most)), Math.PI / 2);
-    const margin = this.#isLarge ? 34 : 6;
-    const scale = Math.min((height - 2 * margin) / reach, (width / 2 - margin) / (reach * Math.sin(half)));
-    const at = (range, angle) => [
-      width / 2 - range * scale * Math.sin(angle),
-      height - margin - range * scale * Math.cos(angle),
-    ];
-    this.#rings(c, at, scale, [width / 2, height - margin], half, reach);
+    const reach = (this.#isLarge && this.tools.reach_m) || shownReach(this.#scan);
+    const half_rad = Math.min(Math.max(Math.abs(least), Math.abs(most)), Math.PI / 2);
+    this.shown = new Fan({ reach_m: reach, half_rad, width, height, margin: this.#isLarge ? 34 : 6 });
+    const at = (range, angle) => this.shown.at(range, -angle); // a scan's angles increase to port
+    this.#rings(c);
     c.save();
-    c.beginPath(); // older echoes may lie beyond the range shown
-    c.moveTo(width / 2, height - margin);
-    c.arc(width / 2, height - margin, reach * scale, -Math.PI / 2 - half, -Math.PI / 2 + half);
+    this.shown.trace(c, reach, true); // echoes may lie beyond the range shown
     c.clip();
     for (const scan of this.#old) this.#echoes(c, at, scan, OLD, this.#isLarge ? 2 : 1);
     this.#water(c, at, this.#scan);
-    c.restore();
     this.#echoes(c, at, this.#scan, ECHO, this.#isLarge ? 3 : 1.6);
+    c.restore();
+    if (this.#isLarge) this.#cursor(c);
   }
 
-  #rings(c, at, scale, [x, y], half, reach) {
+  #cursor(c) {
+    const found = this.tools.at && this.shown.read(...this.tools.at);
+    this.tools.read(found);
+    if (!found) return;
+    c.strokeStyle = CURSOR;
+    this.shown.trace(c, found.range_m);
+    c.moveTo(...this.shown.apex);
+    c.lineTo(...this.shown.at(this.shown.shown_m, found.bearing_rad));
+    c.stroke();
+  }
+
+  #rings(c) {
+    const { shown } = this;
     c.strokeStyle = SOFT;
     c.fillStyle = INK;
     c.lineWidth = 1;
     c.font = `11px ${getComputedStyle(document.body).fontFamily}`;
     c.textBaseline = 'middle';
-    const step = [0.5, 1, 2, 5, 10, 20, 25, 50, 100].find((metres) => reach / metres <= RINGS + 1) ?? reach;
+    const reach = inUnit(shown.shown_m);
+    const step = ringStep(reach);
     for (const range of [...Array.from({ length: Math.floor(reach / step) }, (_, k) => (k + 1) * step), reach]) {
-      c.beginPath();
-      c.arc(x, y, range * scale, -Math.PI / 2 - half, -Math.PI / 2 + half);
+      const range_m = range / inUnit(1, unit());
+      shown.trace(c, range_m);
       c.stroke();
       if (!this.#isLarge || (range === reach && reach % step !== 0 && reach % step < 0.4 * step)) continue;
-      const [left, top] = at(range, -half);
-      c.fillText(`${+range.toFixed(1)} m`, left + 8, top);
+      const [x, y] = shown.at(range_m, shown.half_rad);
+      c.fillText(`${+range.toFixed(1)} ${unitName()}`, x + 8, y);
     }
-    c.beginPath();
-    for (const angle of [-half, 0, half]) {
-      c.moveTo(x, y);
-      c.lineTo(...at(reach, angle));
+    const thirds = this.#isLarge ? [-1, -2 / 3, -1 / 3, 0, 1 / 3, 2 / 3, 1] : [-1, 0, 1];
+    for (const share of thirds) {
+      c.beginPath();
+      c.moveTo(...shown.apex);
+      c.lineTo(...shown.at(shown.shown_m, share * shown.half_rad));
+      c.stroke();
     }
-    c.stroke();
     if (!this.#isLarge) return;
     c.textAlign = 'center';
-    c.fillText('port', at(reach, half)[0] - 14, at(reach, half)[1] - 18);
-    c.fillText('starboard', at(reach, -half)[0] + 22, at(reach, -half)[1] - 18);
+    for (const share of thirds) {
+      const degrees = Math.round((Math.abs(share) * shown.half_rad * 180) / Math.PI);
+      const side = Math.abs(share) < 1 ? '' : ` ${share < 0 ? STRINGS.sonar.port : STRINGS.sonar.starboard}`;
+      const [x, y] = shown.at(shown.shown_m, share * shown.half_rad);
+      c.fillText(`${degrees}°${side}`, x + (side && Math.sign(share) * 18), y - (side ? 18 : 14));
+    }
     c.textAlign = 'left';
   }
 

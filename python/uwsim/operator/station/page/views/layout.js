@@ -4,6 +4,7 @@ import { cameraAxis, focalPixels } from './camera_axis.js';
 import { Hud } from './hud.js';
 import { Previews } from './previews.js';
 import { Picture } from './picture.js';
+import { SonarScreen } from './sonar_screen.js';
 
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
@@ -65,6 +66,10 @@ export class Views extends EventTarget {
     return this.#views.get(name)?.picture;
   }
 
+  sonarOf(name) {
+    return this.#views.get(name)?.sonar ?? null;
+  }
+
   hudOf(name) {
     return this.#views.get(name)?.hud ?? null;
   }
@@ -94,6 +99,7 @@ export class Views extends EventTarget {
     this.#large = name;
     for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
     for (const own of this.drawn) own.setLarge(name === own.name);
+    for (const [other, { sonar }] of this.#views) sonar?.setLarge(other === name);
     if (this.largeView.isCamera) this.largeView.element.append(this.#tools);
     else this.#tools.remove();
     this.#choosePictures();
@@ -124,22 +130,22 @@ export class Views extends EventTarget {
   }
 
   #pictureView(view) {
-    const canvas = el('canvas', {
-      className: 'picture',
-      width: 16,
-      height: 9,
-      role: 'img',
-      'aria-label': `Picture: ${view.title}`,
-    });
+    const sonar = view.sonar ? new SonarScreen(view.sonar) : null;
+    const canvas = sonar?.canvas ?? el('canvas', { className: 'picture', width: 16, height: 9 });
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', `Picture: ${view.title}`);
     const isCamera = CAMERAS.has(view.kind);
     const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
-    const frame = this.#frame(view.title, canvas, hudCanvas);
+    const frame = this.#frame(view.title, ...(sonar?.element ?? [canvas, hudCanvas]));
     frame.swap.addEventListener('click', () => this.enlarge(view.name));
     frame.element.dataset.view = view.name;
-    const picture = new Picture(this.station.bridge, canvas);
-    picture.addEventListener('drawn', () => frame.element.classList.remove('is-stale'));
-    return { ...frame, view, picture, isCamera, hud: hasHud ? new Hud(hudCanvas) : null };
+    const picture = new Picture(this.station.bridge, sonar?.source ?? canvas);
+    picture.addEventListener('drawn', () => {
+      frame.element.classList.remove('is-stale');
+      sonar?.take();
+    });
+    return { ...frame, view, picture, isCamera, sonar, hud: hasHud ? new Hud(hudCanvas) : null };
   }
 
   #drawnView({ name, kind, title, element }) {
@@ -152,15 +158,17 @@ export class Views extends EventTarget {
   // Request no pictures for a hidden tab, so that they are not even rendered.
   #choosePictures() {
     const [cameras, sonars] = [[], []];
+    let large = null;
     for (const [name, { view, picture, isCamera }] of this.#views) {
       if (!picture || document.hidden) picture?.show('');
-      else if (name === this.#large) picture.show(this.#isFull(view) ? view.aboard_topic : view.topic, LARGE);
+      else if (name === this.#large) large = { picture, topic: this.#isFull(view) ? view.aboard_topic : view.topic };
       else if (view.link?.large_only && !isCamera)
         picture.show(''); // it would take the modem's time
       else (isCamera ? cameras : sonars).push({ picture, topic: this.#smallTopic(view) });
     }
     this.#cameras.show(cameras);
     this.#sonars.show(sonars); // sonar pictures come at their own pace
+    large?.picture.show(large.topic, LARGE); // last: a preview of the same topic has ended before
   }
 
   // link: that of a view whose pictures come over a link.

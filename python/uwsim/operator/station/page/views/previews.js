@@ -42,6 +42,6 @@ export class Previews {
     const { picture, topic } = this.#current;
     this.#current = null;
     picture.removeEventListener('drawn', this.#drawn);
-    if (picture.topic === topic) picture.show(''); // otherwise it has become large meanwhile
+    if (picture.topic === topic) picture.show('');
   }
 }

@@ -187,6 +187,16 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} turns
  */
 
+/** How an imaging sonar's picture lies. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
+
+    fov_rad: the fan's angle; 0 for a waterfall.
+    
+ * @typedef {object} SonarPicture
+ * @property {'fan' | 'fan_down' | 'waterfall'} shape
+ * @property {number} range_m
+ * @property {number} fov_rad
+ */
+
 /** How pictures are sent over a link. period_s: null if there is no capacity for pictures.
  * @typedef {object} ViewLink
  * @property {string} modem
@@ -206,6 +216,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} topic
  * @property {string} small_topic
  * @property {Optics | null} [optics]
+ * @property {SonarPicture | null} [sonar]
  * @property {ViewLink | null} [link]
  * @property {string | null} [aboard_topic]
  * @property {string | null} [aboard_small_topic]
