@@ -25,6 +25,7 @@ from uwsim.cli.dataset import dataset
 from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
 from uwsim.cli.doctor import doctor
+from uwsim.cli.exercise import exercise
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
@@ -83,7 +84,7 @@ def _add(heading: str, *commands: Callable[..., object], **groups: typer.Typer) 
         app.add_typer(group, name=name, rich_help_panel=heading)
 
 
-_add("Fly", survey, run, compare, sweep, fleet, dataset)
+_add("Fly", survey, run, exercise, compare, sweep, fleet, dataset)
 _add("Look", sonar, camera, link, rays)
 _add("Connect", serve, station, teleop, connect, nodes, doctor, ros=ros_app)
 _add("Record", recording, replay, diff)

@@ -43,6 +43,7 @@ def packaged(kind: str, *others: str) -> Completer:
 
 
 scenarios = packaged("scenarios")
+exercises = packaged("exercises")
 sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
 

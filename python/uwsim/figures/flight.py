@@ -31,12 +31,18 @@ def draw_track(
     tracks_world_m: Paths,
     estimates_world_m: Paths,
     closed_world_m: Paths,
+    *,
+    places_world_m: Paths | None = None,
+    marks: Sequence[tuple[str, str, str, float, float]] = (),
 ) -> None:
     """Draw tracks (n, 3) by vehicle over the true bed, estimates dashed and loop-closed tracks dotted. Raises OSError.
 
-    world: None if the bed is unknown.
+    world: None if the bed is unknown. places_world_m: points (n, 2) by name, labelled. marks: symbol, colour, legend,
+    x and y.
     """
-    every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values(), *closed_world_m.values()])[:, :2]
+    paths = (*tracks_world_m.values(), *estimates_world_m.values(), *closed_world_m.values())
+    places = places_world_m or {}
+    every = np.concatenate([*(track[:, :2] for track in paths), *places.values()])
     low, high = every.min(axis=0), every.max(axis=0)
     size = max(float((high - low).max()), 10.0)
     middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.3 * size) + 0.12 * size
@@ -60,6 +66,17 @@ def draw_track(
         if name in closed_world_m:
             closed = closed_world_m[name]
             axes.plot(closed[:, 0], closed[:, 1], ":", color=CLOSED, label=f"{name}, loops closed", **thin)
+    for name, points in places.items():
+        axes.plot(points[:, 0], points[:, 1], "o:", color="white", mfc="none", markersize=9, markeredgewidth=1.6)
+        axes.annotate(
+            name.replace("_", " "), points[0], xytext=(7, 6), textcoords="offset points", color="white", fontsize=8,
+            path_effects=[withStroke(linewidth=2.4, foreground=INK)],
+        )  # fmt: skip
+    said = set[str]()
+    for symbol, colour, text, x, y in marks:
+        label = text if text not in said else None
+        axes.plot(x, y, symbol, color=colour, markersize=8, markeredgewidth=2.0, label=label, path_effects=outline)
+        said.add(text)
     axes.set_xlim(west, east)
     axes.set_ylim(south, north)
     add_legend(axes, 2)
@@ -136,9 +153,17 @@ def draw_power(
 
 def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
     """Draw distances [m] from the true position over times [s], (n,) each, as named pairs. Raises OSError."""
-    figure, axes = _over_time("Estimate against truth", "distance [m]", next(iter(errors.values()))[0], 2.2)
-    for colour, (name, (time_s, error_m)) in zip(_colours(len(errors)), errors.items(), strict=True):
-        axes.plot(time_s / 60.0, error_m, color=colour, linewidth=1.4, label=name)
+    draw_curves(path, "Estimate against truth", "distance [m]", errors)
+
+
+def draw_curves(
+    path: Path, title: str, label: str, curves: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
+) -> None:
+    """Draw values, from 0 upwards, over times [s], (n,) each, as named pairs. Raises OSError."""
+    times_s = np.sort(np.concatenate([time_s for time_s, _ in curves.values()]))
+    figure, axes = _over_time(title, label, times_s, 2.2)
+    for colour, (name, (time_s, values)) in zip(_colours(len(curves)), curves.items(), strict=True):
+        axes.plot(time_s / 60.0, values, color=colour, linewidth=1.4, label=name)
     axes.set_ylim(bottom=0.0)
     add_legend(axes, 3)
     save(figure, path)

@@ -62,9 +62,9 @@ def test_the_box_is_where_rings_and_cursor_say(here, page, tmp_path: Path):
       const levels = ranges.map((range) => at(range, 0.02) + at(range, -0.03) + at(range, 0.04));
       return ranges[levels.findIndex((level) => level > 0.8 * Math.max(...levels))];
     }}""")
-    expected_m = here.station.present().live.read(
-        lambda sim: FACE_M - EYE_M - float(sim.rov.pose.position_world_m[0])
-    ).result()
+    expected_m = (
+        here.station.present().live.read(lambda sim: FACE_M - EYE_M - float(sim.rov.pose.position_world_m[0])).result()
+    )
     assert strongest_m == pytest.approx(expected_m, abs=0.35)
     x, y = page.evaluate(f"{screen}.shown.at(4, 0.5)")
     box = page.locator(".view.is-large canvas.picture").bounding_box()

@@ -70,3 +70,10 @@ def _written(name: str, write: Callable[[Path], None]) -> bytes:
         path = Path(folder, name)
         write(path)
         return path.read_bytes()
+
+
+def sheet_file(running: Running, name: str) -> bytes:
+    """Return a file of the exercise's score sheet. Raises ValueError or OSError if there is none."""
+    if running.judged is None:
+        raise ValueError("no exercise is flown")
+    return running.judged.sheet(name)

@@ -14,8 +14,10 @@ from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.own_types import STATION_STATE
 from uwsim.channels.table import Wire, checked_wire
+from uwsim.exercises import Course, Exercise
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save, scenarios
+from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.prepared import Prepared
 from uwsim.operator.station.preview import preview_png
@@ -176,6 +178,19 @@ class Station:
                 running.stop()
             self._enter(before)
             self._starting.release()
+
+    def run_exercise(self, exercise: Exercise) -> None:
+        """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError."""
+
+        def make() -> LiveSimulator:
+            sim = Simulator(exercise.made_scenario(), threads=self._threads)
+            Course.require_events(exercise, sim)
+            return LiveSimulator(sim)
+
+        def judge(running: Running) -> None:
+            running.judged = Judged(running.live, exercise, self.folder)
+
+        self.run(make, judge)
 
     def preview(self, scenario: str) -> bytes:
         """Return a PNG of an offered scenario seen from above. Raises LookupError, ScenarioError or OSError."""

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from uwsim.base.axes import AXES
 from uwsim.channels.feed import Feed
-from uwsim.channels.imaging import picture_geometry
 from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.imaging import picture_geometry
 from uwsim.channels.map import PLACED
 from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
@@ -21,6 +21,7 @@ from uwsim.link.ashore import with_scans
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.arrivals import Arrivals
 from uwsim.operator.station.helm import Helm
+from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.scene import Scene
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
@@ -72,6 +73,7 @@ class Running:
         if self.carrier is not None:
             self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
         self.recorder: Recorder | None = None
+        self.judged: Judged | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
         self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of each view
@@ -92,6 +94,8 @@ class Running:
         for name, ping_map in self.maps.items():
             rate_hz = self.table.pings[name].rate_hz
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
+        if self.judged is not None:
+            self.judged.start()
 
     def notice_changes(self) -> None:
         """Increment the edition if a parameter has changed since the last call."""
@@ -104,6 +108,8 @@ class Running:
     def stop(self) -> None:
         """Finish the recording, and stop stepping."""
         self.stop_recording()
+        if self.judged is not None:
+            self.judged.stop()
         if self.carrier is not None:
             self.carrier.close()
         self.live.stop()
@@ -138,6 +144,7 @@ class Running:
             "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
             "commands": piloted_commands(),
+            "has_exercise": self.judged is not None,
         }
 
     def topics(self) -> list[GuestTopic]:

@@ -92,6 +92,12 @@ class Services:
             running.helm.note_holds(vehicle, given)
         return answered(live, future, text=text)
 
+    def _exercise(self, caller: str, request: Values) -> Values:
+        judged = self._station.present().judged
+        if judged is None:
+            raise ValueError("no exercise is flown")
+        return {"success": True, **judged.state()}
+
     def _set_view(self, caller: str, request: Values) -> Values:
         self._station.present().views.set_size(request)
         return {"success": True, "message": ""}

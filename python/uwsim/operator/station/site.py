@@ -17,7 +17,7 @@ from urllib.parse import parse_qs, unquote, urlsplit
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, snapshot_json, snapshot_png
+from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file, snapshot_json, snapshot_png
 from uwsim.operator.station.hub import Station
 
 PAGE = Path(__file__).resolve().with_name("page")
@@ -27,7 +27,7 @@ TYPES = {
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
-DATA = re.compile(r"/(scene|map|snapshot|preview)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
@@ -97,6 +97,7 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/scene/terrain\.f32", lambda running: (running.scene.heights(), "")),
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
+    (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),
     (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), f"{name}.bt")),
     (r"/map/([^/]+)\.(ply|pcd)", lambda running, name, suffix: (cloud(running, name, suffix), f"{name}.{suffix}")),
     (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), f"{name}.tif")),

@@ -245,6 +245,44 @@ class Description(Message):
     views: list[ViewDescription]
     scene: str
     commands: list[str]
+    has_exercise: bool
+
+
+class GoalState(Message):
+    """A goal of an exercise. share: how far it is met, 0 to 1."""
+
+    title: str
+    points: float
+    share: float
+
+
+class BrokenLimit(Message):
+    """A limit of an exercise that was broken, and what it cost."""
+
+    title: str
+    cost: float
+    time_s: float
+
+
+class ExerciseState(Message):
+    """How an exercise stands. points: the most that can be had; lost: by limits; has_sheet: whether it is written."""
+
+    success: Literal[True]
+    title: str
+    brief: str
+    time_s: float
+    limit_s: float
+    score: float
+    points: float
+    pass_points: float
+    lost: float
+    is_over: bool
+    has_passed: bool
+    ended_because: str
+    goals: list[GoalState]
+    broken: list[BrokenLimit]
+    has_sheet: bool
+    error: str
 
 
 # Pilots

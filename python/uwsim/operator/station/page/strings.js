@@ -1,5 +1,15 @@
 // The words that the page shows, by topic, for translation: a value is text, or a function that puts values into text.
 export const STRINGS = {
+  exercise: {
+    brief: 'Task',
+    heading: 'Exercise',
+    left: (clock) => `${clock} left`,
+    lost: (points) => `${points} points lost`,
+    over: (hasPassed, because) => `${hasPassed ? 'Passed' : 'Not passed'}: ${because}`,
+    progress: 'Points',
+    score: (score, points) => `${score} of ${points} points`,
+    sheet: 'Score sheet',
+  },
   sonar: {
     ahead: 'ahead',
     amber: 'Amber',

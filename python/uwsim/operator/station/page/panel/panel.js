@@ -5,6 +5,7 @@ import { inUnit, unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
 import { Bars } from './bars.js';
+import { ExercisePanel } from './exercise.js';
 import { Failsafe } from './failsafe.js';
 import { Link } from './link.js';
 
@@ -136,9 +137,11 @@ export class Panel {
       this.#section('Battery', this.charge, this.meter),
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
+    this.exercise = new ExercisePanel(station);
     container.append(
       this.allStop.element,
       this.failsafe.element,
+      this.exercise.element,
       this.alarms.element,
       this.timed,
       this.link.element,
@@ -153,6 +156,7 @@ export class Panel {
   begin(vehicle, description) {
     this.allStop.begin(vehicle);
     this.failsafe.begin(vehicle);
+    this.exercise.begin(description);
     this.link.begin(vehicle, description.views);
     this.hasThrusters = vehicle.thrusters.length > 0; // otherwise it is driven by forces along and about the axes
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);

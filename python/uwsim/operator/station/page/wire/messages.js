@@ -240,6 +240,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {ViewDescription[]} views
  * @property {string} scene
  * @property {string[]} commands
+ * @property {boolean} has_exercise
  */
 
 /** The response to a Join. id: identifies this connection.
@@ -268,6 +269,40 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {true} success
  * @property {string} message
  * @property {number} tick
+ */
+
+/** A goal of an exercise. share: how far it is met, 0 to 1.
+ * @typedef {object} GoalState
+ * @property {string} title
+ * @property {number} points
+ * @property {number} share
+ */
+
+/** A limit of an exercise that was broken, and what it cost.
+ * @typedef {object} BrokenLimit
+ * @property {string} title
+ * @property {number} cost
+ * @property {number} time_s
+ */
+
+/** How an exercise stands. points: the most that can be had; lost: by limits; has_sheet: whether it is written.
+ * @typedef {object} ExerciseState
+ * @property {true} success
+ * @property {string} title
+ * @property {string} brief
+ * @property {number} time_s
+ * @property {number} limit_s
+ * @property {number} score
+ * @property {number} points
+ * @property {number} pass_points
+ * @property {number} lost
+ * @property {boolean} is_over
+ * @property {boolean} has_passed
+ * @property {string} ended_because
+ * @property {GoalState[]} goals
+ * @property {BrokenLimit[]} broken
+ * @property {boolean} has_sheet
+ * @property {string} error
  */
 
 /** A vehicle of an offered scenario.
@@ -367,6 +402,10 @@ export const allStop = (bridge, { vehicle, on }) => bridge.call('/station/all_st
 // Issue another command; for the pilot only.
 /** @returns {Promise<Commanded | Refused>} */
 export const command = (bridge, { name, vehicle, args }) => bridge.call('/station/command', { name, vehicle, args });
+
+// Report how the exercise stands.
+/** @returns {Promise<ExerciseState | Refused>} */
+export const exercise = (bridge) => bridge.call('/station/exercise');
 
 // Change the rate, width and quality of a view.
 /** @returns {Promise<Done | Refused>} */

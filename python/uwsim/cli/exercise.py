@@ -1,0 +1,103 @@
+"""`uwsim exercise`: fly an exercise with a script as its pilot, or serve it at the operator's station."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
+from uwsim.cli.flights import Out
+from uwsim.cli.options import Record, Threads, WithoutEffectError, need
+from uwsim.cli.serve import page_url
+from uwsim.cli.values import exercises
+
+
+def exercise(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="A packaged exercise, or the path of a YAML file. Without it, the packaged ones are listed.",
+            show_default=False,
+            autocompletion=exercises,
+        ),
+    ] = None,
+    pilot: Annotated[
+        Path | None,
+        typer.Option(
+            help="A Python file with `def mission(vehicle): yield ...`, which flies it headless.", callback=readable
+        ),
+    ] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="Serve it at the operator's station, for a person.")] = False,
+    out: Out = Path("out"),
+    record: Record = None,
+    port: Annotated[
+        int | None,
+        typer.Option(help="Port of --serve; 0 chooses a free one. Default: 9090.", callback=within(0, 65535)),
+    ] = None,
+    token: Annotated[
+        str | None, typer.Option(help="Pilots' pages must pass it: http://HOST:PORT/?token=TOKEN.")
+    ] = None,
+    threads: Threads = None,
+) -> None:
+    """Fly an exercise: goals, limits and events, judged by the truth.
+
+    Writes score.json and sheet.html, the debriefing. Exits with 4 if the points do not suffice.
+    """
+    from uwsim.exercises import exercise_names, load_exercise
+
+    if name is None:
+        for each in exercise_names():
+            found = load_exercise(each)
+            typer.echo(f"{each:14} {found.title} ({found.points:g} points, {found.time_s:g} s, {found.scenario})")
+        return
+    if not serve:
+        need("--serve", port=port, token=token)
+    if serve == (pilot is not None):
+        raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
+    found = load_exercise(name)
+    if serve:
+        if record is not None:
+            raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
+        _serve(name, out, port=9090 if port is None else port, token=token, threads=threads)
+        return
+    from uwsim.flight.exercise import fly_exercise
+    from uwsim.flight.terminal import Terminal
+
+    course, flown = fly_exercise(found, pilot, out, threads=threads, record=record, screen=Terminal())
+    for row in score_lines(course.sheet()):
+        typer.echo(row)
+    typer.echo(f"{out / 'score.json'}  {out / 'sheet.html'}")
+    if flown.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if not course.has_passed:
+        raise typer.Exit(INCOMPLETE)
+
+
+def score_lines(sheet: dict) -> list[str]:  # type: ignore[type-arg]
+    """Return the score as lines of text."""
+    lines = [f"{goal['scored']:6.1f} of {goal['points']:g}  {goal['title']}" for goal in sheet["goals"]]
+    lines += [
+        f"{-each['cost']:6.1f}       {each['title']}, broken at {each['time_s']:.1f} s" for each in sheet["broken"]
+    ]
+    verdict = "passed" if sheet["has_passed"] else f"not passed, which takes {sheet['pass_points']:g}"
+    return [*lines, f"{sheet['score']:6.1f} of {sheet['points']:g}  {verdict}; {sheet['ended_because']}"]
+
+
+def _serve(name: str, out: Path, *, port: int, token: str | None, threads: int | None) -> None:
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.admission import has_token
+    from uwsim.cli.access import access
+    from uwsim.cli.run_live import wait_for_interrupt
+    from uwsim.exercises import load_exercise
+    from uwsim.operator.station import Site, Station
+
+    hub = Station(is_fixed=True, truth=False, threads=threads, folder=out)
+    site = Site(hub, lambda request: token is None or has_token(request, token))
+    accessible = access("127.0.0.1", page=None, token=token, certfile=None, keyfile=None)
+    with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):
+        hub.run_exercise(load_exercise(name))
+        where = page_url(server.url, token)
+        wait_for_interrupt(f"the exercise is at {where}; its sheet will be in {out}; Ctrl-C ends it")

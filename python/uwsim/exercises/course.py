@@ -1,0 +1,263 @@
+"""Course: an exercise under way in a simulator. It judges goals and limits, lets events happen, and keeps the score."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from uwsim.base.agenda import Rank, next_tick
+from uwsim.commands import bound_command
+from uwsim.exercises.exercise import Event, Exercise
+from uwsim.exercises.goals import Progress
+from uwsim.exercises.limits import AGAIN_S
+from uwsim.exercises.moment import Moment
+from uwsim.simulator.simulator import Simulator
+
+PERIOD_S = 0.1
+Command = Callable[[str, Mapping[str, Any]], Any]
+"""Issues a command by name, with its arguments."""
+
+
+@dataclass
+class Happening:
+    """An entry of the course's log. time_s: since the beginning. kind: goal, limit, event or end."""
+
+    time_s: float
+    kind: str
+    text: str
+    points: float = 0.0
+    position_world_m: tuple[float, ...] = ()
+
+
+@dataclass
+class _State:
+    """All that changes, so that a saved moment can be returned to."""
+
+    progress: list[Progress]
+    begun_tick: int
+    last_s: float = -1.0
+    collisions: int = 0
+    broken_s: list[float] = field(default_factory=list)
+    is_broken: list[bool] = field(default_factory=list)
+    done: set[int] = field(default_factory=set)
+    log: list[Happening] = field(default_factory=list)
+    track: list[tuple[float, ...]] = field(default_factory=list)
+    lost: float = 0.0
+    over_s: float | None = None
+    ended_because: str = ""
+
+
+class Course:
+    """An exercise under way.
+
+    sim: of the exercise's scenario. command: issues the commands of events; by default directly, without a live
+    simulator. Call `attach` for a simulator stepped by a mission; with a LiveSimulator call `judge` every PERIOD_S.
+    """
+
+    def __init__(self, exercise: Exercise, sim: Simulator, command: Command | None = None) -> None:
+        self.exercise, self.sim = exercise, sim
+        self._vehicle = sim.rov
+        self._command = command or (lambda name, arguments: bound_command(name, arguments)(sim))
+        self.due_tick = sim.tick
+        self.restart()
+
+    @staticmethod
+    def require_events(exercise: Exercise, sim: Simulator) -> None:
+        """Try all events on a simulator, and restore it. Raises ValueError if one cannot happen."""
+        for index, event in enumerate(exercise.events):
+            if event.command == "end_fault":
+                continue  # the fault begins later
+            state = sim.save_state()
+            try:
+                bound_command(event.command, event.arguments)(sim)
+            except (ValueError, LookupError, TypeError) as error:
+                raise ValueError(f"events[{index}]: {error}") from None
+            finally:
+                sim.restore_state(state)
+
+    def restart(self) -> None:
+        """Begin at the current tick."""
+        self._now = _State([goal.begun() for goal in self.exercise.goals], self.sim.tick)
+        limits = len(self.exercise.limits)
+        self._now.broken_s, self._now.is_broken = [-math.inf] * limits, [False] * limits
+
+    def attach(self) -> Course:
+        """Judge whenever due while the simulator steps; return self."""
+        self.sim.agenda.add(self, Rank.READING, lambda tick: self.judge(), jump=self._jump)
+        return self
+
+    def detach(self) -> None:
+        """Judge no more."""
+        self.sim.agenda.remove(self)
+
+    def _jump(self, tick: int) -> None:
+        self.due_tick = tick
+
+    def saved(self) -> object:
+        """Return a copy of the state, for `restore`."""
+        return copy.deepcopy(self._now)
+
+    def restore(self, saved: object) -> None:
+        """Return to a saved state; the simulator must be restored to the same moment."""
+        assert isinstance(saved, _State)
+        self._now = copy.deepcopy(saved)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since the beginning, up to the end."""
+        if self._now.over_s is not None:
+            return self._now.over_s
+        return (self.sim.tick - self._now.begun_tick) * self.sim.step_s
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the score is final."""
+        return self._now.over_s is not None
+
+    @property
+    def score(self) -> float:
+        """The points so far, not below 0."""
+        gained = sum(g.points * p.share for g, p in zip(self.exercise.goals, self._now.progress, strict=True))
+        return max(gained - self._now.lost, 0.0)
+
+    @property
+    def has_passed(self) -> bool:
+        """Whether the points suffice."""
+        return self.score >= self.exercise.pass_points
+
+    def judge(self) -> None:
+        """Judge the current moment. Called every PERIOD_S; a jump back in time before the beginning restarts."""
+        sim, now = self.sim, self._now
+        period_ns, step_ns = round(PERIOD_S * 1e9), round(sim.step_s * 1e9)
+        self.due_tick = next_tick(sim.tick, period_ns, step_ns)
+        if sim.tick < now.begun_tick or self._elapsed_s < now.last_s - 1e-9:
+            self.restart()
+            now = self._now
+        if self.is_over:
+            return
+        moment = Moment.of(sim, self._vehicle, self._elapsed_s)
+        self._let_happen(moment)
+        self._judge_goals(moment)
+        self._judge_limits(moment, now.collisions if now.last_s >= 0.0 else moment.collisions)
+        now.last_s, now.collisions = moment.time_s, moment.collisions
+        now.track.append((moment.time_s, *moment.position_world_m.tolist(), moment.yaw_rad, moment.altitude_m))
+        if self.is_over:
+            return
+        if all(one.is_met for one in now.progress):
+            self._end(moment.time_s, "all goals are met")
+        elif moment.time_s >= self.exercise.time_s - 1e-9:
+            self._end(self.exercise.time_s, "the time is over")
+
+    @property
+    def _elapsed_s(self) -> float:
+        return (self.sim.tick - self._now.begun_tick) * self.sim.step_s
+
+    def finish(self, because: str) -> None:
+        """End the exercise now, if it has not ended."""
+        if not self.is_over:
+            self._end(self._elapsed_s, because)
+
+    def _end(self, time_s: float, because: str) -> None:
+        self._now.over_s, self._now.ended_because = time_s, because
+        self._now.log.append(Happening(time_s, "end", because))
+
+    def _let_happen(self, moment: Moment) -> None:
+        for index, event in enumerate(self.exercise.events):
+            if index not in self._now.done and self._is_due(event, moment):
+                self._now.done.add(index)
+                self._note(moment, "event", event.note or event.command.replace("_", " "))
+                self._command(event.command, event.arguments)
+
+    def _is_due(self, event: Event, moment: Moment) -> bool:
+        if event.at_s is not None:
+            return moment.time_s >= event.at_s - 1e-9
+        if event.near is not None:
+            return moment.distance_m(event.near.position_m) <= event.near.within_m
+        return self._is_met(event.after)
+
+    def _is_met(self, name: str | None) -> bool:
+        goals = zip(self.exercise.goals, self._now.progress, strict=True)
+        return name is None or any(goal.name == name and one.is_met for goal, one in goals)
+
+    def _judge_goals(self, moment: Moment) -> None:
+        for goal, one in zip(self.exercise.goals, self._now.progress, strict=True):
+            if one.is_met or not self._is_met(goal.after):
+                continue
+            one.judge(moment, PERIOD_S)
+            if one.is_met:
+                self._note(moment, "goal", goal.title, goal.points)
+
+    def _judge_limits(self, moment: Moment, collisions_before: int) -> None:
+        now = self._now
+        for index, limit in enumerate(self.exercise.limits):
+            was_broken, now.is_broken[index] = now.is_broken[index], limit.is_broken(moment, collisions_before)
+            if not now.is_broken[index]:
+                continue
+            since_s, now.broken_s[index] = moment.time_s - now.broken_s[index], moment.time_s
+            if was_broken or since_s < AGAIN_S:
+                continue
+            now.lost += limit.cost
+            self._note(moment, "limit", limit.title, -limit.cost)
+            if limit.ends:
+                self._end(moment.time_s, f"a limit is broken: {limit.title}")
+
+    def _note(self, moment: Moment, kind: str, text: str, points: float = 0.0) -> None:
+        place = tuple(moment.position_world_m.tolist())
+        self._now.log.append(Happening(moment.time_s, kind, text, points, place))
+
+    def state(self) -> dict[str, Any]:
+        """Return what the pilot may see: no events, and no places. All values are of JSON types."""
+        now = self._now
+        goals = zip(self.exercise.goals, now.progress, strict=True)
+        return {
+            "title": self.exercise.title,
+            "brief": " ".join(self.exercise.brief.split()),
+            "time_s": self.time_s,
+            "limit_s": self.exercise.time_s,
+            "score": self.score,
+            "points": self.exercise.points,
+            "pass_points": self.exercise.pass_points,
+            "lost": now.lost,
+            "is_over": self.is_over,
+            "has_passed": self.has_passed,
+            "ended_because": now.ended_because,
+            "goals": [{"title": g.title, "points": g.points, "share": p.share} for g, p in goals],
+            "broken": [{"title": h.text, "cost": -h.points, "time_s": h.time_s} for h in now.log if h.kind == "limit"],
+        }
+
+    def sheet(self) -> dict[str, Any]:
+        """Return the score sheet: the state, the log, and how large the errors were. All values are of JSON types."""
+        goals = [
+            {
+                "name": goal.name, "title": goal.title, "kind": goal.kind, "points": goal.points, "share": one.share,
+                "scored": goal.points * one.share, **_error_figures(one.errors_m),
+            }
+            for goal, one in zip(self.exercise.goals, self._now.progress, strict=True)
+        ]  # fmt: skip
+        log = [
+            {"time_s": h.time_s, "kind": h.kind, "text": h.text, "points": h.points,
+             "position_world_m": list(h.position_world_m)}
+            for h in self._now.log
+        ]  # fmt: skip
+        return {**self.state(), "seed": self.sim.seed, "scenario": self.exercise.scenario, "goals": goals, "log": log}
+
+    @property
+    def track(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """The true track, (n, 6): time [s], x, y, z [m], yaw [rad], altitude [m]."""
+        return np.array(self._now.track, np.float64).reshape(-1, 6)
+
+    def errors(self) -> dict[str, tuple[Any, Any]]:
+        """Return, by title of the goals that keep something, times [s] and distances [m], (n,) each."""
+        goals = zip(self.exercise.goals, self._now.progress, strict=True)
+        return {g.title: (np.array(p.times_s), np.array(p.errors_m)) for g, p in goals if len(p.errors_m) > 1}
+
+
+def _error_figures(errors_m: list[float]) -> dict[str, float]:
+    if not errors_m:
+        return {}
+    return {"error_mean_m": float(np.mean(errors_m)), "error_max_m": float(np.max(errors_m))}

@@ -1,0 +1,125 @@
+"""Exercise: the model of an exercise's YAML file, and the scenario that it is flown in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, model_validator
+
+from uwsim.commands import COMMANDS
+from uwsim.exercises.goals import Goal, Points
+from uwsim.exercises.limits import Limit
+from uwsim.scenario.load import load
+from uwsim.scenario.read.assets import packaged_names
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.vehicle_entry import StartPose
+
+FOLDER = "exercises"
+EVENT_COMMANDS = (
+    "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",
+)  # fmt: skip
+
+
+class Near(Model):
+    """A place whose approach triggers an event.
+
+    position_m: in the world. within_m: how close.
+    """
+
+    position_m: Point3
+    within_m: Annotated[float, InRange(0.01, 1000, "m")] = 2.0
+
+
+class Event(Model):
+    """Something that happens once, unannounced.
+
+    at_s: when, from the beginning; near: or where; after: or once a goal, by name, has been met. Exactly one of them.
+    command: a command of the simulator. arguments: its arguments. note: what the debriefing says about it.
+    """
+
+    at_s: Annotated[float, InRange(0, 1e5, "s")] | None = None
+    near: Near | None = None
+    after: Name | None = None
+    command: str
+    arguments: dict[str, Any] = Field(default_factory=dict)
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _has_one_cause_and_a_known_command(self) -> Event:
+        if sum(cause is not None for cause in (self.at_s, self.near, self.after)) != 1:
+            raise broken("exactly one of at_s, near and after must be given")
+        if self.command not in EVENT_COMMANDS:
+            raise broken(f"must be one of {', '.join(EVENT_COMMANDS)}", at=("command",), value=self.command)
+        try:
+            COMMANDS[self.command].check(self.arguments)
+        except ValueError as error:
+            raise broken(str(error), at=("arguments",)) from None
+        return self
+
+
+class Exercise(Model):
+    """An exercise for a pilot.
+
+    title: a line. brief: what the pilot is told beforehand. scenario: a packaged name, or the path of a YAML file.
+    obstacles: added to the scenario's. start: the pose of the first vehicle, by default as in the scenario. seed: of
+    all random draws. time_s: after which it ends. goals, limits, events: see there. pass_points: needed to pass.
+    """
+
+    title: str = Field(min_length=1, max_length=120)
+    brief: str = Field(min_length=1, max_length=2000)
+    scenario: str
+    obstacles: list[ObstacleSpec] = Field(default_factory=list)
+    start: StartPose | None = None
+    seed: Annotated[int, InRange(0, 2**32 - 1)] = 0
+    time_s: Annotated[float, InRange(1, 1e5, "s")] = 600.0
+    goals: list[Goal] = Field(min_length=1, max_length=200)
+    limits: list[Limit] = Field(default_factory=list)
+    events: list[Event] = Field(default_factory=list)
+    pass_points: Points
+
+    @property
+    def points(self) -> float:
+        """The most points that can be had."""
+        return sum(goal.points for goal in self.goals)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Exercise:
+        names = [goal.name for goal in self.goals]
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                raise broken(f"there is already a goal '{name}'", at=("goals", index, "name"), value=name)
+        for index, goal in enumerate(self.goals):
+            if goal.after is not None and goal.after not in names[:index]:
+                raise broken("must be the name of an earlier goal", at=("goals", index, "after"), value=goal.after)
+        for index, event in enumerate(self.events):
+            if event.after is not None and event.after not in names:
+                raise broken("must be the name of a goal", at=("events", index, "after"), value=event.after)
+        if self.pass_points > self.points:
+            raise broken(f"must be at most {self.points:g}, the points of all goals", at=("pass_points",))
+        return self
+
+    def made_scenario(self) -> Scenario:
+        """Return the scenario with the exercise's obstacles, start, seed and time. Raises ScenarioError."""
+        found = load(self.scenario)
+        data = found.given()
+        data["seed"] = self.seed
+        data["mission_time_s"] = max(found.mission_time_s, 2 * self.time_s)
+        data["obstacles"] = [*found.obstacles, *self.obstacles]
+        if self.start is not None:
+            data["vehicles"] = [{**found.vehicles[0].given(), "start": self.start}, *found.vehicles[1:]]
+        return validated(Scenario, data).read_from(found.source_file)
+
+
+def load_exercise(source: str | Path) -> Exercise:
+    """Return an exercise by packaged name or path. Raises ScenarioError, with one line for each mistake."""
+    return read_spec(Exercise, source, FOLDER)
+
+
+def exercise_names() -> list[str]:
+    """Return the names of the packaged exercises."""
+    return packaged_names(FOLDER)

@@ -1,0 +1,128 @@
+"""The kinds of limits: each costs points whenever it is broken."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from uwsim.exercises.goals import Points, inside
+from uwsim.exercises.moment import Moment
+from uwsim.scenario.spec.fields import InRange, Model, Point2
+
+AGAIN_S = 3.0  # a limit that is broken again within this time counts once
+
+
+class LimitModel(Model):
+    """The keys that all limits share.
+
+    cost: points lost each time it is broken. ends: whether breaking it ends the exercise.
+    """
+
+    cost: Points = 5.0
+    ends: bool = False
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """Return whether the limit is broken at a moment. collisions_before: their number at the moment before."""
+        raise NotImplementedError
+
+    @property
+    def title(self) -> str:
+        """What the pilot reads."""
+        raise NotImplementedError
+
+
+class Collisions(LimitModel):
+    """No collisions."""
+
+    kind: Literal["collision"]
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        return moment.collisions > collisions_before
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        return "No collision"
+
+
+class Deepest(LimitModel):
+    """Not deeper than this.
+
+    most_m: depth, positive down.
+    """
+
+    kind: Literal["depth"]
+    most_m: Annotated[float, InRange(0, 11000, "m")]
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        return -float(moment.position_world_m[2]) > self.most_m
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        return f"Not deeper than {self.most_m:g} m"
+
+
+class Lowest(LimitModel):
+    """Not closer to the bed than this.
+
+    least_m: altitude.
+    """
+
+    kind: Literal["altitude"]
+    least_m: Annotated[float, InRange(0, 1000, "m")]
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        return moment.altitude_m < self.least_m
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        return f"At least {self.least_m:g} m above the bed"
+
+
+class Fastest(LimitModel):
+    """Not faster than this, over ground.
+
+    most_m_s: speed.
+    """
+
+    kind: Literal["speed"]
+    most_m_s: Annotated[float, InRange(0.01, 100, "m/s")]
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        return moment.speed_m_s > self.most_m_s
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        return f"Not faster than {self.most_m_s:g} m/s"
+
+
+class Area(LimitModel):
+    """Not outside this area.
+
+    area_m: a polygon, x and y.
+    """
+
+    kind: Literal["area"]
+    area_m: list[Point2] = Field(min_length=3, max_length=1000)
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        point: Any = moment.position_world_m[None, :2]
+        return not bool(inside(point, np.array(self.area_m))[0])
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        return "Stay within the area"
+
+
+Limit = Annotated[Collisions | Deepest | Lowest | Fastest | Area, Field(discriminator="kind")]

@@ -1,0 +1,46 @@
+"""The true state of a simulator at one moment, by which goals and limits are judged."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A simulator between two steps. time_s: since the exercise began. position_world_m: (3,), of the vehicle."""
+
+    sim: Simulator
+    vehicle: Vehicle
+    time_s: float
+    position_world_m: Floats
+    yaw_rad: float
+    speed_m_s: float
+    collisions: int
+
+    @classmethod
+    def of(cls, sim: Simulator, vehicle: Vehicle, time_s: float) -> Moment:
+        """Read the true state."""
+        pose = vehicle.pose
+        velocity_body_m_s = vehicle.velocity.linear_body_m_s
+        return cls(
+            sim, vehicle, time_s, np.array(pose.position_world_m, np.float64), pose.yaw_rad,
+            float(np.linalg.norm(velocity_body_m_s)), vehicle.collisions,
+        )  # fmt: skip
+
+    @property
+    def altitude_m(self) -> float:
+        """The height over the bed or over whatever stands below."""
+        return float(self.vehicle.telemetry().distance_to_seabed_m)
+
+    def distance_m(self, point_world_m: tuple[float, float, float]) -> float:
+        """Return the distance to a point."""
+        return float(math.dist(self.position_world_m.tolist(), point_world_m))

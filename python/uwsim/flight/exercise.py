@@ -1,0 +1,52 @@
+"""fly_exercise: a mission flies an exercise as its pilot, headless; the score sheet is written beside the results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from uwsim.exercises import Course, Exercise, load_exercise
+from uwsim.exercises.sheet import write_sheet
+from uwsim.flight.fly import fly
+from uwsim.flight.missions import AnyMission
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.terminal import Silent
+from uwsim.simulator.simulator import Simulator
+
+
+class FlownExercise(NamedTuple):
+    """A judged flight. course: with score and sheet. record: of the mission."""
+
+    course: Course
+    record: FlightRecord
+
+
+def fly_exercise(
+    exercise: str | Path | Exercise,
+    mission: AnyMission,
+    out: str | Path | None = None,
+    *,
+    threads: int | None = None,
+    screen: Silent | None = None,
+    **options: Any,
+) -> FlownExercise:
+    """Fly a mission as the pilot of an exercise, and judge it by the truth.
+
+    exercise: a packaged name, a path or an Exercise. mission: see uwsim.fly. out: folder for sheet.html, score.json and
+    the flight's files. options: others of uwsim.fly, such as `function`, `estimate` or `record`. The flight ends with
+    the mission, or with the exercise's time. Raises ValueError, ScenarioError or OSError.
+    """
+    found = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
+    sim = Simulator(found.made_scenario(), threads=threads)
+    Course.require_events(found, sim)
+    course = Course(found, sim).attach()
+    options.setdefault("report", "json")
+    try:
+        record = fly(mission, sim, out, time_limit_s=found.time_s, screen=screen, **options)
+        course.judge()
+    finally:
+        course.detach()
+    course.finish(f"the pilot ended: {record.ended_because}")
+    if out is not None:
+        write_sheet(Path(out), course)
+    return FlownExercise(course, record)

@@ -1,0 +1,76 @@
+// The exercise, if one is flown: its task, the score so far, goals and broken limits, and the sheet at its end.
+import { clockText, el, write } from '../dom.js';
+import { STRINGS } from '../strings.js';
+import { exercise } from '../wire/messages.js';
+
+const WORDS = STRINGS.exercise;
+const ASK_MS = 1000;
+const text = (points) => String(+points.toFixed(1));
+
+export class ExercisePanel {
+  #timer = 0;
+  state = null; // as last reported
+
+  constructor(station) {
+    this.station = station;
+    this.left = el('small');
+    this.score = el('output', { className: 'exercise-score', 'aria-label': WORDS.progress });
+    this.brief = el('p');
+    this.goals = el('ul', { className: 'exercise-goals' });
+    this.note = el('p', { className: 'exercise-note', role: 'status' });
+    this.sheet = el('a', { className: 'exercise-sheet', download: 'sheet.html', hidden: true }, WORDS.sheet);
+    this.title = el('span', {}, WORDS.heading);
+    this.element = el(
+      'section',
+      { id: 'exercise', hidden: true },
+      el('h2', {}, this.title, this.left),
+      this.score,
+      el('details', { open: true }, el('summary', {}, WORDS.brief), this.brief),
+      this.goals,
+      this.note,
+      this.sheet,
+    );
+  }
+
+  begin({ has_exercise }) {
+    clearInterval(this.#timer);
+    this.element.hidden = !has_exercise;
+    if (!has_exercise) return;
+    this.#timer = setInterval(() => this.#ask(), ASK_MS);
+    this.#ask();
+  }
+
+  async #ask() {
+    if (this.station.isBlind) return;
+    try {
+      const state = await exercise(this.station.bridge);
+      if (state.success) this.#show(state);
+    } catch {
+      /* the banner reports a lost connection */
+    }
+  }
+
+  #show(state) {
+    this.state = state;
+    write(this.title, state.title);
+    write(this.left, WORDS.left(clockText(Math.max(state.limit_s - state.time_s, 0))));
+    write(this.score, WORDS.score(text(state.score), text(state.points)));
+    write(this.brief, state.brief);
+    if (this.goals.children.length !== state.goals.length) {
+      this.goals.replaceChildren(...state.goals.map(({ title }) => el('li', {}, el('span', {}, title), el('b'))));
+    }
+    state.goals.forEach(({ points, share }, k) => {
+      const item = this.goals.children[k];
+      item.dataset.met = String(share >= 1);
+      write(item.lastChild, `${text(points * share)} / ${text(points)}`);
+    });
+    const notes = [
+      state.lost > 0 ? `${WORDS.lost(text(state.lost))}: ${state.broken.map(({ title }) => title).join(', ')}` : '',
+      state.is_over ? WORDS.over(state.has_passed, state.ended_because) : '',
+      state.error,
+    ];
+    write(this.note, notes.filter(Boolean).join('. '));
+    this.sheet.hidden = !state.has_sheet;
+    this.sheet.href = this.station.href('/exercise/sheet.html');
+  }
+}

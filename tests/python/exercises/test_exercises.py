@@ -1,0 +1,210 @@
+"""Each packaged exercise gives full marks to a pilot who does what it asks, and not to one who does not."""
+
+import json
+import math
+
+import pytest
+
+from uwsim.exercises import Exercise, exercise_names, load_exercise
+from uwsim.flight.exercise import fly_exercise
+from uwsim.missions import dive_to, follow, goto, hold, turn_to, wait
+from uwsim.scenario import ScenarioError
+
+
+def hover(vehicle):
+    yield from goto(vehicle, (0, 0, -2.5), within_m=0.3)
+    yield from hold(vehicle, 33.0, position_world_m=(0, 0, -2.5))
+    yield from turn_to(vehicle, math.pi / 2)
+    yield from hold(vehicle, 20.0, position_world_m=(0, 0, -2.5), heading_rad=math.pi / 2)
+
+
+def hover_carelessly(vehicle):
+    """Reaches the place, and then lets the vehicle drift off with a little thrust."""
+    yield from goto(vehicle, (0, 0, -2.5), within_m=0.3)
+    vehicle.set_effort(surge=0.2)
+    yield wait(60.0)
+
+
+def gates():
+    return [goal for goal in load_exercise("slalom").goals if goal.kind == "pass"]
+
+
+def slalom(vehicle):
+    for gate in gates():
+        (x, y, z), heading = gate.position_m, math.radians(gate.heading_deg)
+        ahead = (1.8 * math.cos(heading), 1.8 * math.sin(heading))
+        yield from goto(vehicle, (x - ahead[0], y - ahead[1], z), within_m=0.3, speed_m_s=0.6)
+        yield from goto(vehicle, (x + ahead[0], y + ahead[1], z), within_m=0.4, speed_m_s=0.6, heading_rad=heading)
+
+
+def slalom_past_the_third(vehicle):
+    """Flies past the third ring; the later ones do not count then."""
+    for k, gate in enumerate(gates()):
+        (x, y, z), heading = gate.position_m, math.radians(gate.heading_deg)
+        aside = 3.0 if k == 2 else 0.0
+        for by in (-1.8, 1.8):
+            place = (x + by * math.cos(heading), y + by * math.sin(heading) + aside, z)
+            yield from goto(vehicle, place, within_m=0.4, speed_m_s=0.6, heading_rad=heading)
+
+
+PIPE = [(-18, -6.5), (-13, -7.75), (-8, -9), (-2, -7.5), (4, -6), (10, -8), (14, -9.3)]
+
+
+def pipeline(vehicle):
+    yield from goto(vehicle, (*PIPE[0], -7.0))
+    for place in PIPE[1:]:
+        yield from goto(vehicle, (*place, -6.5), within_m=0.3)
+        if place in ((-13, -7.75), (-2, -7.5), (10, -8)):
+            yield from hold(vehicle, 6.0)
+
+
+def pipeline_in_a_hurry(vehicle):
+    """Follows the pipe without a stop, so high that no defect is within the reach of its camera."""
+    yield from follow(vehicle, [(*place, -5.0) for place in PIPE], speed_m_s=1.0)
+
+
+def approach(vehicle):
+    yield from goto(vehicle, (0, 0, -2.2))
+    yield from goto(vehicle, (-4.5, 0, -2), within_m=0.3)
+    yield from hold(vehicle, 25.0, position_world_m=(-4.5, 0, -2))
+
+
+def approach_without_the_current(vehicle):
+    """Reaches the place, and then rests on its oars."""
+    yield from goto(vehicle, (0, 0, -2.2))
+    yield from goto(vehicle, (-4.5, 0, -2), within_m=0.3)
+    vehicle.set_effort()
+    yield wait(60.0)
+
+
+def keep_height(vehicle, error_m, duration_s):
+    """Steer up and down by a reading alone."""
+    kept, end_s = 0.0, vehicle.time_s + duration_s
+    while vehicle.time_s < end_s:
+        error = error_m()
+        kept = min(max(kept + 0.02 * error, -0.5), 0.5)
+        speed = vehicle.velocity.linear_body_m_s[2]
+        vehicle.set_effort(heave=min(max(1.0 * error + kept - 0.8 * speed, -0.8), 0.8))
+        yield wait(0.1)
+
+
+def depth_gauge(vehicle):
+    altitude = vehicle.sensors["altitude"]
+    yield from dive_to(vehicle, 2.5)
+    yield from keep_height(vehicle, lambda: 2.5 - altitude.read(), 75.0)
+
+
+def depth_gauge_believed(vehicle):
+    """Steers by the gauge, which shows 2.5 m for ever."""
+    gauge = vehicle.sensors["depth"]
+    yield from keep_height(vehicle, lambda: gauge.read() - 2.5, 120.0)
+
+
+PILOTS = {
+    "hover": (hover, hover_carelessly),
+    "slalom": (slalom, slalom_past_the_third),
+    "pipeline": (pipeline, pipeline_in_a_hurry),
+    "approach": (approach, approach_without_the_current),
+    "depth-gauge": (depth_gauge, depth_gauge_believed),
+}
+
+
+def test_all_packaged_exercises_are_flown_here():
+    assert set(exercise_names()) == set(PILOTS)
+
+
+@pytest.mark.parametrize("name", PILOTS)
+def test_full_marks_for_the_good_pilot_and_not_for_the_bad(name):
+    good, bad = PILOTS[name]
+    course = fly_exercise(name, good).course
+    assert course.score == course.exercise.points, course.sheet()
+    assert course.has_passed and course.sheet()["ended_because"] == "all goals are met"
+    course = fly_exercise(name, bad).course
+    assert course.score < course.exercise.points, course.sheet()
+    assert not course.has_passed
+
+
+def test_the_sheet_and_the_same_flight_twice(tmp_path):
+    sheets = []
+    for k in range(2):
+        fly_exercise("approach", approach, tmp_path / str(k))
+        sheets.append((tmp_path / str(k) / "score.json").read_bytes())
+    assert sheets[0] == sheets[1]
+    sheet = json.loads(sheets[0])
+    assert [e["text"] for e in sheet["log"] if e["kind"] == "event"][1] == "the current grows to 0.2 m/s"
+    assert 0.0 < sheet["goals"][2]["error_mean_m"] <= sheet["goals"][2]["error_max_m"]
+    page = (tmp_path / "0/sheet.html").read_text()
+    assert "Passed" in page and page.count("data:image/png") == 3
+
+
+def test_a_mapped_area_counts_by_its_cells():
+    area = [[-3, -3], [3, -3], [3, 3], [-3, 3]]
+    values = {
+        "title": "Map", "brief": "Map it.", "scenario": "pool", "time_s": 60, "pass_points": 5,
+        "start": {"position_m": [-5, 0, -2.5]},
+        "goals": [{"kind": "map", "name": "bed", "title": "Map the bed", "area_m": area, "share": 0.5}],
+    }  # fmt: skip
+    exercise = Exercise.model_validate(values)
+
+    def along(vehicle):
+        yield from goto(vehicle, (5, 0, -2.5))
+
+    def stay(vehicle):
+        yield wait(20.0)
+
+    course = fly_exercise(exercise, along).course
+    assert course.score == 10.0
+    assert fly_exercise(exercise, stay).course.score < 5.0
+
+
+GOOD = """\
+title: One
+brief: Two
+scenario: pool
+pass_points: 10
+goals:
+  - {kind: reach, name: there, title: There, position_m: [0, 0, -2]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (("pass_points: 10", "pass_points: 11"), "must be at most 10"),
+        (("kind: reach", "kind: rich"), "kind"),
+        (("position_m: [0, 0, -2]", "position_m: [0, 0, -2], after: nowhere"), "must be the name of an earlier goal"),
+        (("goals:", "events:\n  - {at_s: 1, after: there, command: end_fault}\ngoals:"), "exactly one of at_s"),
+        (("goals:", "events:\n  - {at_s: 1, command: place}\ngoals:"), "must be one of inject_fault"),
+        (("scenario: pool", "scenario: poll"), "did you mean 'pool'"),
+        (
+            ("goals:", "events:\n  - {at_s: 1, command: inject_fault, arguments: {kind: sensor, sensor: dep}}\ngoals:"),
+            "events[0]",
+        ),
+        (("title: One", "titel: One"), "did you mean 'title'"),
+    ],
+)
+def test_mistakes_are_reported_before_the_flight(tmp_path, change, expected):
+    path = tmp_path / "mine.yaml"
+    path.write_text(GOOD.replace(*change))
+    with pytest.raises((ScenarioError, ValueError)) as raised:
+        fly_exercise(path, hover)
+    assert expected in str(raised.value)
+
+
+def test_a_path_counts_in_order_and_a_ring_in_its_direction():
+    """A pilot who flies the path, or through the ring, the other way, gets nothing for it."""
+    values = {
+        "title": "Order", "brief": "In order.", "scenario": "pool", "time_s": 90, "pass_points": 5,
+        "start": {"position_m": [4, 4, -2.5], "yaw_deg": 180},
+        "goals": [
+            {"kind": "follow", "name": "path", "title": "Path", "points_m": [[-4, 4, -2.5], [4, 4, -2.5]]},
+            {"kind": "pass", "name": "ring", "title": "Ring", "position_m": [0, 4, -2.5], "heading_deg": 0},
+        ],
+    }  # fmt: skip
+    course = fly_exercise(Exercise.model_validate(values), backwards).course
+    shares = [goal["share"] for goal in course.state()["goals"]]
+    assert shares[0] < 0.3 and shares[1] == 0.0
+
+
+def backwards(vehicle):
+    yield from goto(vehicle, (-4, 4, -2.5))
