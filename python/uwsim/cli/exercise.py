@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,7 +12,11 @@ from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
 from uwsim.cli.options import Record, Threads, WithoutEffectError, need
 from uwsim.cli.serve import page_url
+from uwsim.cli.station import InstructorToken, instructor_text
 from uwsim.cli.values import exercises
+
+if TYPE_CHECKING:
+    from uwsim.exercises import Exercise
 
 
 def exercise(
@@ -40,6 +44,7 @@ def exercise(
     token: Annotated[
         str | None, typer.Option(help="Pilots' pages must pass it: http://HOST:PORT/?token=TOKEN.")
     ] = None,
+    instructor_token: InstructorToken = None,
     threads: Threads = None,
 ) -> None:
     """Fly an exercise: goals, limits and events, judged by the truth.
@@ -54,14 +59,14 @@ def exercise(
             typer.echo(f"{each:14} {found.title} ({found.points:g} points, {found.time_s:g} s, {found.scenario})")
         return
     if not serve:
-        need("--serve", port=port, token=token)
+        need("--serve", port=port, token=token, instructor_token=instructor_token)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
     found = load_exercise(name)
     if serve:
         if record is not None:
             raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
-        _serve(name, out, port=9090 if port is None else port, token=token, threads=threads)
+        _serve(found, out, 9090 if port is None else port, token, instructor_token, threads)
         return
     from uwsim.flight.exercise import fly_exercise
     from uwsim.flight.terminal import Terminal
@@ -76,7 +81,7 @@ def exercise(
         raise typer.Exit(INCOMPLETE)
 
 
-def score_lines(sheet: dict) -> list[str]:  # type: ignore[type-arg]
+def score_lines(sheet: dict[str, Any]) -> list[str]:
     """Return the score as lines of text."""
     lines = [f"{goal['scored']:6.1f} of {goal['points']:g}  {goal['title']}" for goal in sheet["goals"]]
     lines += [
@@ -86,18 +91,20 @@ def score_lines(sheet: dict) -> list[str]:  # type: ignore[type-arg]
     return [*lines, f"{sheet['score']:6.1f} of {sheet['points']:g}  {verdict}; {sheet['ended_because']}"]
 
 
-def _serve(name: str, out: Path, *, port: int, token: str | None, threads: int | None) -> None:
+def _serve(
+    found: Exercise, out: Path, port: int, token: str | None, instructor_token: str | None, threads: int | None
+) -> None:
     from uwsim.bridges import RosbridgeServer
     from uwsim.bridges.admission import has_token
     from uwsim.cli.access import access
     from uwsim.cli.run_live import wait_for_interrupt
-    from uwsim.exercises import load_exercise
     from uwsim.operator.station import Site, Station
 
-    hub = Station(is_fixed=True, truth=False, threads=threads, folder=out)
+    hub = Station(is_fixed=True, truth=False, threads=threads, folder=out, instructor_token=instructor_token)
     site = Site(hub, lambda request: token is None or has_token(request, token))
     accessible = access("127.0.0.1", page=None, token=token, certfile=None, keyfile=None)
     with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):
-        hub.run_exercise(load_exercise(name))
-        where = page_url(server.url, token)
-        wait_for_interrupt(f"the exercise is at {where}; its sheet will be in {out}; Ctrl-C ends it")
+        hub.run_exercise(found)
+        url = page_url(server.url, token)
+        where = f"the exercise is at {url}{instructor_text(url, instructor_token)}; its sheets will be in {out}"
+        wait_for_interrupt(f"{where}; Ctrl-C ends it")

@@ -19,6 +19,14 @@ Truth = Annotated[
     bool, typer.Option("--truth/--no-truth", help="Show pilots the true position, or only the instruments' values.")
 ]
 
+InstructorToken = Annotated[
+    str | None,
+    typer.Option(
+        help="Let an instructor, at the page that is printed, change the world; the pilot then sees and changes no "
+        "parameters. At least 8 characters."
+    ),
+]
+
 
 def station(
     scenario: Annotated[
@@ -45,6 +53,7 @@ def station(
     certfile: Certfile = None,
     keyfile: Keyfile = None,
     page: Page = None,
+    instructor_token: InstructorToken = None,
     threads: Threads = None,
 ) -> None:
     """Serve the operator's station, a web page, and open it.
@@ -69,6 +78,7 @@ def station(
         wire=wire or "both",  # type: ignore[arg-type]  # checked there
         origin=origin or "world",
         threads=threads,
+        instructor_token=instructor_token,
     )
     server = RosbridgeServer(
         None,
@@ -81,9 +91,17 @@ def station(
         url = page_url(server.url, token)
         if browser and _has_display():
             webbrowser.open(url)
-        wait_for_interrupt(f"the station is at {url}; Ctrl-C ends it")
+        wait_for_interrupt(f"the station is at {url}{instructor_text(url, instructor_token)}; Ctrl-C ends it")
 
 
 def _has_display() -> bool:
     """Return whether a browser would open a window rather than take over the terminal."""
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def instructor_text(url: str, instructor_token: str | None) -> str:
+    """Return where the instructor's page is, or ""."""
+    if instructor_token is None:
+        return ""
+    path, _, query = url.partition("?")
+    return f", the instructor's page at {path}instructor.html{query and '?' + query}#{instructor_token}"

@@ -64,6 +64,7 @@ class Course:
         self._vehicle = sim.rov
         self._command = command or (lambda name, arguments: bound_command(name, arguments)(sim))
         self.due_tick = sim.tick
+        self._returning: Any = None
         self.restart()
 
     @staticmethod
@@ -99,13 +100,12 @@ class Course:
         self.due_tick = tick
 
     def saved(self) -> object:
-        """Return a copy of the state, for `restore`."""
-        return copy.deepcopy(self._now)
+        """Return a copy of the state, for `return_to`."""
+        return self.sim.tick, copy.deepcopy(self._now)
 
-    def restore(self, saved: object) -> None:
-        """Return to a saved state; the simulator must be restored to the same moment."""
-        assert isinstance(saved, _State)
-        self._now = copy.deepcopy(saved)
+    def return_to(self, saved: Any) -> None:
+        """Continue from a saved state once the simulator has been restored to the same moment."""
+        self._returning = saved
 
     @property
     def time_s(self) -> float:
@@ -116,7 +116,7 @@ class Course:
 
     @property
     def is_over(self) -> bool:
-        """Whether the score is final."""
+        """True once the score is final."""
         return self._now.over_s is not None
 
     @property
@@ -127,7 +127,7 @@ class Course:
 
     @property
     def has_passed(self) -> bool:
-        """Whether the points suffice."""
+        """True if the points suffice."""
         return self.score >= self.exercise.pass_points
 
     def judge(self) -> None:
@@ -135,6 +135,10 @@ class Course:
         sim, now = self.sim, self._now
         period_ns, step_ns = round(PERIOD_S * 1e9), round(sim.step_s * 1e9)
         self.due_tick = next_tick(sim.tick, period_ns, step_ns)
+        if self._returning is not None and sim.tick == self._returning[0]:
+            now = self._now = copy.deepcopy(self._returning[1])
+            self._returning = None
+            return
         if sim.tick < now.begun_tick or self._elapsed_s < now.last_s - 1e-9:
             self.restart()
             now = self._now

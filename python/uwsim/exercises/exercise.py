@@ -65,7 +65,7 @@ class Event(Model):
 class Exercise(Model):
     """An exercise for a pilot.
 
-    title: a line. brief: what the pilot is told beforehand. scenario: a packaged name, or the path of a YAML file.
+    title: a line. brief: the task. scenario: a packaged name, or the path of a YAML file.
     obstacles: added to the scenario's. start: the pose of the first vehicle, by default as in the scenario. seed: of
     all random draws. time_s: after which it ends. goals, limits, events: see there. pass_points: needed to pass.
     """

@@ -31,7 +31,7 @@ class Progress(ABC):
 
     @property
     def is_met(self) -> bool:
-        """Whether nothing is left to do."""
+        """True once nothing is left to do."""
         return self.share >= 1.0
 
     @abstractmethod
@@ -208,7 +208,7 @@ class _Following(Progress):
     def __init__(self, goal: Follow) -> None:
         super().__init__()
         self._within_m = goal.within_m
-        self._stations = _stations(goal.points_m)
+        self._stations, self._corners = _stations(goal.points_m), np.array(goal.points_m, np.float64)
         self._next = 0
 
     def judge(self, moment: Moment, period_s: float) -> None:
@@ -216,7 +216,7 @@ class _Following(Progress):
         while self._next < len(away_m) and away_m[self._next] <= self._within_m:
             self._next += 1
         if 0 < self._next < len(self._stations):
-            self.note(moment.time_s, float(away_m.min()))
+            self.note(moment.time_s, _distance_m(moment.position_world_m, self._corners))
         self.share = self._next / len(self._stations)
 
 
@@ -307,6 +307,14 @@ class _Mapping(Progress):
         self._seen[cells[:, 0], cells[:, 1]] = True
         found = float((self._seen & self._wanted).sum()) / max(int(self._wanted.sum()), 1)
         self.share = min(found / self._goal.share, 1.0)
+
+
+def _distance_m(point: Floats, corners: Floats) -> float:
+    """Return the distance of a point (3,) from straight legs through corners (n, 3)."""
+    starts, legs = corners[:-1], np.diff(corners, axis=0)
+    along = np.einsum("ij,ij->i", point - starts, legs) / np.maximum(np.einsum("ij,ij->i", legs, legs), 1e-12)
+    nearest = starts + np.clip(along, 0.0, 1.0)[:, None] * legs
+    return float(np.linalg.norm(nearest - point, axis=1).min())
 
 
 def _stations(corners: Sequence[Point3]) -> Floats:

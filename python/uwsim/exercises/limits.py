@@ -29,7 +29,7 @@ class LimitModel(Model):
 
     @property
     def title(self) -> str:
-        """What the pilot reads."""
+        """The pilot's text."""
         raise NotImplementedError
 
 

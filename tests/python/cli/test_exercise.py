@@ -15,9 +15,9 @@ def mission(vehicle):
 
 
 def test_the_list_names_every_packaged_exercise():
-    told = uwsim("exercise")
-    assert told.returncode == 0
-    assert [line.split()[0] for line in told.stdout.splitlines()] == exercise_names()
+    listed = uwsim("exercise")
+    assert listed.returncode == 0
+    assert [line.split()[0] for line in listed.stdout.splitlines()] == exercise_names()
 
 
 def test_a_pilot_who_does_too_little_does_not_pass(tmp_path):

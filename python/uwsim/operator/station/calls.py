@@ -17,12 +17,16 @@ from uwsim.operator.station.wire import (
     Driven,
     ExerciseState,
     HandOver,
+    Instruct,
     Join,
     Joined,
     Message,
     Nothing,
     Order,
+    Overview,
+    ParameterList,
     SetView,
+    Supervise,
 )
 
 
@@ -62,6 +66,16 @@ _CALLS = (
     ),
     Call("command", "issue another command; for the pilot only", Order, Commanded),
     Call("exercise", "report how the exercise stands", answer=ExerciseState, is_brief=False),
+    Call("supervise", "become the instructor, with the instructor's token", Supervise),
+    Call(
+        "instruct",
+        "change the trainee's world, pause, save a moment or return to it; for the instructor only",
+        Instruct,
+        Commanded,
+        is_brief=False,
+    ),
+    Call("overview", "report the truth; for the instructor only", answer=Overview, is_brief=False),
+    Call("parameters", "describe all parameters; for the instructor only", answer=ParameterList, is_brief=False),
     Call("set_view", "change the rate, width and quality of a view", SetView),
     Call("catalog", "list the options of the start screen", answer=Catalog, is_brief=False, is_start_screen=True),
     Call("check", "report the errors of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),

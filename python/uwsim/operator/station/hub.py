@@ -17,6 +17,7 @@ from uwsim.channels.table import Wire, checked_wire
 from uwsim.exercises import Course, Exercise
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save, scenarios
+from uwsim.operator.station.instructor import Instructor
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.prepared import Prepared
@@ -41,7 +42,9 @@ class Station:
     offered, link: scenario preselected on the start screen, and its modem, if different from the scenario's. is_fixed:
     run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
     position. wire, origin: see uwsim.channels; invalid values raise ValueError. threads: for simulators. folder: where
-    `save` writes. phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
+    `save` writes. instructor_token: of a second page, whose user alone changes the world; see `instructor`.
+
+    phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
     simulator and each restart.
     """
 
@@ -58,9 +61,11 @@ class Station:
         origin: str | Sequence[float] = "world",
         threads: int | None = None,
         folder: Path | None = None,
+        instructor_token: str | None = None,
     ) -> None:
         checked_wire(wire, origin)  # here, so that errors do not appear only when a pilot starts the first simulator
         self.folder = folder or Path.cwd()
+        self.instructor = None if instructor_token is None else Instructor(instructor_token, self.folder)
         self.offered = offered
         self.link = link
         self.is_fixed = is_fixed
@@ -86,6 +91,8 @@ class Station:
 
     def left(self, client: str) -> None:
         """Called when a connection is closed. If it was the pilot's, efforts are set to zero."""
+        if self.instructor is not None:
+            self.instructor.clients.discard(client)
         if self.lease.leave(client):
             self.let_go()
         if not self.lease.members:
@@ -163,6 +170,9 @@ class Station:
         try:
             self._enter("starting")
             running = Running(make(), self.node, self._pulse.stir, feed=feed, **self._options)
+            if self.instructor is not None:
+                running.hide_the_simulation()
+                self.instructor.begin()
             running.table.rights.pilot = lambda: self.lease.pilot_name
             prepare(running)
             self._leave_present()

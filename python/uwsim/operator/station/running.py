@@ -74,6 +74,7 @@ class Running:
             self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
         self.recorder: Recorder | None = None
         self.judged: Judged | None = None
+        self.is_supervised = False
         self.edition = 0
         self._described = sim.parameters.scenario
         self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of each view
@@ -96,6 +97,11 @@ class Running:
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
         if self.judged is not None:
             self.judged.start()
+
+    def hide_the_simulation(self) -> None:
+        """Offer clients nothing that shows or changes the world: its services, and commands of the simulator."""
+        self.table.services = [each for each in self.table.services if not each.name.startswith("simulation/")]
+        self.is_supervised = True
 
     def notice_changes(self) -> None:
         """Increment the edition if a parameter has changed since the last call."""
@@ -143,9 +149,14 @@ class Running:
             "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
             "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
-            "commands": piloted_commands(),
+            "commands": self.commands(),
+            "is_supervised": self.is_supervised,
             "has_exercise": self.judged is not None,
         }
+
+    def commands(self) -> list[str]:
+        """Return the commands that a pilot may issue by name; with an instructor, only those to a vehicle."""
+        return [name for name in piloted_commands() if not self.is_supervised or COMMANDS[name].crosses_link]
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""

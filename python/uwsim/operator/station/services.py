@@ -14,12 +14,14 @@ from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.operator.station.control import CONTROLS
 from uwsim.operator.station.helm import answered, wants_stop
-from uwsim.operator.station.running import Running, piloted_commands
+from uwsim.operator.station.instructor import Instructor, parameters
+from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import saved_names
 
 if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
 
+SUPERVISED = ("record", "stop_recording")  # controls of a pilot who has an instructor
 DEAD_S = 3.0  # others may take the controls if a pilot sends nothing for this long, not even answers to pings
 
 
@@ -45,6 +47,8 @@ class Services:
         return {"success": True, **said, "controls": self._controls(), **running.describe()}
 
     def _controls(self) -> list[str]:
+        if self._station.instructor is not None:
+            return list(SUPERVISED)
         return [name for name in CONTROLS if not (self._station.is_fixed and name == "quit")]
 
     def _join(self, caller: str, request: Values) -> Values:
@@ -79,9 +83,9 @@ class Services:
     def _command(self, caller: str, request: Values) -> Future[Values]:
         self._station.lease.require_pilot(caller)
         name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
-        if not isinstance(name, str) or name not in piloted_commands() or not isinstance(arguments, dict):
-            raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(piloted_commands())}")
         running = self._station.present()
+        if not isinstance(name, str) or name not in running.commands() or not isinstance(arguments, dict):
+            raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(running.commands())}")
         live, text = running.far, ""
         given = {str(key): value for key, value in arguments.items()}
         if COMMANDS[name].crosses_link:
@@ -91,6 +95,29 @@ class Services:
         if name == "hold" and isinstance(vehicle, str):
             running.helm.note_holds(vehicle, given)
         return answered(live, future, text=text)
+
+    def _instructor(self) -> Instructor:
+        if self._station.instructor is None:
+            raise ValueError("this station has no instructor")
+        return self._station.instructor
+
+    def _supervise(self, caller: str, request: Values) -> Values:
+        self._instructor().admit(caller, request.get("token"))
+        return {"success": True, "message": ""}
+
+    def _instruct(self, caller: str, request: Values) -> Values:
+        own = self._instructor()
+        own.require(caller)
+        return {"success": True, "message": own.act(self._station, request), "tick": self._station.present().live.tick}
+
+    def _overview(self, caller: str, request: Values) -> Values:
+        own = self._instructor()
+        own.require(caller)
+        return {"success": True, **own.overview(self._station.present())}
+
+    def _parameters(self, caller: str, request: Values) -> Values:
+        self._instructor().require(caller)
+        return {"success": True, **parameters(self._station.present().live)}
 
     def _exercise(self, caller: str, request: Values) -> Values:
         judged = self._station.present().judged

@@ -246,6 +246,7 @@ class Description(Message):
     scene: str
     commands: list[str]
     has_exercise: bool
+    is_supervised: bool
 
 
 class GoalState(Message):
@@ -359,3 +360,68 @@ class Control(Message):
     steps: float | None = None
     speed: float | None = None
     name: str | None = None
+
+
+# The instructor
+
+
+class Supervise(Message):
+    """A request to become the instructor."""
+
+    token: str
+
+
+class Instruct(Message):
+    """The instructor's request. action: one of those in the document, with its args."""
+
+    action: str
+    args: dict[str, Any] | None = None
+
+
+class VehicleTruth(Message):
+    """A vehicle as it truly is."""
+
+    name: str
+    position_world_m: list[float]
+    heading_deg: float
+    speed_m_s: float
+    altitude_m: float | None
+    battery_percent: float
+    collisions: int
+    sensors: list[str]
+    thrusters: list[str]
+
+
+class SavedMoment(Message):
+    """A moment to return to."""
+
+    name: str
+    time_s: float
+
+
+class Instruction(Message):
+    """An entry of the instructor's log."""
+
+    time_s: float
+    action: str
+    args: dict[str, Any]
+    text: str
+
+
+class Overview(Message):
+    """The truth, for the instructor. exercise: as in ExerciseState, without success. log: newest first."""
+
+    success: Literal[True]
+    time_s: float
+    vehicles: list[VehicleTruth]
+    faults: list[str]
+    exercise: dict[str, Any] | None
+    moments: list[SavedMoment]
+    log: list[Instruction]
+
+
+class ParameterList(Message):
+    """All parameters. descriptions_json: as of /simulation/describe_parameters."""
+
+    success: Literal[True]
+    descriptions_json: str

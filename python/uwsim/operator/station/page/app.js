@@ -103,6 +103,7 @@ function describe() {
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
   holds.begin(vehicle);
+  byId('inspect').hidden = Boolean(description.is_supervised);
 }
 
 // Show another simulator, or the same one from its start.

@@ -139,10 +139,10 @@ export class TopBar {
     byId('pause').setAttribute('aria-label', state.paused ? 'Resume' : 'Pause');
     write(byId('pause'), state.paused ? '▶' : '❚❚');
     const mayNot = !isPilot || !connected;
-    for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down', 'speed', 'pause'])
-      byId(id).disabled = mayNot;
+    for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down']) byId(id).disabled = mayNot;
+    for (const id of ['speed', 'pause']) byId(id).disabled = mayNot || !this.station.may(id);
     for (const button of this.#lights) button.disabled = mayNot;
-    byId('step').disabled = mayNot || !state.paused;
+    byId('step').disabled = mayNot || !state.paused || !this.station.may('step');
   }
 
   #step(sign) {

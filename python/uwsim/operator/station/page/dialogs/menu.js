@@ -8,19 +8,20 @@ import { openDialog } from './dialog.js';
 export function showMenu(station, { keys, gamepad }) {
   const dialog = byId('menu-dialog');
   const { isPilot } = station;
-  let resumes = isPilot && !station.state.paused; // when it closes
+  const mayPause = isPilot && station.may('pause');
+  let resumes = mayPause && !station.state.paused; // when it closes
   if (resumes) attempt(station.control('pause'));
   const leave = (act, staysPaused = false) => {
     if (staysPaused) resumes = false;
     dialog.close();
     act?.();
   };
-  const item = (text, act, { forAll = false, hint = '', className = '' } = {}) =>
+  const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
     el(
       'button',
       {
         type: 'button',
-        disabled: !forAll && !isPilot,
+        disabled: (!forAll && !isPilot) || (control && !station.may(control)),
         className,
         onclick: act,
       },
@@ -34,27 +35,31 @@ export function showMenu(station, { keys, gamepad }) {
 
   openDialog(
     dialog,
-    isPilot ? 'Paused' : 'Menu',
+    mayPause ? 'Paused' : 'Menu',
     isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot changes the run.'),
     el(
       'div',
       { className: 'stack' },
       item('Resume', () => {
-        resumes = isPilot;
+        resumes = mayPause;
         leave();
       }),
-      item('Close, and stay paused', () => leave(null, true)),
-      item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted'))),
+      item('Close, and stay paused', () => leave(null, true), { control: 'pause' }),
+      item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted')), {
+        control: 'restart',
+      }),
       item('Keys', () => leave(keys), { forAll: true, hint: '?' }),
       item('Gamepad', () => leave(gamepad), { forAll: true }),
     ),
     el('hr'),
     nameForm(station),
-    saveForm(station, isPilot, leave),
+    saveForm(station, isPilot && station.may('save'), leave),
     el('hr'),
     choice('Colours', THEMES, theme, setTheme),
     choice('Lengths', UNITS, unit, setUnit),
-    ...(station.description?.is_fixed ? [] : [el('hr'), el('div', { className: 'stack' }, quit)]),
+    ...(station.description?.is_fixed || !station.may('quit')
+      ? []
+      : [el('hr'), el('div', { className: 'stack' }, quit)]),
   );
   dialog.querySelector('.stack button:not(:disabled)')?.focus();
   dialog.addEventListener(
@@ -88,7 +93,7 @@ function nameForm(station) {
   );
 }
 
-function saveForm(station, isPilot, leave) {
+function saveForm(station, maySave, leave) {
   const name = el('input', {
     type: 'text',
     id: 'save-name',
@@ -107,7 +112,7 @@ function saveForm(station, isPilot, leave) {
     { className: 'row', onsubmit: save },
     el('label', { htmlFor: 'save-name' }, 'Save as'),
     name,
-    el('button', { type: 'submit', disabled: !isPilot }, 'Save'),
+    el('button', { type: 'submit', disabled: !maySave }, 'Save'),
   );
 }
 

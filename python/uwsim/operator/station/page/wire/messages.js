@@ -241,6 +241,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} scene
  * @property {string[]} commands
  * @property {boolean} has_exercise
+ * @property {boolean} is_supervised
  */
 
 /** The response to a Join. id: identifies this connection.
@@ -303,6 +304,50 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {BrokenLimit[]} broken
  * @property {boolean} has_sheet
  * @property {string} error
+ */
+
+/** A vehicle as it truly is.
+ * @typedef {object} VehicleTruth
+ * @property {string} name
+ * @property {number[]} position_world_m
+ * @property {number} heading_deg
+ * @property {number} speed_m_s
+ * @property {number | null} altitude_m
+ * @property {number} battery_percent
+ * @property {number} collisions
+ * @property {string[]} sensors
+ * @property {string[]} thrusters
+ */
+
+/** A moment to return to.
+ * @typedef {object} SavedMoment
+ * @property {string} name
+ * @property {number} time_s
+ */
+
+/** An entry of the instructor's log.
+ * @typedef {object} Instruction
+ * @property {number} time_s
+ * @property {string} action
+ * @property {Record<string, any>} args
+ * @property {string} text
+ */
+
+/** The truth, for the instructor. exercise: as in ExerciseState, without success. log: newest first.
+ * @typedef {object} Overview
+ * @property {true} success
+ * @property {number} time_s
+ * @property {VehicleTruth[]} vehicles
+ * @property {string[]} faults
+ * @property {Record<string, any> | null} exercise
+ * @property {SavedMoment[]} moments
+ * @property {Instruction[]} log
+ */
+
+/** All parameters. descriptions_json: as of /simulation/describe_parameters.
+ * @typedef {object} ParameterList
+ * @property {true} success
+ * @property {string} descriptions_json
  */
 
 /** A vehicle of an offered scenario.
@@ -406,6 +451,22 @@ export const command = (bridge, { name, vehicle, args }) => bridge.call('/statio
 // Report how the exercise stands.
 /** @returns {Promise<ExerciseState | Refused>} */
 export const exercise = (bridge) => bridge.call('/station/exercise');
+
+// Become the instructor, with the instructor's token.
+/** @returns {Promise<Done | Refused>} */
+export const supervise = (bridge, { token }) => bridge.call('/station/supervise', { token });
+
+// Change the trainee's world, pause, save a moment or return to it; for the instructor only.
+/** @returns {Promise<Commanded | Refused>} */
+export const instruct = (bridge, { action, args }) => bridge.call('/station/instruct', { action, args });
+
+// Report the truth; for the instructor only.
+/** @returns {Promise<Overview | Refused>} */
+export const overview = (bridge) => bridge.call('/station/overview');
+
+// Describe all parameters; for the instructor only.
+/** @returns {Promise<ParameterList | Refused>} */
+export const parameters = (bridge) => bridge.call('/station/parameters');
 
 // Change the rate, width and quality of a view.
 /** @returns {Promise<Done | Refused>} */

@@ -85,6 +85,11 @@ export class Station extends EventTarget {
     return this.#backend.isPlain;
   }
 
+  // Whether the pilot may use a control, such as 'pause'; with an instructor, few.
+  may(action) {
+    return this.description?.controls?.includes(action) ?? true;
+  }
+
   // The displayed name of a member.
   nameOf(id) {
     const k = this.state.member_ids.indexOf(id);

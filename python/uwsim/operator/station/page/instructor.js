@@ -1,0 +1,261 @@
+// The instructor's page: the truth, faults, water and light, saved moments, all parameters, and a log of what was done.
+import './theme.js';
+import { attempt, byId, clockText, el, fixed, write } from './dom.js';
+import { Inspector } from './inspector.js';
+import { STRINGS } from './strings.js';
+import * as messages from './wire/messages.js';
+import { bridgeUrl, Station } from './wire/station.js';
+
+const WORDS = STRINGS.instructor;
+const ASK_MS = 500;
+// Faults by name: their arguments, and of what the part is.
+const FAULTS = {
+  sensor_stuck: [(part) => ({ kind: 'sensor', sensor: part, mode: 'stuck' }), 'sensors'],
+  sensor_off: [(part) => ({ kind: 'sensor', sensor: part, mode: 'off' }), 'sensors'],
+  sensor_bias: [(part) => ({ kind: 'sensor', sensor: part, mode: 'bias', bias: 1 }), 'sensors'],
+  thruster: [(part) => ({ kind: 'thruster', thruster: part }), 'thrusters'],
+  leak: [() => ({ kind: 'leak', kg_per_s: 0.05, kg_max: 2 }), ''],
+  battery: [() => ({ kind: 'battery', thrust: 0.5 }), ''],
+  current: [() => ({ kind: 'current', velocity_world_m_s: [0, 0.2, 0], for_s: 20 }), ''],
+  sonar: [() => ({ kind: 'sonar' }), ''],
+  link: [() => ({ kind: 'link' }), ''],
+};
+// What has a slider: parameter, title, unit, bounds, step.
+const SLIDERS = [
+  ['water.current_world_m_s.x', WORDS.current, 'm/s', -1, 1, 0.05],
+  ['water.current_world_m_s.y', WORDS.currentNorth, 'm/s', -1, 1, 0.05],
+  ['optics.particles_per_m3', WORDS.haze, '1/m³', 0, 64, 1],
+  ['optics.sun_elevation_deg', WORDS.sun, '°', -6, 90, 1],
+  ['mission_time_s', WORDS.batteryLife, 's', 10, 7200, 10],
+];
+const WATERS = ['I', 'IA', 'IB', 'II', 'III', '1C', '3C', '5C', '7C', '9C']; // Jerlov's, from clear to turbid
+
+// The station as an instructor uses it: parameters by the instructor's own services.
+class InstructorStation extends Station {
+  isAdmitted = false;
+
+  get isPilot() {
+    return this.isAdmitted;
+  }
+
+  instruct(action, args = {}) {
+    return messages.instruct(this.bridge, { action, args });
+  }
+
+  command(name, args) {
+    return this.instruct('command', { name, args });
+  }
+
+  async described() {
+    return JSON.parse((await messages.parameters(this.bridge)).descriptions_json);
+  }
+
+  async parameterNames() {
+    return (await this.described()).map(({ name }) => name);
+  }
+
+  describeParameters() {
+    return this.described();
+  }
+
+  async parameterValues() {
+    return Object.fromEntries((await this.described()).map(({ name, value }) => [name, value]));
+  }
+
+  setParameters(changes) {
+    return this.command('set_parameters', { changes });
+  }
+
+  resetParameters(name) {
+    return this.command('reset_parameters', { name });
+  }
+}
+
+const token = decodeURIComponent(location.hash.slice(1));
+const station = new InstructorStation(bridgeUrl(location), WORDS.title);
+const inspector = new Inspector(station);
+const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
+const section = (title, ...contents) => el('section', { 'aria-label': title }, el('h2', {}, title), ...contents);
+
+const truth = el('ul', { className: 'instructor-list' });
+const score = el('p', { className: 'instructor-score' });
+const goals = el('ul', { className: 'instructor-list' });
+const exercise = section(WORDS.exercise, score, goals);
+const pause = button(WORDS.pause, () => attempt(station.instruct(station.state.paused ? 'resume' : 'pause')));
+const moments = el('div', { className: 'instructor-row' });
+const faults = el('div', { className: 'instructor-row' });
+const log = el('ol', { className: 'instructor-log', tabIndex: 0 });
+const kind = el(
+  'select',
+  { 'aria-label': WORDS.fault, onchange: () => showParts() },
+  ...Object.keys(FAULTS).map((name) => el('option', { value: name }, WORDS.kinds[name])),
+);
+const part = el('select', { 'aria-label': WORDS.part });
+const inject = button(WORDS.add, () => attempt(station.command('inject_fault', FAULTS[kind.value][0](part.value))));
+const sliders = SLIDERS.map(([name, title, unit, min, max, step]) => {
+  const value = el('output', { className: 'reading' }, '–');
+  const input = el('input', { type: 'range', min, max, step, 'aria-label': title });
+  input.addEventListener('input', () => write(value, `${input.value} ${unit}`));
+  input.addEventListener('change', () => attempt(station.setParameters({ [name]: Number(input.value) })));
+  return { name, unit, value, input, row: el('label', { className: 'instructor-slider' }, title, input, value) };
+});
+const water = el(
+  'select',
+  { 'aria-label': WORDS.visibility, onchange: () => attempt(station.setParameters({ 'optics.jerlov': water.value })) },
+  ...WATERS.map((name) => el('option', { value: name }, name)),
+);
+
+byId('instructor').append(
+  section(WORDS.truth, truth),
+  exercise,
+  section(
+    WORDS.time,
+    el(
+      'div',
+      { className: 'instructor-row' },
+      pause,
+      button(WORDS.restart, () => attempt(station.instruct('restart'))),
+      button(WORDS.save, () => attempt(station.instruct('save_moment'))),
+    ),
+    el('h3', {}, WORDS.moments),
+    moments,
+  ),
+  section(
+    WORDS.faults,
+    el('div', { className: 'instructor-row' }, kind, part, inject),
+    el('h3', {}, WORDS.active),
+    faults,
+  ),
+  section(
+    WORDS.water,
+    ...sliders.map(({ row }) => row),
+    el('label', { className: 'instructor-slider' }, WORDS.visibility, water, el('span')),
+  ),
+  section(WORDS.log, log),
+);
+write(byId('inspect'), WORDS.parameters);
+write(byId('title'), WORDS.title);
+
+let seen = null; // the last overview
+station.addEventListener('open', () => supervise());
+station.addEventListener('session', () => showParameters());
+station.addEventListener('description', () => showParameters());
+setInterval(() => look(), ASK_MS);
+
+function complain(text) {
+  write(byId('trouble'), text);
+  byId('trouble').hidden = text === '';
+}
+
+async function supervise() {
+  station.isAdmitted = false;
+  if (!token) {
+    complain(WORDS.noToken);
+    return;
+  }
+  try {
+    const answer = await messages.supervise(station.bridge, { token });
+    station.isAdmitted = answer.success;
+    complain(answer.success ? '' : answer.message);
+  } catch (error) {
+    complain(error.message);
+  }
+  if (station.isAdmitted && station.description) showParameters();
+  station.dispatchEvent(new Event('state'));
+}
+
+async function look() {
+  if (!station.isAdmitted || !station.isRunning) return;
+  try {
+    const found = await messages.overview(station.bridge);
+    if (!found.success) return;
+    const isFirst = seen === null;
+    seen = found;
+    show();
+    if (isFirst) showParts();
+  } catch {
+    /* the connection is lost: the last overview stays, with its time */
+  }
+}
+
+function rewrite(list, texts) {
+  if (list.children.length !== texts.length) list.replaceChildren(...texts.map(() => el('li')));
+  texts.forEach((text, k) => write(list.children[k], text));
+}
+
+function show() {
+  write(byId('title'), `${WORDS.title}: ${station.state.scenario}`);
+  write(byId('clock'), clockText(seen.time_s, 1));
+  write(pause, station.state.paused ? WORDS.resume : WORDS.pause);
+  rewrite(
+    truth,
+    seen.vehicles.map((vehicle) =>
+      [
+        vehicle.name,
+        WORDS.place(vehicle.position_world_m.map((value) => fixed(value, 1)).join(', ')),
+        WORDS.depth(fixed(-vehicle.position_world_m[2], 1)),
+        WORDS.altitude(fixed(vehicle.altitude_m, 1)),
+        WORDS.heading(fixed(vehicle.heading_deg, 0)),
+        WORDS.speed(fixed(vehicle.speed_m_s, 2)),
+        WORDS.lost(fixed(vehicle.battery_percent, 0)),
+        WORDS.collisions(vehicle.collisions),
+      ].join(' · '),
+    ),
+  );
+  exercise.hidden = !seen.exercise;
+  if (seen.exercise) {
+    write(score, WORDS.score(fixed(seen.exercise.score, 1), fixed(seen.exercise.points, 0)));
+    rewrite(
+      goals,
+      seen.exercise.goals.map(({ title, share }) => `${title}: ${fixed(100 * share, 0)} %`),
+    );
+  }
+  buttons(faults, seen.faults, (name) => [WORDS.end(name), () => attempt(station.command('end_fault', { name }))]);
+  if (seen.faults.length === 0) write(faults, WORDS.noFaults);
+  buttons(
+    moments,
+    seen.moments.map(({ name, time_s }) => `${name}|${time_s}`),
+    (key) => {
+      const [name, time_s] = key.split('|');
+      return [
+        WORDS.returnTo(name, clockText(Number(time_s), 1)),
+        () => attempt(station.instruct('return_to', { name })),
+      ];
+    },
+  );
+  rewrite(
+    log,
+    seen.log.map(({ time_s, text, args }) => {
+      const given = Object.keys(args).length ? ` ${JSON.stringify(args.args ?? args)}` : '';
+      return `${clockText(time_s, 1)} ${text}${given}`;
+    }),
+  );
+}
+
+// A button for each key; unchanged keys keep their buttons, and the focus.
+function buttons(row, keys, made) {
+  if (row.dataset.keys === keys.join()) return;
+  row.dataset.keys = keys.join();
+  row.replaceChildren(...keys.map((key) => button(...made(key))));
+}
+
+function showParts() {
+  const of = FAULTS[kind.value][1];
+  const names = (of && seen?.vehicles[0][of]) || [];
+  part.replaceChildren(...names.map((name) => el('option', { value: name }, name)));
+  part.hidden = names.length === 0;
+}
+
+async function showParameters() {
+  if (!station.isAdmitted) return;
+  const values = await station.parameterValues();
+  for (const { name, unit, value, input, row } of sliders) {
+    row.hidden = !(name in values);
+    if (row.hidden || document.activeElement === input) continue;
+    input.value = values[name];
+    write(value, `${+Number(values[name]).toFixed(3)} ${unit}`);
+  }
+  if (values['optics.jerlov']) water.value = values['optics.jerlov'];
+}
+
+globalThis.instructor = { station, inspector }; // for the browser's console and tests

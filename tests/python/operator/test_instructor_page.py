@@ -1,0 +1,130 @@
+"""An instructor and a trainee, each at a page of their own, in a real browser."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from browser import Desk, chromium, until, when
+from test_station_page import judge
+from uwsim.bridges import RosbridgeServer
+from uwsim.exercises import load_exercise
+from uwsim.operator.station import Site, Station
+
+TOKEN = "a-secret-of-18-byte"
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("instructor")
+    station = Station(is_fixed=True, truth=False, folder=folder, instructor_token=TOKEN)
+    with (
+        chromium() as browser,
+        RosbridgeServer(None, guests=[station], site=Site(station)) as server,
+        station.serving(server.show),
+    ):
+        station.run_exercise(load_exercise("hover"))
+        yield Desk(browser, station, server)
+        for context in list(browser.contexts):
+            context.close()
+
+
+@pytest.fixture(scope="module")
+def trainee(here):
+    return here.fly(viewport={"width": 1280, "height": 800})
+
+
+@pytest.fixture(scope="module")
+def instructor(here):
+    page = here.open(f"/instructor.html#{TOKEN}", viewport={"width": 1280, "height": 900})
+    page.wait_for_selector("text=m above the bed")
+    return page
+
+
+@pytest.fixture(autouse=True)
+def nothing_complains(here):
+    yield
+    assert not here.complaints
+
+
+def call(page, service, **args):
+    return page.evaluate(
+        """([service, args]) => (globalThis.instructor ?? globalThis.station).station.bridge.call(service, args)
+             .catch((error) => ({success: false, message: error.message}))""",
+        [f"/{service}", args],
+    )
+
+
+def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instructor, tmp_path: Path):
+    sim = here.station.present().live.simulator
+    instructor.select_option("[aria-label=Fault]", "sensor_stuck")
+    instructor.select_option("[aria-label=Part]", "depth")
+    instructor.click("text=Let it fail")
+    until(lambda: sim.faults.active, "a fault")
+    instructor.wait_for_selector("text=End sensor")
+    instructor.evaluate("""() => {
+      const slider = document.querySelector("[aria-label='Current, east']");
+      slider.value = 0.2;
+      slider.dispatchEvent(new Event('change'));
+    }""")
+    until(lambda: sim.parameters["water.current_world_m_s.x"] == 0.2, "a current")
+    instructor.select_option("[aria-label='Water type']", "9C")
+    until(lambda: sim.parameters["optics.jerlov"] == "9C", "turbid water")
+    instructor.click("#inspect")
+    instructor.fill("[aria-label='Search parameters']", "sun_elevation")
+    until(lambda: instructor.locator("#inspector input[type=range]:visible").count() == 1, "the sun's slider")
+    judge(instructor, "instructor")
+    instructor.screenshot(path=tmp_path / "instructor.png")
+    instructor.click("#inspector [aria-label=Close]")
+    instructor.click("text=End sensor")
+    until(lambda: not sim.faults.active, "no fault")
+
+    judge(trainee, "trainee")
+    trainee.screenshot(path=tmp_path / "trainee.png")
+    assert trainee.is_hidden("#inspect") and trainee.is_disabled("#pause") and trainee.is_disabled("#speed")
+    for service, args in (
+        ("station/instruct", {"action": "pause"}),
+        ("station/overview", {}),
+        ("station/parameters", {}),
+        ("station/supervise", {"token": "a-secret-of-18-bytes"}),
+        ("station/command", {"name": "inject_fault", "args": {"kind": "sonar"}}),
+        ("station/command", {"name": "set_parameter", "args": {"name": "mission_time_s", "value": 9999}}),
+        ("station/control", {"action": "restart"}),
+        ("simulation/get_parameters", {"names": ["water.current_world_m_s"]}),
+        ("simulation/list_parameters", {}),
+        ("simulation/reset", {}),
+    ):
+        assert call(trainee, service, **args)["success"] is False, service
+    said = json.dumps(call(trainee, "station/describe")) + json.dumps(trainee.evaluate("station.station.state"))
+    assert TOKEN not in said
+
+
+def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor):
+    running = here.station.present()
+    live, course = running.live, running.judged.course
+    instructor.click("text=Save this moment")
+    instructor.wait_for_selector("text=Return to moment 1")
+    saved_s = here.station.instructor.moments[0].time_s
+    live.command("place", vehicle="rov", position_world_m=[0.0, 0.0, -2.5]).result()
+    until(lambda: course.state()["goals"][0]["share"] == 1.0, "a goal")
+    instructor.click("text=Pause >> nth=0")
+    when(trainee, "station.station.state.paused")
+    instructor.click("text=Return to moment 1")
+    until(lambda: course.state()["goals"][0]["share"] == 0.0, "the score of that moment")
+    position = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+    assert np.linalg.norm(position - [0.0, 0.0, -2.5]) > 1.0
+    assert abs(1e-9 * live.time_ns - saved_s) < 0.1 and course.time_s == pytest.approx(saved_s, abs=0.1)
+    instructor.click("text=Resume >> nth=0")
+    when(trainee, "!station.station.state.paused")
+    log = [json.loads(line) for line in (here.station.folder / "instructor-log.jsonl").read_text().splitlines()]
+    actions = [entry["action"] for entry in log]
+    assert actions[-4:] == ["save_moment", "pause", "return_to", "resume"]
+    assert log[0]["args"]["args"] == {"kind": "sensor", "sensor": "depth", "mode": "stuck"}
+    assert "inject_fault" in [entry.name for entry in live.log]
+
+
+def test_without_the_token_the_page_shows_nothing(here):
+    page = here.open("/instructor.html#a-guess-that-is-wrong")
+    page.wait_for_selector("text=token is wrong")
+    assert not page.inner_text("#clock")[0].isdigit()
