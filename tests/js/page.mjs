@@ -18,6 +18,12 @@ import {
   focalPixels,
   pixelsBelow,
 } from '../../python/uwsim/operator/station/page/views/camera_axis.js';
+import {
+  ChartFrame,
+  heightAt,
+  measured,
+  pathLength,
+} from '../../python/uwsim/operator/station/page/views/chart_frame.js';
 import { Closing, soonest } from '../../python/uwsim/operator/station/page/views/closing.js';
 import {
   Fan,
@@ -200,3 +206,28 @@ for (const rgb of [
 }
 near(coloured([196, 122, 26], 'grey', 0)[0], 128, 2);
 near(coloured([196, 122, 26], 'grey', 12.5)[0], 255, 2); // half of the span above the middle
+
+// The chart's frame: a place that is drawn somewhere is read there, and zooming keeps the place under the pointer.
+const frame = new ChartFrame();
+frame.size = [800, 400];
+frame.fit([-10, -10, 10, 10]);
+near(frame.scale, 20, 1e-9);
+near(frame.place(frame.at([3, -4]))[1], -4, 1e-9);
+assert.ok(frame.at([0, 5])[1] < frame.at([0, 0])[1]); // north is up
+const under = frame.place([100, 50]);
+frame.zoom(1.7, [100, 50]);
+frame.place([100, 50]).forEach((value, k) => near(value, under[k], 1e-9));
+near(measured([0, 0], [-3, -4]).length_m, 5, 1e-12);
+near(measured([0, 0], [-1, 0]).bearing_deg, 270, 1e-9);
+near(
+  pathLength([
+    [0, 0, 0],
+    [3, 4, 0],
+    [3, 4, -2],
+  ]),
+  7,
+  1e-12,
+);
+const bed = { rows: 2, columns: 3, west_m: 0, south_m: 0, spacing_m: [10, 10] };
+assert.equal(heightAt([1, 2, 3, 4, 5, 6], bed, [19, 11]), 6);
+assert.ok(Number.isNaN(heightAt([1, 2, 3, 4, 5, 6], bed, [40, 0])));

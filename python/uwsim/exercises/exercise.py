@@ -65,15 +65,17 @@ class Event(Model):
 class Exercise(Model):
     """An exercise for a pilot.
 
-    title: a line. brief: the task. scenario: a packaged name, or the path of a YAML file.
-    obstacles: added to the scenario's. start: the pose of the first vehicle, by default as in the scenario. seed: of
-    all random draws. time_s: after which it ends. goals, limits, events: see there. pass_points: needed to pass.
+    title: a line. brief: the task. scenario: a packaged name, or the path of a YAML file. obstacles: added to the
+    scenario's. hidden: names of obstacles that the station's 3D view and chart leave out. start: the pose of the first
+    vehicle, by default as in the scenario. seed: of all random draws. time_s: after which it ends. goals, limits,
+    events: see there. pass_points: needed to pass.
     """
 
     title: str = Field(min_length=1, max_length=120)
     brief: str = Field(min_length=1, max_length=2000)
     scenario: str
     obstacles: list[ObstacleSpec] = Field(default_factory=list)
+    hidden: list[Name] = Field(default_factory=list)
     start: StartPose | None = None
     seed: Annotated[int, InRange(0, 2**32 - 1)] = 0
     time_s: Annotated[float, InRange(1, 1e5, "s")] = 600.0
@@ -99,6 +101,9 @@ class Exercise(Model):
         for index, event in enumerate(self.events):
             if event.after is not None and event.after not in names:
                 raise broken("must be the name of a goal", at=("events", index, "after"), value=event.after)
+        for index, name in enumerate(self.hidden):
+            if name not in [obstacle.name for obstacle in self.obstacles]:
+                raise broken("must be the name of one of the exercise's obstacles", at=("hidden", index), value=name)
         if self.pass_points > self.points:
             raise broken(f"must be at most {self.points:g}, the points of all goals", at=("pass_points",))
         return self

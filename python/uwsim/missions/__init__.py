@@ -12,6 +12,7 @@ from uwsim.missions.run import begin, run
 from uwsim.missions.steps import Steps, Wait, drive, parallel, race, until, wait
 from uwsim.missions.stopped import StoppedError
 from uwsim.missions.vehicle import Vehicle
+from uwsim.missions.waypoints import visit
 
 __all__ = [
     "COVERED",
@@ -40,5 +41,6 @@ __all__ = [
     "run",
     "turn_to",
     "until",
+    "visit",
     "wait",
 ]

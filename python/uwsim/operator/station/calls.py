@@ -25,6 +25,8 @@ from uwsim.operator.station.wire import (
     Order,
     Overview,
     ParameterList,
+    PlanRequest,
+    PlanState,
     SetView,
     Supervise,
 )
@@ -76,6 +78,7 @@ _CALLS = (
     ),
     Call("overview", "report the truth; for the instructor only", answer=Overview, is_brief=False),
     Call("parameters", "describe all parameters; for the instructor only", answer=ParameterList, is_brief=False),
+    Call("plan", "save, fly or stop waypoints drawn on the chart, or report", PlanRequest, PlanState, is_brief=False),
     Call("set_view", "change the rate, width and quality of a view", SetView),
     Call("catalog", "list the options of the start screen", answer=Catalog, is_brief=False, is_start_screen=True),
     Call("check", "report the errors of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),

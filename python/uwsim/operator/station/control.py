@@ -49,13 +49,13 @@ def _quit(station: Station, request: Values) -> None:
 
 
 def _save(station: Station, request: Values) -> str:
-    target = _new_path(station, request, "session")
+    target = new_path(station, request, "session")
     save(station.present(), target)
     return f"saved in {target}"
 
 
 def _record(station: Station, request: Values) -> str:
-    path = _new_path(station, request, "flight", ".mcap")
+    path = new_path(station, request, "flight", ".mcap")
     station.present().record(path)
     return f"recording {path}"
 
@@ -67,7 +67,7 @@ def _stop_recording(station: Station, request: Values) -> str:
     return f"recorded in {path}; `uwsim replay {path.name}` flies it again"
 
 
-def _new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:
+def new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:
     """Return a new path in the station's folder for the requested name. Raises ValueError, also if it exists."""
     name = request.get("name", default)
     if not isinstance(name, str) or not NAME.fullmatch(name):

@@ -199,6 +199,7 @@ class Station:
 
         def judge(running: Running) -> None:
             running.judged = Judged(running.live, exercise, self.folder)
+            running.scene.hidden = frozenset(exercise.hidden)
 
         self.run(make, judge)
 
@@ -242,6 +243,7 @@ class Station:
         """Set efforts to zero."""
         running = self.running
         if running is not None:
+            running.end_plan("the controls have passed on")
             running.helm.let_go()
 
     def tell(self) -> None:

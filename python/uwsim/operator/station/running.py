@@ -22,6 +22,7 @@ from uwsim.live import LiveSimulator
 from uwsim.operator.station.arrivals import Arrivals
 from uwsim.operator.station.helm import Helm
 from uwsim.operator.station.judged import Judged
+from uwsim.operator.station.plan import PlanFlight
 from uwsim.operator.station.scene import Scene
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
@@ -74,6 +75,7 @@ class Running:
             self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
         self.recorder: Recorder | None = None
         self.judged: Judged | None = None
+        self.plan: PlanFlight | None = None
         self.is_supervised = False
         self.edition = 0
         self._described = sim.parameters.scenario
@@ -114,6 +116,7 @@ class Running:
     def stop(self) -> None:
         """Finish the recording, and stop stepping."""
         self.stop_recording()
+        self.end_plan("the simulator was stopped")
         if self.judged is not None:
             self.judged.stop()
         if self.carrier is not None:
@@ -153,6 +156,11 @@ class Running:
             "is_supervised": self.is_supervised,
             "has_exercise": self.judged is not None,
         }
+
+    def end_plan(self, because: str) -> None:
+        """End the plan that is flown, if any."""
+        if self.plan is not None:
+            self.plan.stop(because)
 
     def commands(self) -> list[str]:
         """Return the commands that a pilot may issue by name; with an instructor, only those to a vehicle."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -31,6 +32,7 @@ class Scene:
         self._origin_m = sources[0].origin_m
         self._lock = threading.RLock()  # a mesh may need the terrain
         self._made: dict[str, Any] = {}
+        self.hidden: frozenset[str] = frozenset()  # names of obstacles that pilots must find
 
     def described(self) -> Values:
         """Return the content of `scene.json`. Positions are in odom, like everything else on the wire."""
@@ -44,13 +46,19 @@ class Scene:
                 "spacing_m": [grid.spacing_m, grid.spacing_m],
             },
             "meshes": [
-                {"name": name, "label": label, "url": f"/scene/mesh/{k}.glb"}
-                for k, (name, label, _) in enumerate(self._solids())
+                {
+                    "name": name, "label": label, "url": f"/scene/mesh/{k}.glb",
+                    "outline_m": self._once(f"outline {k}", partial(self._outline, make)),
+                }
+                for k, (name, label, make) in enumerate(self._solids())
             ],
             "vehicles": [{"name": s.name, "url": f"/scene/vehicle/{s.name}.glb"} for s in self._sources],
             "station_m": (np.asarray(station.position_m) + self._origin_m).tolist(),
             "surface_m": float(self._origin_m[2]),
         }  # fmt: skip
+
+    def _outline(self, make: Callable[[], Mesh]) -> list[list[float]]:
+        return outline(make()[0] + self._origin_m)
 
     def grid(self) -> Terrain:
         """Return the terrain, thinned to GRID_MAX points along an edge."""
@@ -82,6 +90,7 @@ class Scene:
         found: list[tuple[str, str, Callable[[], Mesh]]] = [
             (obstacle.name, obstacle.kind, lambda o=obstacle: obstacle_solid(o, self._terrain())[:2])  # type: ignore[misc]
             for obstacle in self._scenario.obstacles
+            if obstacle.name not in self.hidden
         ]
         if self._scenario.station.mesh is not None:
             found.append(("station", "station", lambda: station_mesh(self._scenario.station)))
@@ -99,6 +108,15 @@ def thinned(terrain: Terrain) -> Terrain:
     """Return every n-th height along both axes, so that no edge has more than GRID_MAX points."""
     stride = -(-(max(terrain.heights_m.shape) - 1) // (GRID_MAX - 1)) or 1
     return Terrain(terrain.heights_m[::stride, ::stride], stride * terrain.spacing_m, terrain.origin_m)
+
+
+def outline(vertices_m: NDArray[np.float64]) -> list[list[float]]:
+    """Return the corners (x, y) of the convex outline of vertices (n, 3), seen from above."""
+    from scipy.spatial import ConvexHull
+
+    points = np.asarray(vertices_m)[:, :2]
+    corners = points[ConvexHull(points).vertices]
+    return [[round(float(x), 3), round(float(y), 3)] for x, y in corners]
 
 
 def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:

@@ -7,14 +7,17 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.axes import AXES
 from uwsim.channels.guest import GuestService, Values
 from uwsim.channels.steering import require_link
 from uwsim.commands import COMMANDS
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save
-from uwsim.operator.station.control import CONTROLS
+from uwsim.operator.station.control import CONTROLS, new_path
 from uwsim.operator.station.helm import answered, wants_stop
 from uwsim.operator.station.instructor import Instructor, parameters
+from uwsim.operator.station.plan import Plan, PlanFlight
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import saved_names
 
@@ -70,9 +73,14 @@ class Services:
         self._station.tell()
         return {"success": True, "message": ""}
 
-    def _drive(self, caller: str, request: Values) -> Future[Values]:
+    def _drive(self, caller: str, request: Values) -> Values | Future[Values]:
         self._station.lease.require_pilot(caller)
-        return self._station.present().helm.drive(request)
+        running = self._station.present()
+        if running.plan is not None and running.plan.is_on:
+            if not any(request.get(axis) for axis in AXES):  # a released key leaves the plan alone
+                return {"success": True, "message": "a plan is flown", "tick": running.live.tick, "age_s": 0.0}
+            running.end_plan("the pilot has taken over")
+        return running.helm.drive(request)
 
     def _all_stop(self, caller: str, request: Values) -> Future[Values]:
         if not wants_stop(request):
@@ -92,9 +100,41 @@ class Services:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
             text = _sent(running)
         future = live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given)
+        if COMMANDS[name].steers:
+            running.end_plan("the pilot has taken over")
         if name == "hold" and isinstance(vehicle, str):
             running.helm.note_holds(vehicle, given)
         return answered(live, future, text=text)
+
+    def _plan(self, caller: str, request: Values) -> Values:
+        running, action = self._station.present(), request.get("action")
+        if action == "report":
+            return self._planned(running)
+        self._station.lease.require_pilot(caller)
+        if action == "stop":
+            running.end_plan("stopped")
+            return self._planned(running)
+        plan = Plan.of(request, running.table.sources[0].origin_m.tolist())
+        if action == "save":
+            path = new_path(self._station, request, "plan", ".py")
+            self._station.folder.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, plan.file(path.stem, running.live.simulator.scenario.name).encode())
+            return {**self._planned(running), "message": f"saved as {path}"}
+        if action != "fly":
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of report, save, fly, stop")
+        name = request.get("vehicle")
+        if name not in running.live.vehicles:
+            raise ValueError(f"vehicle = {str(name)[:40]!r}: must be one of {', '.join(running.live.vehicles)}")
+        if running.carrier is not None:
+            raise ValueError("a plan cannot be flown over a link: its control loop runs at the station")
+        if running.plan is not None and running.plan.is_on:
+            raise ValueError("a plan is flown already: stop it first")
+        running.plan = PlanFlight(running.live, str(name), plan)
+        return self._planned(running)
+
+    def _planned(self, running: Running) -> Values:
+        found = {"is_flying": False, "reached": 0, "ended_because": ""}
+        return {"success": True, "message": "", **(found if running.plan is None else running.plan.report())}
 
     def _instructor(self) -> Instructor:
         if self._station.instructor is None:

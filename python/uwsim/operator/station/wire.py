@@ -425,3 +425,26 @@ class ParameterList(Message):
 
     success: Literal[True]
     descriptions_json: str
+
+
+# The chart
+
+
+class PlanRequest(Message):
+    """A request about waypoints. action: report, save, fly or stop. points_m: x, y, z in odom. name: of the file."""
+
+    action: str
+    vehicle: str | None = None
+    points_m: list[list[float]] | None = None
+    speed_m_s: float | None = None
+    name: str | None = None
+
+
+class PlanState(Message):
+    """How the plan stands. reached: the number of the last waypoint."""
+
+    success: Literal[True]
+    message: str
+    is_flying: bool
+    reached: int
+    ended_because: str

@@ -18,6 +18,7 @@ import { SceneView } from './map3d/scene.js';
 import { StartScreen } from './start.js';
 import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
+import { ChartView } from './views/chart.js';
 import { FanView } from './views/fan.js';
 import { Views } from './views/layout.js';
 import { TYPES } from './wire/messages.js';
@@ -33,7 +34,8 @@ const telemetry = new Telemetry(station);
 const bindings = new Bindings();
 const scene = new SceneView();
 const fan = new FanView();
-const views = new Views(station, telemetry, byId('views'), [fan, scene]);
+const chart = new ChartView(station);
+const views = new Views(station, telemetry, byId('views'), [fan, scene, chart]);
 const pilot = new Pilot(station, bindings, act);
 byId('station').append(pilot.touch.element);
 const aim = new CameraAim(station, views);
@@ -121,6 +123,7 @@ function begin() {
   scene
     .begin(load, description.vehicles, description.scene)
     .catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
+  chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   panel.showMap(scene.store);
 }
@@ -134,6 +137,7 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
       (message) => {
         tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
         scene.takeTelemetry(name, message);
+        if (name === vehicle.name) chart.takeTelemetry(message);
       },
       { throttle_rate: 150 },
     ),
@@ -242,4 +246,4 @@ function showBanner() {
   byId('banner').dataset.kind = isBlind || state.error ? '' : 'silence';
 }
 
-globalThis.station = { station, telemetry, pilot, views, scene, panel, bindings, recorder, inspector }; // for the browser's console and tests
+globalThis.station = { chart, station, telemetry, pilot, views, scene, panel, bindings, recorder, inspector }; // for the browser's console and tests

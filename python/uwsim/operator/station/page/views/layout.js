@@ -8,7 +8,7 @@ import { SonarScreen } from './sonar_screen.js';
 
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
-const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
+const KINDS = ['camera', 'chase', 'scene', 'chart', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
 const AHEAD = /front/; // cameras that look ahead, where the server does not describe them
 const CAMERAS = new Set(['camera', 'station', 'chase']);
 const KEYS = 10;

@@ -350,6 +350,15 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} descriptions_json
  */
 
+/** How the plan stands. reached: the number of the last waypoint.
+ * @typedef {object} PlanState
+ * @property {true} success
+ * @property {string} message
+ * @property {boolean} is_flying
+ * @property {number} reached
+ * @property {string} ended_because
+ */
+
 /** A vehicle of an offered scenario.
  * @typedef {object} OfferedVehicle
  * @property {string} name
@@ -467,6 +476,11 @@ export const overview = (bridge) => bridge.call('/station/overview');
 // Describe all parameters; for the instructor only.
 /** @returns {Promise<ParameterList | Refused>} */
 export const parameters = (bridge) => bridge.call('/station/parameters');
+
+// Save, fly or stop waypoints drawn on the chart, or report.
+/** @returns {Promise<PlanState | Refused>} */
+export const plan = (bridge, { action, vehicle, points_m, speed_m_s, name }) =>
+  bridge.call('/station/plan', { action, vehicle, points_m, speed_m_s, name });
 
 // Change the rate, width and quality of a view.
 /** @returns {Promise<Done | Refused>} */

@@ -1,0 +1,19 @@
+"""Waypoints: places visited one after the other, as drawn on the chart of the operator's station."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from uwsim.missions.moves import Point, goto
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.steps import Steps
+
+
+def visit(vehicle: OwnVehicle, points_world_m: Sequence[Point], speed_m_s: float = 0.5) -> Steps[int]:
+    """Undock if needed, and go to each point (3,) in turn; log `waypoint` with its number at each. Return how many."""
+    if not vehicle.released:
+        vehicle.undock()
+    for number, point in enumerate(points_world_m, 1):
+        yield from goto(vehicle, point, speed_m_s=speed_m_s)
+        vehicle.log("waypoint", number=number)
+    return len(points_world_m)

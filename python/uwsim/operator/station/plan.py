@@ -1,0 +1,145 @@
+"""Plans drawn on the chart: saved as a mission's file for `uwsim run`, or flown here by the same mission."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from uwsim.channels.guest import Values
+from uwsim.live import LiveSimulator
+from uwsim.live.clock import LiveClock
+from uwsim.missions import StoppedError
+from uwsim.missions.own_vehicle import Event, OwnVehicle
+from uwsim.missions.run import run
+from uwsim.missions.waypoints import visit
+
+POINTS_MAX = 200
+FAR_M = 10_000.0
+SPEEDS_M_S = (0.05, 3.0)
+FILE = '''\
+"""Waypoints drawn on the chart of the operator's station, in the world frame: x east, y north, z up [m].
+
+uwsim run {name}.py --scenario {scenario}
+"""
+
+from uwsim.missions import visit
+
+POINTS_WORLD_M = [
+{points}]
+SPEED_M_S = {speed:g}
+
+
+def mission(vehicle):
+    yield from visit(vehicle, POINTS_WORLD_M, SPEED_M_S)
+'''
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Waypoints (x, y, z) in the world frame [m], and the speed."""
+
+    points_world_m: list[tuple[float, float, float]]
+    speed_m_s: float
+
+    @classmethod
+    def of(cls, request: Values, origin_m: Sequence[float]) -> Plan:
+        """Return the plan of a request, whose points are in the odom frame at origin_m. Raises ValueError."""
+        points, speed = request.get("points_m"), request.get("speed_m_s", 0.5)
+        if not isinstance(points, list) or not 1 <= len(points) <= POINTS_MAX:
+            raise ValueError(f"points_m: must be a list of 1 to {POINTS_MAX} points")
+        for k, point in enumerate(points):
+            if not isinstance(point, list) or len(point) != 3 or not all(_is_within(x, -FAR_M, FAR_M) for x in point):
+                raise ValueError(f"points_m[{k}]: must be three numbers in [-{FAR_M:g}, {FAR_M:g}] m")
+        if not _is_within(speed, *SPEEDS_M_S):
+            raise ValueError(f"speed_m_s = {str(speed)[:40]}: must be in {list(SPEEDS_M_S)} m/s")
+        x, y, z = (float(value) for value in origin_m)
+        return cls([(p[0] - x, p[1] - y, min(p[2] - z, 0.0)) for p in points], float(speed))
+
+    def file(self, name: str, scenario: str) -> str:
+        """Return the text of a mission's file."""
+        points = "".join(f"    ({x:.3f}, {y:.3f}, {z:.3f}),\n" for x, y, z in self.points_world_m)
+        return FILE.format(name=name, scenario=scenario, points=points, speed=self.speed_m_s)
+
+
+class _Clock:
+    """A mission's clock that ends the mission when asked to."""
+
+    def __init__(self, live: LiveSimulator) -> None:
+        self._clock: LiveClock = live.clock
+        self.stopped_because = ""
+
+    @property
+    def time_s(self) -> float:
+        return float(self._clock.time_s)
+
+    def wait(self, duration_s: float) -> None:
+        if self.stopped_because:
+            raise StoppedError(self.stopped_because)
+        self._clock.wait(duration_s)
+        if self.stopped_because:
+            raise StoppedError(self.stopped_because)
+
+
+class PlanFlight:
+    """Flies a plan on a thread of its own, by the vehicle's own estimate, until it ends or `stop` is called."""
+
+    def __init__(self, live: LiveSimulator, vehicle: str, plan: Plan) -> None:
+        self.plan, self.reached, self.ended_because = plan, 0, ""
+        hull = live.vehicles[vehicle]
+        self._clock = _Clock(live)
+        self._own = OwnVehicle(hull, self._clock, estimate=hull.estimate, hear=self._note)
+        self._hull = hull
+        self._thread = threading.Thread(target=self._fly, name="uwsim-plan", daemon=True)
+        self._thread.start()
+
+    @property
+    def is_on(self) -> bool:
+        """True while it flies."""
+        return not self.ended_because
+
+    def stop(self, because: str) -> None:
+        """End it at the next period of control."""
+        self._clock.stopped_because = self._clock.stopped_because or because
+
+    def report(self) -> Values:
+        """Return the state as fields of a response."""
+        return {"is_flying": self.is_on, "reached": self.reached, "ended_because": self.ended_because}
+
+    def _note(self, event: Event) -> None:
+        if event.name == "waypoint":
+            self.reached = int(event.values["number"])
+
+    def _fly(self) -> None:
+        ended = "all waypoints are reached"
+        try:
+            run(mission_of(self.plan), self._own, self._clock)
+            self._hull.set_effort()
+        except Exception as error:  # StoppedError, or the simulator was stopped, reset or failed
+            ended = str(error) or type(error).__name__
+            if not self._clock.stopped_because:
+                self._let_go()
+        self.ended_because = ended
+
+    def _let_go(self) -> None:
+        try:
+            self._hull.set_effort()
+        except Exception as error:
+            self._clock.stopped_because = str(error)
+
+
+def mission_of(plan: Plan) -> Any:
+    """Return the mission of a plan."""
+
+    def mission(vehicle: OwnVehicle) -> Any:
+        return (yield from visit(vehicle, plan.points_world_m, plan.speed_m_s))
+
+    return mission
+
+
+def _is_within(value: object, low: float, high: float) -> bool:
+    return (
+        isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) and low <= value <= high
+    )
