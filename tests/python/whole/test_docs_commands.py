@@ -14,6 +14,7 @@ from ruamel.yaml import YAML
 import docs_pages
 from uwsim.campaigns.sweeps.spec import SweepSpec
 from uwsim.cli.main import app
+from uwsim.exercises import Exercise
 from uwsim.scenario.schema import schema
 
 PROGRAM: Any = typer.main.get_command(app)
@@ -77,6 +78,9 @@ def test_yaml_is_accepted(page: str, document: dict[str, Any], tmp_path: Path, m
         monkeypatch.chdir(tmp_path)
         (tmp_path / "mow.py").touch()  # the mission shown on the page
         SweepSpec.model_validate(document)
+        return
+    if "goals" in document:
+        Exercise.model_validate(document)
         return
     for key, value in document.items():
         expected = own_schema(key)

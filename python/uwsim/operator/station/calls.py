@@ -15,19 +15,21 @@ from uwsim.operator.station.wire import (
     Done,
     Drive,
     Driven,
-    ExerciseState,
     HandOver,
-    Instruct,
     Join,
     Joined,
     Message,
     Nothing,
     Order,
+    SetView,
+)
+from uwsim.operator.station.wire_training import (
+    ExerciseState,
+    Instruct,
     Overview,
     ParameterList,
     PlanRequest,
     PlanState,
-    SetView,
     Supervise,
 )
 

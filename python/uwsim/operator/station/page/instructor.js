@@ -20,7 +20,7 @@ const FAULTS = {
   sonar: [() => ({ kind: 'sonar' }), ''],
   link: [() => ({ kind: 'link' }), ''],
 };
-// What has a slider: parameter, title, unit, bounds, step.
+// Sliders: parameter, title, unit, bounds, step.
 const SLIDERS = [
   ['water.current_world_m_s.x', WORDS.current, 'm/s', -1, 1, 0.05],
   ['water.current_world_m_s.y', WORDS.currentNorth, 'm/s', -1, 1, 0.05],

@@ -85,7 +85,7 @@ export class Station extends EventTarget {
     return this.#backend.isPlain;
   }
 
-  // Whether the pilot may use a control, such as 'pause'; with an instructor, few.
+  // True if the pilot may use a control, such as 'pause'; with an instructor, few.
   may(action) {
     return this.description?.controls?.includes(action) ?? true;
   }

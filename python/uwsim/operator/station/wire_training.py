@@ -1,0 +1,132 @@
+"""Requests and responses of the station's services for exercises, the instructor and plans; see `wire`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from uwsim.operator.station.wire import Message
+
+
+class GoalState(Message):
+    """A goal of an exercise. share: how far it is met, 0 to 1."""
+
+    title: str
+    points: float
+    share: float
+
+
+class BrokenLimit(Message):
+    """A limit of an exercise that was broken, and what it cost."""
+
+    title: str
+    cost: float
+    time_s: float
+
+
+class ExerciseState(Message):
+    """How an exercise stands. points: the most that can be had; lost: by limits; has_sheet: whether it is written."""
+
+    success: Literal[True]
+    title: str
+    brief: str
+    time_s: float
+    limit_s: float
+    score: float
+    points: float
+    pass_points: float
+    lost: float
+    is_over: bool
+    has_passed: bool
+    ended_because: str
+    goals: list[GoalState]
+    broken: list[BrokenLimit]
+    has_sheet: bool
+    error: str
+
+
+# The instructor
+
+
+class Supervise(Message):
+    """A request to become the instructor."""
+
+    token: str
+
+
+class Instruct(Message):
+    """The instructor's request. action: one of those in the document, with its args."""
+
+    action: str
+    args: dict[str, Any] | None = None
+
+
+class VehicleTruth(Message):
+    """A vehicle as it truly is."""
+
+    name: str
+    position_world_m: list[float]
+    heading_deg: float
+    speed_m_s: float
+    altitude_m: float | None
+    battery_percent: float
+    collisions: int
+    sensors: list[str]
+    thrusters: list[str]
+
+
+class SavedMoment(Message):
+    """A moment to return to."""
+
+    name: str
+    time_s: float
+
+
+class Instruction(Message):
+    """An entry of the instructor's log."""
+
+    time_s: float
+    action: str
+    args: dict[str, Any]
+    text: str
+
+
+class Overview(Message):
+    """The truth, for the instructor. exercise: as in ExerciseState, without success. log: newest first."""
+
+    success: Literal[True]
+    time_s: float
+    vehicles: list[VehicleTruth]
+    faults: list[str]
+    exercise: dict[str, Any] | None
+    moments: list[SavedMoment]
+    log: list[Instruction]
+
+
+class ParameterList(Message):
+    """All parameters. descriptions_json: as of /simulation/describe_parameters."""
+
+    success: Literal[True]
+    descriptions_json: str
+
+
+# The chart
+
+
+class PlanRequest(Message):
+    """A request about waypoints. action: report, save, fly or stop. points_m: x, y, z in odom. name: of the file."""
+
+    action: str
+    vehicle: str | None = None
+    points_m: list[list[float]] | None = None
+    speed_m_s: float | None = None
+    name: str | None = None
+
+
+class PlanState(Message):
+    """How the plan stands. reached: the number of the last waypoint."""
+
+    success: Literal[True]
+    message: str
+    is_flying: bool
+    reached: int
+    ended_because: str
