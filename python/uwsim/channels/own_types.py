@@ -124,5 +124,7 @@ string[] asking                # ids of members who request control
 string recording               # file being written; empty: none
 string driver                  # kind of client, other than the pilot, whose command is in effect; empty: none
 string lost_by                 # name of the pilot whose connection was lost, until control is taken; empty: none
+string rosbridge               # address of the user's rosbridge that the simulator has joined; empty: none
+string rosbridge_trouble       # why it is not connected to it; empty: it is
 """,
 }

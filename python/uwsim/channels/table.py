@@ -49,7 +49,7 @@ class Table:
     published, on /telemetry, /ground_truth/odom, /odom, /tf and the paper's /propPos and /stateData; if not, /odom and
     /tf have the estimate, and the others are left out. Raises ValueError.
 
-    channels, services: those visible to clients. A link replaces them with those that cross it, a recorder with those
+    published: names of the topics of the paper's simulator. channels, services: those visible to clients. A link replaces them with those that cross it, a recorder with those
     that it listens to.
     """
 
@@ -83,6 +83,7 @@ class Table:
         self.rights = Rights()
         self.steering = {source.name: Steering(source, self.rights) for source in self.sources}
         self.channels: list[Channel] = self._published(sim) if wire != "standard" else []
+        self.published = frozenset(channel.name for channel in self.channels)
         self.channels += self._standard(sim) if wire != "published" else []
         self.services: list[Service] = self._services(sim)
 

@@ -76,7 +76,7 @@ def station(
         link=link,
         truth=truth,
         wire=wire or "both",  # type: ignore[arg-type]  # checked there
-        origin=origin or "world",
+        origin=origin,
         threads=threads,
         instructor_token=instructor_token,
     )

@@ -10,6 +10,7 @@ the server, such as those about refused messages, are logged.
 from __future__ import annotations
 
 import asyncio
+import socket
 import threading
 from collections.abc import Iterable
 from functools import partial
@@ -35,6 +36,21 @@ FIRST_WAIT_S = 0.25
 LONGEST_WAIT_S = 10.0
 STOP_S = 5.0
 TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
+
+
+def why_not_connected(error: Exception) -> str:
+    """Return in a few words why a connection to a WebSocket server failed or ended."""
+    if isinstance(error, ConnectionRefusedError):
+        return "connection refused: no server listens there"
+    if isinstance(error, TimeoutError):
+        return "no response"
+    if isinstance(error, socket.gaierror):
+        return "unknown host"
+    if isinstance(error, InvalidHandshake):
+        return f"the server there refuses a WebSocket ({error})"
+    if isinstance(error, ConnectionClosed):
+        return "the connection has ended"
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 class RosbridgeClient(Bridge):
@@ -71,6 +87,7 @@ class RosbridgeClient(Bridge):
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self.connected = threading.Event()
+        self.trouble = ""  # why it is not connected, "" while it is
         self.connections = 0
         self.sent = 0
         self._largest_sent = 0  # size in bytes of the largest message sent on this connection
@@ -121,9 +138,11 @@ class RosbridgeClient(Bridge):
                 ) as connection:
                     wait_s = FIRST_WAIT_S
                     await self._converse(connection)
+                self.trouble = "the connection has ended"
                 self.log.warning("%s: the connection has ended", self.url)
             except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI) as error:
-                self.log.warning("%s: %s; next attempt in %g s", self.url, str(error) or type(error).__name__, wait_s)
+                self.trouble = why_not_connected(error)
+                self.log.warning("%s: %s; next attempt in %g s", self.url, self.trouble, wait_s)
                 if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
                     self._refused_bytes = self._largest_sent
             await asyncio.sleep(wait_s)
@@ -136,6 +155,7 @@ class RosbridgeClient(Bridge):
         self.connections += 1
         self._largest_sent = 0
         self.connected.set()
+        self.trouble = ""
         self.log.info("%s: connected", self.url)
         writer = asyncio.create_task(self._write(connection))
         try:

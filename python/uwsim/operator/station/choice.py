@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 from uwsim.channels.guest import Values
 from uwsim.live.pace import Speed, checked_speed
+from uwsim.operator.station.user_rosbridge import UserRosbridge, checked_host, checked_port, checked_ros
 from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.spec.modem import load_modem
 from uwsim.scenario.spec.sonar import WIRE_NUMBERS, load_sonar
 
-FIELDS = ("scenario", "vehicle", "sonar", "mission_time_s", "seed", "speed", "link")
+OF_ROSBRIDGE = ("rosbridge_host", "rosbridge_port", "rosbridge_ros")
+FIELDS = ("scenario", "vehicle", "sonar", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
@@ -48,6 +50,7 @@ def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
         for argument, read in changes.items():
             field = names.get(argument, argument)
             scenario = _try(errors, field, lambda: scenario.with_changes(**{argument: read()})) or scenario  # noqa: B023
+    _rosbridge(errors, values)
     if errors or scenario is None or speed is None:
         raise ChoiceError(errors)
     return scenario, speed
@@ -55,13 +58,41 @@ def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
 
 def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
     """Return the saved session that a choice continues, and the speed. Raises ChoiceError."""
-    fixed = [name for name in FIELDS if name not in ("speed", "link") and choice.get(name) is not None]
+    free = ("speed", "link", *OF_ROSBRIDGE)
+    fixed = [name for name in FIELDS if name not in free and choice.get(name) is not None]
     errors = dict.fromkeys(fixed, "is as it was saved")
     session = _try(errors, "saved", lambda: _name(choice["saved"], known))
     speed = _try(errors, "speed", lambda: _speed(choice.get("speed")))
+    _rosbridge(errors, choice)
     if errors:
         raise ChoiceError(errors)
     return session, speed
+
+
+def chosen_rosbridge(choice: Values) -> UserRosbridge | None:
+    """Return the user's rosbridge of a choice, which was reachable just now; None without one. Raises ChoiceError."""
+    errors: dict[str, str] = {}
+    rosbridge = _rosbridge(errors, choice)
+    if rosbridge is not None:
+        _try(errors, "rosbridge_host", rosbridge.require_reachable)
+    if errors:
+        raise ChoiceError(errors)
+    return rosbridge
+
+
+def _rosbridge(errors: dict[str, str], choice: Values) -> UserRosbridge | None:
+    """Return the user's rosbridge; None if the address is empty, or a field is invalid, which is added to errors."""
+    if choice.get("rosbridge_host") is None:
+        return None
+    checks: dict[str, Callable[[object], Any]] = {
+        "rosbridge_host": checked_host,
+        "rosbridge_port": checked_port,
+        "rosbridge_ros": checked_ros,
+    }
+    found = {name: _try(errors, name, partial(check, choice.get(name))) for name, check in checks.items()}
+    if errors.keys() & checks.keys():
+        return None
+    return UserRosbridge(f"{found['rosbridge_host']}:{found['rosbridge_port']}", found["rosbridge_ros"])
 
 
 def scenarios(offered: str) -> list[str]:
@@ -84,6 +115,7 @@ def catalog(offered: str = "lake") -> Values:
         "defaults": {
             "scenario": offered, "vehicle": None, "sonar": None, "mission_time_s": None, "seed": None, "speed": 1.0,
             "link": link.modem.name if (link := load(offered).link) else "none",
+            **dict.fromkeys(OF_ROSBRIDGE),
         },
     }  # fmt: skip
 

@@ -13,10 +13,11 @@ from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.own_types import STATION_STATE
+from uwsim.channels.served import default_origin
 from uwsim.channels.table import Wire, checked_wire
 from uwsim.exercises import Course, Exercise
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save, scenarios
+from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_rosbridge, chosen_save, scenarios
 from uwsim.operator.station.instructor import Instructor
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.lease import Lease
@@ -26,6 +27,7 @@ from uwsim.operator.station.pulse import STATE, Pulse
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import go_on_with_maps, load_saved, saved_names
 from uwsim.operator.station.services import Services
+from uwsim.operator.station.user_rosbridge import UserRosbridge
 from uwsim.scenario import ScenarioError
 from uwsim.simulator.simulator import Simulator
 
@@ -41,8 +43,9 @@ class Station:
 
     offered, link: scenario preselected on the start screen, and its modem, if different from the scenario's. is_fixed:
     run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
-    position. wire, origin: see uwsim.channels; invalid values raise ValueError. threads: for simulators. folder: where
-    `save` writes. instructor_token: of a second page, whose user alone changes the world; see `instructor`.
+    position. wire, origin: see uwsim.channels; invalid values raise ValueError; origin None is the world's, or the
+    scenario's for a session that joins the user's rosbridge. threads: for simulators. folder: where `save` writes.
+    instructor_token: of a second page, whose user alone changes the world; see `instructor`.
 
     phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
     simulator and each restart.
@@ -58,12 +61,13 @@ class Station:
         is_fixed: bool = False,
         truth: bool = True,
         wire: Wire = "both",
-        origin: str | Sequence[float] = "world",
+        origin: str | Sequence[float] | None = None,
         threads: int | None = None,
         folder: Path | None = None,
         instructor_token: str | None = None,
     ) -> None:
-        checked_wire(wire, origin)  # here, so that errors do not appear only when a pilot starts the first simulator
+        # Checked here, so that errors do not appear only when a pilot starts the first simulator.
+        checked_wire(wire, "world" if origin is None else origin)
         self.folder = folder or Path.cwd()
         self.instructor = None if instructor_token is None else Instructor(instructor_token, self.folder)
         self.offered = offered
@@ -71,7 +75,8 @@ class Station:
         self.is_fixed = is_fixed
         self.running: Running | None = None
         self.lease = Lease()
-        self._options: dict[str, Any] = {"truth": truth, "wire": wire, "origin": origin}
+        self._options: dict[str, Any] = {"truth": truth, "wire": wire}
+        self._origin = origin
         self._threads = threads
         self.prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
         self._show: Show = lambda live, channels, services, feed, actions: None
@@ -131,24 +136,27 @@ class Station:
             self._go_on(choice)
             return
         scenario, speed = chosen(choice, self.offered)
+        rosbridge = chosen_rosbridge(choice)
 
         def make() -> LiveSimulator:
             return LiveSimulator(self.prepared.take(scenario), speed=speed)
 
         try:
-            self.run(make)
+            self.run(make, rosbridge=rosbridge)
         except ScenarioError as error:
             raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
 
     def _go_on(self, choice: Values) -> None:
         """Continue a saved session, with only the speed newly chosen."""
         name, speed = chosen_save(choice, saved_names(self.folder))
+        rosbridge = chosen_rosbridge(choice)
         self.prepared.forget()
         folder = self.folder / name
         try:
             self.run(
                 lambda: LiveSimulator(load_saved(folder, self._threads), speed=speed),
                 lambda running: go_on_with_maps(running, folder),
+                rosbridge=rosbridge,
             )
         except (ValueError, OSError) as error:
             raise ChoiceError({"saved": " ".join(str(error).split())}) from None
@@ -158,18 +166,23 @@ class Station:
         make: Callable[[], LiveSimulator],
         prepare: Callable[[Running], object] = lambda running: None,
         feed: Feed | None = None,
+        rosbridge: UserRosbridge | None = None,
     ) -> None:
         """Run the simulator returned by `make`, replacing the current one, which keeps running until then.
 
         prepare: called when the new simulator's channels exist and before its map is built. feed: shared with other
-        sinks.
+        sinks. rosbridge: the user's, which the simulator joins.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
         before, running = self.phase, None
         try:
             self._enter("starting")
-            running = Running(make(), self.node, self._pulse.stir, feed=feed, **self._options)
+            live = make()
+            origin = self._origin
+            if origin is None:
+                origin = "world" if rosbridge is None else default_origin(live.simulator.scenario)
+            running = Running(live, self.node, self._pulse.stir, feed=feed, origin=origin, **self._options)
             if self.instructor is not None:
                 running.hide_the_simulation()
                 self.instructor.begin()
@@ -180,6 +193,8 @@ class Station:
             running.start()
             actions = actions_of(running.live.simulator, running.table)
             self._show(running.live, running.table.channels, running.table.services, running.feed, actions)
+            if rosbridge is not None:
+                running.join(rosbridge)
             self.running = running
             self.session = next(self._numbers)
             before = "running"

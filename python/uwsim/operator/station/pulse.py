@@ -108,7 +108,7 @@ class Pulse:
 
 def _progress(running: Running) -> Values:
     """Return a simulator's progress as fields of the state."""
-    live = running.live
+    live, rosbridge = running.live, running.rosbridge
     return {
         "scenario": live.simulator.scenario.name,
         "error": str(live.error or ""),
@@ -117,4 +117,6 @@ def _progress(running: Running) -> Values:
         "speed": 0.0 if live.speed == "max" else live.speed,
         "factor": live.factor,
         "lateness": live.lateness,
+        "rosbridge": "" if rosbridge is None else rosbridge.url,
+        "rosbridge_trouble": "" if rosbridge is None else rosbridge.trouble,
     }

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from uwsim.base.axes import AXES
+from uwsim.bridges.rosbridge.client import RosbridgeClient
 from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.imaging import picture_geometry
@@ -24,6 +25,7 @@ from uwsim.operator.station.helm import Helm
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.plan import PlanFlight
 from uwsim.operator.station.scene import Scene
+from uwsim.operator.station.user_rosbridge import UserRosbridge
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
 
@@ -77,6 +79,7 @@ class Running:
         self.judged: Judged | None = None
         self.plan: PlanFlight | None = None
         self.is_supervised = False
+        self.rosbridge: RosbridgeClient | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
         self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of each view
@@ -105,6 +108,14 @@ class Running:
         self.table.services = [each for each in self.table.services if not each.name.startswith("simulation/")]
         self.is_supervised = True
 
+    def join(self, rosbridge: UserRosbridge) -> None:
+        """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim connect` does."""
+        table = self.table
+        told = [each for each in table.channels if each.name in table.published and not each.on_request]
+        self.rosbridge = RosbridgeClient(
+            self.live, rosbridge.url, channels=told, services=table.services, ros=rosbridge.ros, feed=self.feed
+        ).start()
+
     def notice_changes(self) -> None:
         """Increment the edition if a parameter has changed since the last call."""
         scenario = self.live.simulator.parameters.scenario
@@ -116,6 +127,8 @@ class Running:
     def stop(self) -> None:
         """Finish the recording, and stop stepping."""
         self.stop_recording()
+        if self.rosbridge is not None:
+            self.rosbridge.close()
         self.end_plan("the simulator was stopped")
         if self.judged is not None:
             self.judged.stop()

@@ -51,7 +51,10 @@ class Commanded(Done):
 
 
 class Choice(Message):
-    """The choice on the start screen; a missing or null field keeps the scenario's value."""
+    """The choice on the start screen; a missing or null field keeps the scenario's value.
+
+    rosbridge_*: address, port and generation of ROS of the user's rosbridge, which the simulator joins.
+    """
 
     scenario: str | None = None
     vehicle: str | None = None
@@ -60,6 +63,9 @@ class Choice(Message):
     seed: int | None = None
     speed: float | None = None
     link: str | None = None
+    rosbridge_host: str | None = None
+    rosbridge_port: int | None = None
+    rosbridge_ros: int | None = None
     saved: str | None = None
 
 

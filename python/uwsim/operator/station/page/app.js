@@ -240,7 +240,9 @@ function showBanner() {
         ? `The simulation stopped: ${state.error}`
         : station.pilotSilence > 0
           ? `${station.nameOf(state.pilot)} has been silent for ${Math.round(station.pilotSilence)} s: efforts are zero.`
-          : '';
+          : state.rosbridge_trouble
+            ? `Not connected to your rosbridge at ${state.rosbridge}: ${state.rosbridge_trouble}; trying again.`
+            : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';
   byId('banner').dataset.kind = isBlind || state.error ? '' : 'silence';

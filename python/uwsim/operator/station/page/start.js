@@ -8,6 +8,7 @@ const OWN = 'The scenario’s own';
 const SAVED = 'saved:';
 const SAVED_HINT = 'Saved here: all but the speed is as it was, and the map grows on.';
 const OF_SCENARIO = ['vehicle', 'sonar', 'mission_time_s', 'seed', 'link'];
+const ADDRESS = { type: 'text', autocomplete: 'off', spellcheck: false };
 
 export class StartScreen {
   #fields = new Map(); // name: { box, input, hint, wrong }
@@ -103,14 +104,28 @@ export class StartScreen {
           options(links.map(({ name, description }) => ({ value: name, text: name, hint: description }))),
         ),
       )),
+      (this.rosSet = this.#set(
+        'Your rosbridge',
+        this.#field('rosbridge_host', 'Address', el('input', { ...ADDRESS, placeholder: 'none: fly without ROS' }), {
+          hint: 'The simulator joins the rosbridge_server there, as with uwsim connect, for your nodes to fly it.',
+        }),
+        this.#field('rosbridge_port', 'Port', number({ min: 1, max: 65535, step: 1 }), {
+          hint: 'Empty: 9090, as rosbridge_server has it.',
+        }),
+        this.#field(
+          'rosbridge_ros',
+          'Its ROS',
+          options([
+            { value: 1, text: 'ROS 1' },
+            { value: 2, text: 'ROS 2' },
+          ]),
+        ),
+      )),
       (this.otherSet = this.#set(
         'Address',
-        this.#field(
-          'host',
-          'Host',
-          el('input', { type: 'text', placeholder: '127.0.0.1', autocomplete: 'off', spellcheck: false }),
-          { hint: 'A rosbridge server of uwsim, such as uwsim serve lake --station.' },
-        ),
+        this.#field('host', 'Host', el('input', { ...ADDRESS, placeholder: '127.0.0.1' }), {
+          hint: 'A server of uwsim, such as uwsim serve lake --station.',
+        }),
         this.#field('port', 'Port', number({ min: 1, max: 65535, step: 1 }), { hint: '' }),
       )),
     );
@@ -145,7 +160,7 @@ export class StartScreen {
       'div',
       { className: 'choice', role: 'radiogroup', 'aria-label': 'Simulator' },
       choice('here', 'Start one here', 'In the process that serves this page'),
-      choice('there', 'Join one elsewhere', 'By the address and port of its rosbridge'),
+      choice('there', 'Open another station', 'Shows and flies a simulator that runs elsewhere'),
     );
   }
 
@@ -154,7 +169,7 @@ export class StartScreen {
   }
 
   #showWhere() {
-    this.ownSet.hidden = this.paceSet.hidden = this.isElsewhere;
+    this.ownSet.hidden = this.paceSet.hidden = this.rosSet.hidden = this.isElsewhere;
     this.otherSet.hidden = !this.isElsewhere;
     write(this.button, this.isElsewhere ? 'Connect' : 'Start');
     this.#later();
@@ -209,7 +224,12 @@ export class StartScreen {
     const numeric = (name) =>
       value(name) === '' ? null : Number.isNaN(Number(value(name))) ? value(name) : Number(value(name));
     const text = (name) => value(name) || null;
-    if (this.savedName) return { saved: this.savedName, speed: numeric('speed') };
+    const rosbridge = value('rosbridge_host') && {
+      rosbridge_host: value('rosbridge_host'),
+      rosbridge_port: numeric('rosbridge_port'),
+      rosbridge_ros: numeric('rosbridge_ros'),
+    };
+    if (this.savedName) return { saved: this.savedName, speed: numeric('speed'), ...rosbridge };
     return {
       scenario: text('scenario'),
       vehicle: text('vehicle'),
@@ -218,6 +238,7 @@ export class StartScreen {
       seed: numeric('seed'),
       speed: numeric('speed'),
       link: text('link'),
+      ...rosbridge,
     };
   }
 

@@ -126,6 +126,9 @@ export class TopBar {
   showState() {
     const { state, isPilot, connected } = this.station;
     write(byId('clock'), clockText(state.time, 1));
+    byId('rosbridge').hidden = !state.rosbridge;
+    write(byId('rosbridge'), state.rosbridge ? `ROS ${state.rosbridge.replace(/^wss?:\/\//, '')}` : '');
+    byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble));
     const speed = byId('speed');
     if (document.activeElement !== speed) {
       const wanted = String(+(+state.speed).toFixed(6));

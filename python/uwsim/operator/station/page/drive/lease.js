@@ -24,14 +24,15 @@ export class Lease {
     this.#showOffer();
   }
 
-  // The first page of a session flies it, unless another client drives or a pilot has just lost the connection. A page
-  // that gives the controls away does not get them back by itself.
+  // The first page of a session flies it, unless another client drives, nodes at a rosbridge that the simulator has
+  // joined are to fly it, or a pilot has just lost the connection. A page that gives the controls away does not get them
+  // back by itself.
   takeOnce() {
     const { state, id, description, isBlind } = this.station;
     if (id === '' || isBlind || this.#tried === description.session) return;
     this.#tried = description.session;
     const isFree = state.pilot === '' && !state.driver && (!state.lost_by || state.lost_by === this.station.name);
-    if (isFree) this.station.takeControl().catch(() => null);
+    if (isFree && !state.rosbridge) this.station.takeControl().catch(() => null);
   }
 
   get #isUnsettled() {

@@ -52,6 +52,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} recording
  * @property {string} driver
  * @property {string} lost_by
+ * @property {string} rosbridge
+ * @property {string} rosbridge_trouble
  */
 
 /** @typedef {object} Telemetry
@@ -390,6 +392,9 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  */
 
 /** The choice on the start screen; a missing or null field keeps the scenario's value.
+
+    rosbridge_*: address, port and generation of ROS of the user's rosbridge, which the simulator joins.
+    
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
@@ -398,6 +403,9 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} [seed]
  * @property {number | null} [speed]
  * @property {string | null} [link]
+ * @property {string | null} [rosbridge_host]
+ * @property {number | null} [rosbridge_port]
+ * @property {number | null} [rosbridge_ros]
  * @property {string | null} [saved]
  */
 
@@ -493,13 +501,13 @@ export const catalog = (bridge) => bridge.call('/station/catalog');
 
 // Report the errors of a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
-export const check = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved }) =>
-  bridge.call('/station/check', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved });
+export const check = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved }) =>
+  bridge.call('/station/check', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved });
 
 // Start a simulator from a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
-export const start = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved }) =>
-  bridge.call('/station/start', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved });
+export const start = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved }) =>
+  bridge.call('/station/start', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved });
 
 // Pause, step, restart, save, record and similar actions; for the pilot only.
 /** @returns {Promise<Commanded | Refused>} */

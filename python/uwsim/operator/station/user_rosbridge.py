@@ -1,0 +1,78 @@
+"""The user's rosbridge: the server named on the start screen, which a session joins as `uwsim connect` does."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+
+from uwsim.bridges.nodes.websocket import WebSocket
+from uwsim.bridges.rosbridge.client import why_not_connected
+from uwsim.channels.guest import Values
+from uwsim.channels.messages import Ros
+
+PORT = 9090  # rosbridge_server's own
+HOST = re.compile(r"(wss?://)?([A-Za-z0-9][A-Za-z0-9_.-]*|\[[0-9A-Fa-f:.]+\])")
+STATION_ANSWERS_S = 1.0
+
+
+@dataclass(frozen=True)
+class UserRosbridge:
+    """The address of a rosbridge server, and the generation of its ROS."""
+
+    url: str
+    ros: Ros
+
+    def require_reachable(self) -> None:
+        """Connect once. Raises ValueError if the server cannot be reached, or is a station of uwsim."""
+        try:
+            socket = WebSocket(self.url)
+        except (OSError, TimeoutError, InvalidHandshake, InvalidURI) as error:
+            raise ValueError(f"{self.url}: {why_not_connected(error)}") from None
+        try:
+            if _is_station(socket):
+                hint = "run one of the two on another port, such as uwsim station --port 9091"
+                raise ValueError(f"{self.url}: a station of uwsim listens there, not a rosbridge of yours: {hint}")
+        except ConnectionClosed:
+            raise ValueError(f"{self.url}: the server there ends the connection") from None
+        finally:
+            socket.close()
+
+
+def checked_host(value: object) -> str:
+    """Return the address, with its scheme. Raises ValueError."""
+    found = HOST.fullmatch(value.strip()) if isinstance(value, str) else None
+    if found is None:
+        rule = "must be a name or an address, such as localhost or ws://192.168.1.7, without the port"
+        raise ValueError(f"rosbridge_host = {str(value)[:60]!r}: {rule}")
+    return (found[1] or "ws://") + found[2]
+
+
+def checked_port(value: object) -> int:
+    """Return the port; None is rosbridge_server's own. Raises ValueError."""
+    if value is None:
+        return PORT
+    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 or not 1 <= value <= 65535:
+        raise ValueError(f"rosbridge_port = {str(value)[:40]}: must be a whole number in [1, 65535]")
+    return int(value)
+
+
+def checked_ros(value: object) -> Ros:
+    """Return the generation of ROS; None is 1, as in the paper. Raises ValueError."""
+    if value is not None and (isinstance(value, bool) or value not in (1, 2)):
+        raise ValueError(f"rosbridge_ros = {str(value)[:40]}: must be 1 or 2")
+    return 2 if value == 2 else 1
+
+
+def _is_station(socket: WebSocket) -> bool:
+    """Return whether a server answers a service that only stations of uwsim have."""
+    request: Values = {"op": "call_service", "service": "/station/catalog", "id": "uwsim"}
+    socket.send(json.dumps(request))
+    try:
+        answer = json.loads(socket.recv(STATION_ANSWERS_S))
+    except (TimeoutError, ValueError):  # a rosbridge may leave calls of unknown services unanswered
+        return False
+    values = answer.get("values") if isinstance(answer, dict) else None
+    return isinstance(values, dict) and "scenarios" in values
