@@ -344,6 +344,8 @@ def test_address_and_port_on_the_start_screen_join_the_users_rosbridge(browser, 
 
     def refused(page, sentence):
         until(lambda: sentence in page.inner_text("#wrong-rosbridge_host"), sentence)
+        page.wait_for_timeout(400)  # the check of the fields, which ends later, leaves it there
+        assert sentence in page.inner_text("#wrong-rosbridge_host")
         assert page.is_visible("#start")  # nothing was started
 
     with desk(browser, tmp_path) as here, RosbridgeServer(None) as users:

@@ -291,6 +291,9 @@ export class StartScreen {
 
   async #submit() {
     if (!this.catalog) return;
+    this.#showHints();
+    clearTimeout(this.#timer); // a check that ends later must not erase what Start finds
+    this.#checks += 1;
     if (this.isElsewhere) {
       const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
       if (!this.#mark(this.#addressErrors()))
