@@ -22,6 +22,7 @@ from uwsim.operator.station import Site, Station
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 CHROMIUM = "/usr/bin/chromium-headless-shell"
 SIZE = {"width": 1440, "height": 900}
+WHOLE_START = {"width": 1000, "height": 1400}
 QUALITY = 86
 LANE = ((-106.0, -76.0), (-80.0, -30.0))  # from near the dock to the pipeline
 ABOVE_BED_M = 8.0
@@ -86,8 +87,10 @@ def main(
         url = server.url.replace("ws", "http", 1)
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--enable-unsafe-swiftshader"])
         page = open_page(browser, url)
-        until(page, "document.querySelector('#hint-scenario')?.textContent")
+        page.set_viewport_size(WHOLE_START)  # type: ignore[arg-type]
+        until(page, "document.querySelector('.preview:not([hidden]) img')?.naturalWidth")
         shoot(page, DOCS / "connections" / "station-start.jpg")
+        page.set_viewport_size(SIZE)  # type: ignore[arg-type]
         page.click("button[type=submit]")
         until(page, "globalThis.station.telemetry.message && station.station.isPilot")
         live = station.present().live

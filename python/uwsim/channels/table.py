@@ -49,8 +49,8 @@ class Table:
     published, on /telemetry, /ground_truth/odom, /odom, /tf and the paper's /propPos and /stateData; if not, /odom and
     /tf have the estimate, and the others are left out. Raises ValueError.
 
-    published: names of the topics of the paper's simulator. channels, services: those visible to clients. A link replaces them with those that cross it, a recorder with those
-    that it listens to.
+    published: names of the topics of the paper's simulator. channels, services: those visible to clients. A link
+    replaces them with those that cross it, a recorder with those that it listens to.
     """
 
     def __init__(

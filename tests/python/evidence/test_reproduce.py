@@ -2,13 +2,23 @@
 
 import json
 import re
+import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from command_line import error_line, uwsim
-from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, paper, running_system, scenes, sonar
+from uwsim.evidence.reproduce import (
+    drawn_graphs,
+    movement_and_ray,
+    mown_map,
+    paper,
+    running_system,
+    scenes,
+    screens,
+    sonar,
+)
 from uwsim.evidence.reproduce.running_system import Edge, Link
 from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
@@ -51,9 +61,35 @@ def test_trees_and_node_maps_are_drawn_with_all_that_they_hold(tmp_path):
     assert picture(tmp_path / "map.png").min() < 100 < picture(tmp_path / "tree.png").max()
 
 
+def test_the_screens_are_our_stations_page_in_a_browser(sim, tmp_path):
+    """Takes 10 s, most of it until a real page has drawn a flight."""
+    start, main = screens.screens(sim, tmp_path)
+    assert "Taken now" in start.caption and "Taken now" in main.caption
+    assert dict(main.rows)["proximity warning"] is True
+    pixels = np.asarray(Image.open(tmp_path / "fig05.png").convert("RGB"), int)
+    amber = (np.abs(pixels - (245, 180, 40)).max(axis=-1) < 25)[:250, 1130:]
+    assert amber.sum() > 100  # the lit lamp on the panel
+    assert picture(tmp_path / "fig04.png").std() > 10
+
+
+def test_without_a_browser_the_kept_screens_are_drawn(sim, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "playwright.sync_api", None)
+    figures = screens.screens(sim, tmp_path)
+    assert all("A kept picture: Playwright is not installed" in figure.caption for figure in figures)
+    assert [picture(tmp_path / f"{figure.name}.png").shape for figure in figures] == [(1420, 1280), (900, 1440)]
+
+
+def test_the_table_has_every_cell_and_says_which_are_unknown(tmp_path):
+    figure = sonar.coverage(tmp_path / "fig08.png")
+    known = [row for row in figure.rows if row[5] is not None]
+    assert (len(figure.rows), len(known)) == (20 + 32, 20 + 8)
+    assert all(abs(row[-1]) < 10 for row in known)
+    assert all(row[6] > 0 and row[-1] is None for row in figure.rows if row not in known)
+
+
 @pytest.mark.parametrize(
     "make",
-    [scenes.overview, scenes.scene, scenes.main_screen, movement_and_ray.movements, sonar.ping],
+    [scenes.overview, scenes.scene, movement_and_ray.movements, sonar.ping],
 )
 def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
     sim.reset()

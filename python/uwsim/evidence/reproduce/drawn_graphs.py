@@ -28,7 +28,8 @@ def transform_tree(published: Sequence[Link], standard: Sequence[Link], path: Pa
             for tree, links in (("published", published), ("standard", standard)) for link in links]  # fmt: skip
     return Figure(
         10, "The transform tree", "From the topics of a running system, with the rate of each moving transform.",
-        True, columns=("wire", "parent", "child", "rate [Hz]"), rows=rows,
+        "Theirs has the first tree; ours has the standard topics' tree, too.",
+        columns=("wire", "parent", "child", "rate [Hz]"), rows=rows,
     )  # fmt: skip
 
 
@@ -54,7 +55,8 @@ def node_map(edges: Sequence[Edge], path: Path) -> Figure:
         axes.text(*place, name, fontsize=10, color=INK, ha="center", va="center", bbox=BOX, zorder=3)
     save_figure(figure, path)
     return Figure(
-        11, "The node map", "The simulator and the paper's chain as five processes, from rosapi.", True,
+        11, "The node map", "The simulator and the paper's chain as five processes, from rosapi.",
+        "Theirs needs a ROS installation; ours connects the same nodes by a rosbridge alone.",
         columns=("publisher", "topic", "subscriber"), rows=[(e.publisher, e.topic, e.subscriber) for e in edges],
     )  # fmt: skip
 

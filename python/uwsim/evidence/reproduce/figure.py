@@ -12,15 +12,14 @@ PAPER = "Development of an Underwater Simulator using Unity3D and Robot Operatin
 class Figure:
     """One of the figures in the paper.
 
-    number: its number in the paper. subject_known: whether the subject of the paper's figure with this number is known;
-    the remaining figures show other things that the paper describes, in the paper's order. columns, rows: the table
-    behind the picture. values: single values.
+    number: its number in the paper, whose figure has the same subject by its caption. differs: a sentence on what
+    differs from it. columns, rows: the table behind the picture. values: single values.
     """
 
     number: int
     title: str
     caption: str
-    subject_known: bool = False
+    differs: str
     values: dict[str, Any] = field(default_factory=dict)
     columns: tuple[str, ...] = ()
     rows: list[tuple[Any, ...]] = field(default_factory=list)

@@ -51,8 +51,9 @@ def movements(sim: Simulator, path: Path) -> Figure:
     save_figure(figure, path)
     return Figure(
         3, "The vehicle and its movements",
-        "The vehicle's mesh with its axes: x ahead, y to port, z up. Theirs is a Unity model with a left-handed frame.",
-        True, columns=("movement", "axis", "full effort", "unit"), rows=rows,
+        "The vehicle's mesh with its axes: x ahead, y to port, z up.",
+        "Theirs is a Unity model with a left-handed frame.",
+        columns=("movement", "axis", "full effort", "unit"), rows=rows,
     )  # fmt: skip
 
 
@@ -87,8 +88,9 @@ def ray(sim: Simulator, path: Path) -> Figure:
     save_figure(figure, path)
     return Figure(
         7, "A ray finds a collision",
-        "One ray ends at its first hit on a gate; the others pass. Embree casts ours at the triangles that collide.",
-        True, {"origin_world_m": [round(value, 3) for value in origin.tolist()], "reach_m": REACH_M},
+        "One ray ends at its first hit on a gate; the others pass.",
+        "Theirs is cast by Unity, ours by Embree at the triangles that collide.",
+        {"origin_world_m": [round(value, 3) for value in origin.tolist()], "reach_m": REACH_M},
         ("aim beside the middle [m]", "first hit", "range [m]"), rows,
     )  # fmt: skip
 

@@ -115,8 +115,8 @@ def mown_map(path: Path, map_file: Path) -> Figure:
     return Figure(
         12, "The terrain and the 3D occupancy map",
         "The true terrain beside the OctoMap that the published lawn-mower leaves, in one view with the same colours "
-        "by height. Theirs shows a terrain that may not be copied; the map's own frame has the surface at z = 75.3 m.",
-        True,
+        "by height.",
+        "Theirs shows another terrain, which may not be copied; in its frame the surface is at z = 75.3 m.",
         values={"simulated_s": round(seconds, 1), "lanes": lanes, "pings": flight.builder.inserted,
                 "path_m": round(length_m, 1), "collisions": collisions,
                 "least_depth_m": round(float(depth_m.min()), 2), "greatest_depth_m": round(float(depth_m.max()), 2),

@@ -15,7 +15,7 @@ from jinja2 import Environment, StrictUndefined
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
-from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, running_system, scenes, sonar
+from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, running_system, scenes, screens, sonar
 from uwsim.evidence.reproduce.figure import PAPER, Figure
 from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
@@ -27,7 +27,7 @@ def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None
     """Write Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
 
     said: called with a one-line message about each finished file. Pictures and values are the same in every run, except
-    for the rates in Fig. 10.
+    for the rates in Fig. 10 and the screens, which are taken of a live simulator (see `screens`).
     """
     out.mkdir(parents=True, exist_ok=True)
     with alone_in(out):
@@ -47,11 +47,11 @@ def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
         edges = running_system.connections(published)
     add(drawn_graphs.transform_tree(*trees, out / "fig10.png"))
     add(drawn_graphs.node_map(edges, out / "fig11.png"))
-    add(scenes.start_screen(out / "fig04.png"))
     add(scenes.overview(sim, out / "fig01.png"))
     add(scenes.scene(sim, out / "fig02.png"))
     add(movement_and_ray.movements(sim, out / "fig03.png"))
-    add(scenes.main_screen(sim, out / "fig05.png"))
+    for figure in screens.screens(sim, out):
+        add(figure)
     add(sonar.depth_image(sim, out / "fig06.png"))
     add(movement_and_ray.ray(sim, out / "fig07.png"))
     add(sonar.coverage(out / "fig08.png"))

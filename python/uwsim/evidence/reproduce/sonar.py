@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.transforms import Bbox
 
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, place
-from uwsim.evidence.validate.sonar_curves import draw_table
 from uwsim.evidence.validate.sonar_instrument import half_detected_m
-from uwsim.evidence.validate.sonar_table import DEPTH_M, Cell
+from uwsim.evidence.validate.sonar_table import COVERAGE_CELLS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
 from uwsim.figures.sonar_fan import sonar_fan
-from uwsim.figures.style import ACCENT, INK, label_axes, new_figure, save_figure
+from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
 from uwsim.instruments.sonars.depth_map import DepthMap, difference, ranges_m
 from uwsim.mapping import ranging
 from uwsim.simulator.simulator import Simulator
@@ -44,9 +45,10 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
     save_figure(figure, path)
     return Figure(
         6, "The depth map",
-        "Distance along the front camera's axis as grey, nearest darkest, cast by rays instead of a shader; below, the "
-        "sonar's ranges at the same pose, by one ray a beam and from a depth map as in the paper.",
-        True, values={name: _plain(value) for name, value in vars(errors).items()},
+        "Distance along the front camera's axis as grey, nearest darkest; below, the sonar's ranges at the same pose, "
+        "by one ray a beam and from a depth map as in the paper.",
+        "Theirs is made by a shader, ours by rays.",
+        values={name: _plain(value) for name, value in vars(errors).items()},
         columns=("angle [deg]", "range [m]", "from a depth image [m]"),
         rows=[(float(a), float(r), float(d)) for a, r, d in zip(angles, ping.ranges_m, found, strict=True)][::16],
     )  # fmt: skip
@@ -55,17 +57,50 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
 def coverage(path: Path) -> Figure:
     """Draw Fig. 8, the coverage."""
     simulated: dict[Cell, float] = {cell: half_detected_m(cell) for cell in DEPTH_M}
-    draw_table(simulated, path)
-    rows = [
-        (cell.array, cell.frequency_khz, cell.water, expected, round(simulated[cell], 1),
-         round(100.0 * (simulated[cell] / expected - 1.0), 1))
-        for cell, expected in DEPTH_M.items()
-    ]  # fmt: skip
+    rows = [_beside("depth", cell, simulated[cell], DEPTH_M) for cell in DEPTH_M]
+    rows += [_beside("coverage", cell, cell.coverage().width_m, COVERAGE_M) for cell in COVERAGE_CELLS]
+    errors = [abs(row[-1]) for row in rows if row[-1] is not None]
+    _draw_table(rows, path)
     return Figure(
-        8, "The coverage of the EM 2040", "Depth over rock: the table, the sonar equation, the instrument.",
-        True, {"largest_error_percent": max(abs(row[-1]) for row in rows)},
-        ("array", "kHz", "water", "table [m]", "simulated [m]", "error [%]"), rows,
+        8, "The coverage of the EM 2040",
+        "Depth and coverage over rock in metres, ours / table: depths in physics mode, coverages by sonar equation.",
+        f"Theirs is the manufacturer's table; of its {len(COVERAGE_CELLS)} coverages, the {len(COVERAGE_M)} at 600 and "
+        "700 kHz are known here. The others stand without a value to compare with.",
+        {"compared": len(errors), "largest_error_percent": max(errors)},
+        ("column", "array", "kHz", "water", "receivers", "table [m]", "ours [m]", "error [%]"), rows,
     )  # fmt: skip
+
+
+def _beside(column: str, cell: Cell, ours_m: float, table: dict[Cell, float]) -> tuple[Any, ...]:
+    """Return a row: our value beside the table's; None where the table's is unknown."""
+    known_m = table.get(cell)
+    error = None if known_m is None else round(100.0 * (ours_m / known_m - 1.0), 1)
+    head = column, cell.array, cell.frequency_khz, cell.water, cell.receivers
+    return *head, known_m, round(ours_m, 1), error
+
+
+def _draw_table(rows: list[tuple[Any, ...]], path: Path) -> None:
+    """Draw the rows as a table of frequencies: ours / table, "?" where the table's value is unknown."""
+    lines: dict[tuple[Any, ...], dict[int, str]] = {}
+    for column, array, khz, water, receivers, known_m, ours_m, _ in rows:
+        name = column if column == "depth" else f"{column}, {'one receiver' if receivers == 1 else 'two receivers'}"
+        known = "?" if known_m is None else f"{known_m:g}"
+        lines.setdefault((array, name, f"cold {water}"), {})[khz] = f"{ours_m:.0f} / {known}"
+    order = sorted(lines, key=lambda line: (line[0], line[1] != "depth", line[1], line[2] != "cold ocean"))
+    figure = new_figure(11.0, 5.2)
+    axes = figure.add_axes((0.01, 0.01, 0.98, 0.98))
+    axes.set_axis_off()
+    table = axes.table(
+        [[*line, *(lines[line].get(khz, "") for khz in FREQUENCIES_KHZ)] for line in order],
+        colLabels=("instrument", "ours / table [m]", "water", *(f"{khz} kHz" for khz in FREQUENCIES_KHZ)),
+        colWidths=(0.12, 0.22, 0.11, *5 * (0.11,)), bbox=Bbox.unit(), cellLoc="left",
+    )  # fmt: skip
+    table.auto_set_font_size(False)
+    table.set_fontsize(9.5)
+    for cell in table.get_celld().values():
+        cell.set_edgecolor(FAINT_INK)
+        cell.set_linewidth(0.4)
+    save_figure(figure, path)
 
 
 def ping(sim: Simulator, path: Path) -> Figure:
@@ -79,7 +114,7 @@ def ping(sim: Simulator, path: Path) -> Figure:
     return Figure(
         9, "The forward-facing sonar",
         "The fan of beams from the vehicle to its hits in the walled basin, from above and from the side.",
-        True,
+        "Theirs is a view of the scene; ours is drawn to scale.",
         values={"beams": len(ping.ranges_m), "echoes": len(points), "depth_string_characters": len(text),
                 "angle_increment_rad": float(scan.angle_increment), "range_max_m": float(scan.range_max)},
         columns=("x [m]", "y [m]", "z [m]"), rows=[tuple(map(float, point)) for point in points[::16]],

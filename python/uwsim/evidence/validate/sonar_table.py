@@ -2,8 +2,9 @@
 
 Over flat rock, a beam is detected while SL + PG + DI - NL minus the losses along its path exceeds the detector's
 threshold (_core.bottom_echo). The maximum depth is that of the vertical beam; the coverage is the widest swath at any
-depth. The depths are from Fig. 8 of the paper. Of its coverages (one receiver), those at 600 and 700 kHz are known; at
-200 to 400 kHz the coverage is computed, but there is no value for comparison.
+depth. The table is Fig. 8 of the paper: 20 depths, and 32 coverages (COVERAGE_CELLS), with one and, at 200 to 400 kHz,
+also with two receivers. The depths and the 8 coverages at 600 and 700 kHz are known (COVERAGE_M). The 24 coverages at
+200 to 400 kHz are computed, but no value for comparison was found: the manufacturer's data sheet could not be had.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -25,6 +27,7 @@ FREQUENCIES_KHZ = (200, 300, 400, 600, 700)
 TEMPERATURE_DEG_C = 4.0
 ACIDITY_PH = 8.0
 DEEPEST_M = 4000.0
+DUAL_UP_TO_KHZ = 400
 
 
 @dataclass(frozen=True)
@@ -64,20 +67,21 @@ class Swath:
 
 @dataclass(frozen=True)
 class Cell:
-    """A table cell: an instrument at one frequency in one kind of water."""
+    """A table cell: an instrument at one frequency in one kind of water, with one or two receivers."""
 
     array: str
     frequency_khz: int
     water: str
+    receivers: Literal[1, 2] = 1
 
     @property
     def fan(self) -> _core.MultibeamModel:
         """The fan of the packaged instrument."""
-        return _packaged_fan(self.array, self.frequency_khz)
+        return _packaged_fan(self.array, self.frequency_khz, self.receivers)
 
     @property
     def half_fan_rad(self) -> float:
-        """The angle of the outermost beam."""
+        """The angle of the outermost beam from straight down."""
         return 0.5 * self.fan.field_of_view_rad
 
     def margin_db(self, depth_m: float, angle_rad: float = 0.0) -> float:
@@ -85,8 +89,8 @@ class Cell:
         figures, water = acoustics(self.array, self.frequency_khz).figures, WATERS[self.water]
         absorption_db_m = 1e-3 * _mean_absorption_db_km(self.frequency_khz, self.water, depth_m)
         snr_db, _, needed_db = _core.bottom_echo(
-            figures, bottom_material(ROCK), depth_m / math.cos(angle_rad), angle_rad, angle_rad,
-            water.sound_speed_m_s, absorption_db_m,
+            figures, bottom_material(ROCK), depth_m / math.cos(angle_rad), angle_rad,
+            abs(angle_rad - self.fan.receiver_tilt_rad), water.sound_speed_m_s, absorption_db_m,
         )  # fmt: skip
         return float(snr_db - needed_db)
 
@@ -159,11 +163,18 @@ COVERAGE_M = _cells(
     },
     (600, 700),
 )
+COVERAGE_CELLS = [
+    Cell(array, khz, water, receivers)
+    for array in ARRAYS
+    for water in WATERS
+    for khz in FREQUENCIES_KHZ
+    for receivers in ((1, 2) if khz <= DUAL_UP_TO_KHZ else (1,))
+]  # fmt: skip
 
 
-@lru_cache(maxsize=32)
-def _packaged_fan(array: str, frequency_khz: int) -> _core.MultibeamModel:
-    return multibeam_model(load_sonar(array), frequency_khz)
+@lru_cache(maxsize=64)
+def _packaged_fan(array: str, frequency_khz: int, receivers: Literal[1, 2]) -> _core.MultibeamModel:
+    return multibeam_model(load_sonar(array).with_receivers(receivers, frequency_khz), frequency_khz)
 
 
 @lru_cache(maxsize=32)

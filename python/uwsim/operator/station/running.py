@@ -111,9 +111,9 @@ class Running:
     def join(self, rosbridge: UserRosbridge) -> None:
         """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim connect` does."""
         table = self.table
-        told = [each for each in table.channels if each.name in table.published and not each.on_request]
+        sent = [each for each in table.channels if each.name in table.published and not each.on_request]
         self.rosbridge = RosbridgeClient(
-            self.live, rosbridge.url, channels=told, services=table.services, ros=rosbridge.ros, feed=self.feed
+            self.live, rosbridge.url, channels=sent, services=table.services, ros=rosbridge.ros, feed=self.feed
         ).start()
 
     def notice_changes(self) -> None:

@@ -51,10 +51,7 @@ class Commanded(Done):
 
 
 class Choice(Message):
-    """The choice on the start screen; a missing or null field keeps the scenario's value.
-
-    rosbridge_*: address, port and generation of ROS of the user's rosbridge, which the simulator joins.
-    """
+    """The choice on the start screen; a missing or null field keeps the scenario's value. rosbridge_*: the user's."""
 
     scenario: str | None = None
     vehicle: str | None = None

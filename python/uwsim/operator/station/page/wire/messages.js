@@ -391,10 +391,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {'published' | 'instrument'} kind
  */
 
-/** The choice on the start screen; a missing or null field keeps the scenario's value.
-
-    rosbridge_*: address, port and generation of ROS of the user's rosbridge, which the simulator joins.
-    
+/** The choice on the start screen; a missing or null field keeps the scenario's value. rosbridge_*: the user's.
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
@@ -501,13 +498,43 @@ export const catalog = (bridge) => bridge.call('/station/catalog');
 
 // Report the errors of a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
-export const check = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved }) =>
-  bridge.call('/station/check', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved });
+export const check = (
+  bridge,
+  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved },
+) =>
+  bridge.call('/station/check', {
+    scenario,
+    vehicle,
+    sonar,
+    mission_time_s,
+    seed,
+    speed,
+    link,
+    rosbridge_host,
+    rosbridge_port,
+    rosbridge_ros,
+    saved,
+  });
 
 // Start a simulator from a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
-export const start = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved }) =>
-  bridge.call('/station/start', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved });
+export const start = (
+  bridge,
+  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved },
+) =>
+  bridge.call('/station/start', {
+    scenario,
+    vehicle,
+    sonar,
+    mission_time_s,
+    seed,
+    speed,
+    link,
+    rosbridge_host,
+    rosbridge_port,
+    rosbridge_ros,
+    saved,
+  });
 
 // Pause, step, restart, save, record and similar actions; for the pilot only.
 /** @returns {Promise<Commanded | Refused>} */
