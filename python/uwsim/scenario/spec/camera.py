@@ -121,8 +121,8 @@ class Lamps(Model):
 CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
 LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
 
-DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 16.0, 0.0), horizontal_fov_deg=80.0)
-"""Above the hut of the packaged station, overlooking its deck and the water ahead."""
+DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(22.0, 16.0, 0.0), horizontal_fov_deg=80.0)
+"""Above the hut of the packaged station, overlooking its deck and the water ahead, with the mast at the right."""
 
 
 def dock_camera(dock_m: Point3) -> CameraMount:
