@@ -65,6 +65,7 @@ OF_OTHERS = {
     "dask",
     "cv2",
     "gsw",
+    "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
     "pydantic_core",
     "markupsafe",
