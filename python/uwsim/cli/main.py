@@ -30,6 +30,7 @@ from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
 from uwsim.cli.groups import CommandsByHeading
+from uwsim.cli.identify import identify
 from uwsim.cli.link import link
 from uwsim.cli.map import app as map_app
 from uwsim.cli.nodes import nodes
@@ -89,7 +90,7 @@ _add("Look", sonar, camera, link, rays)
 _add("Connect", serve, station, teleop, connect, nodes, doctor, ros=ros_app)
 _add("Record", recording, replay, diff)
 _add("Scenarios and maps", parameters, decompose, scenario=scenario_app, map=map_app)
-_add("Check", validate, fingerprint, reproduce, bench=bench_app)
+_add("Check", validate, identify, fingerprint, reproduce, bench=bench_app)
 
 
 def main() -> NoReturn:

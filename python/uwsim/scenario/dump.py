@@ -33,12 +33,17 @@ def plain(value: Any) -> Any:
 
 def write_scenario(path: Path, scenario: Scenario) -> None:
     """Write a scenario as a single YAML file, self-contained except for meshes and rasters. Raises OSError."""
+    write_model(path, scenario)
+
+
+def write_model(path: Path, model: Model) -> None:
+    """Write a scenario, a vehicle or another part of one as a YAML file. Raises OSError."""
     text = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None  # lists of numbers on one line
     yaml.width = 120
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.dump(_with_text_for_paths(plain(scenario)), text)
+    yaml.dump(_with_text_for_paths(plain(model)), text)
     write_atomically(path, text.getvalue().encode())
 
 

@@ -1,0 +1,6 @@
+"""Identification: a vehicle's coefficients from a log of its motion, with intervals and what the log cannot tell."""
+
+from uwsim.identification.identify import Identified, identify
+from uwsim.identification.motion_log import MotionLog, read_log
+
+__all__ = ["Identified", "MotionLog", "identify", "read_log"]

@@ -1,0 +1,228 @@
+"""Identification by output error: the vehicle is simulated with the log's commands, and its unknowns are changed until
+the simulated motion is the measured one in the sense of least squares (Ljung 1999, System Identification, ch. 7; Jategaonkar
+2006, Flight Vehicle System Identification, ch. 4).
+
+The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
+observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
+matrix at the solution; they assume that the model is right and the noise white. Where residuals are correlated from
+sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.stats import norm
+
+from uwsim.base.axes import AXES
+from uwsim.identification.flown import OUTPUTS, VEHICLE, Flown
+from uwsim.identification.motion_log import MotionLog
+from uwsim.identification.unknowns import Unknown, unknowns
+from uwsim.scenario import VehicleModel
+
+Array = NDArray[np.float64]
+NORMAL_95 = float(norm.ppf(0.975))
+FIRST_NOISE = np.repeat((0.05, 0.02, 0.05, 0.05), 3)
+LEAST_NOISE = np.repeat((1e-4, 1e-4, 1e-4, 1e-4), 3)
+GROUPS = ("position", "attitude", "velocity", "rate")
+BOUND = 5.0  # standard deviations of the prior
+TOLD = 0.7
+"""The log tells a quantity if it reduces the prior's standard deviation to less than this share."""
+ROUNDS = 3
+BRIEF_S = 4.0
+"""Length of the segments of a first solution, in which no motion goes astray whatever the unknowns are."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """An identified quantity. low, high: ends of its 95 % interval. told: share of the prior's spread that is left."""
+
+    name: str
+    unit: str
+    before: float
+    value: float
+    low: float
+    high: float
+    left: float
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the log, and not the prior, determines the value."""
+        return self.left < TOLD
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """The result. values: by name. untold: combinations that the log does not determine, as (share left, {name: part}).
+
+    residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
+    noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle with the identified values.
+    """
+
+    values: dict[str, Value]
+    untold: list[tuple[float, dict[str, float]]]
+    residuals: Array
+    noise: Array
+    correlation: Array
+    times_s: Array
+    model: VehicleModel
+
+
+def identify(
+    log: MotionLog,
+    model: VehicleModel,
+    *,
+    spreads: Mapping[str, float] | None = None,
+    known: tuple[str, ...] = (),
+    segment_s: float = 60.0,
+    density_kg_m3: float = 1000.0,
+    threads: int | None = None,
+) -> Identified:
+    """Identify a vehicle's coefficients from a log of its motion, deep under water.
+
+    model: the vehicle as far as it is known. spreads, known: see unknowns(). segment_s: the log is simulated in parts
+    of about this length, each from a start of its own, so that disturbances do not add up. Raises ValueError if nothing
+    is unknown, or if the vehicle cannot be simulated.
+    """
+    found = unknowns(model, VEHICLE, spreads, known)
+    if not found:
+        raise ValueError("known: nothing is left to be identified")
+    flown = Flown(model, log, found, segment_s, density_kg_m3, threads)
+    given = _given_noise(log)
+    scale = np.where(np.isfinite(given), given, FIRST_NOISE)
+    brief = Flown(model, log, found, BRIEF_S, density_kg_m3, threads)
+    z = np.zeros(flown.size)
+    z[: len(found)] = _solved(brief, np.zeros(brief.size), scale)[: len(found)]
+    for _ in range(ROUNDS):
+        z = _solved(flown, z, scale)
+        residuals, slopes = flown.outputs(z)
+        rms = _rms(residuals)
+        before, scale = scale, np.where(np.isfinite(given), given, rms)
+        if np.abs(np.log(scale / before)).max() < 0.02:
+            break
+    correlation = _lag_one(residuals)
+    wide = scale * np.sqrt((1 + correlation) / (1 - correlation))
+    rows = np.isfinite(residuals)
+    weighted = (slopes / wide[:, None])[rows]
+    information = weighted.T @ weighted
+    covariance = np.linalg.inv(information + np.eye(flown.size))
+    return Identified(
+        _values(found, z, np.sqrt(np.diag(covariance))),
+        _untold(found, information),
+        residuals,
+        scale,
+        correlation,
+        log.times_s,
+        _updated(model, found, z),
+    )
+
+
+def _solved(flown: Flown, z: Array, scale: Array) -> Array:
+    """Return the solution for this noise, starting at z."""
+    cache: dict[bytes, tuple[Array, Array]] = {}
+
+    def both(at: Array) -> tuple[Array, Array]:
+        key = at.tobytes()
+        if key not in cache:
+            cache.clear()
+            try:
+                residuals, slopes = flown.outputs(at)
+            except ValueError:
+                if not last:
+                    raise
+                cache[key] = np.full_like(last[0][0], 1e6), last[0][1]  # a step too far, which is taken back
+                return cache[key]
+            cache[key] = _compressed(residuals / scale, slopes / scale[:, None], at)
+            last[:] = [cache[key]]
+        return cache[key]
+
+    last: list[tuple[Array, Array]] = []
+    found: Any = least_squares(
+        lambda at: both(at)[0], z, lambda at: both(at)[1], bounds=(-BOUND, BOUND), xtol=1e-6, ftol=1e-8, max_nfev=40
+    )
+    return np.asarray(found.x, np.float64)
+
+
+def _compressed(misfits: Array, slopes: Array, prior: Array) -> tuple[Array, Array]:
+    """Return few rows with the same sums of squares and products, by QR: the solver takes a decomposition of them."""
+    rows = np.isfinite(misfits)
+    whole = np.vstack([np.column_stack([slopes[rows], misfits[rows]]), np.column_stack([np.eye(len(prior)), prior])])
+    triangle = np.linalg.qr(whole, "r")
+    return triangle[:, -1], triangle[:, :-1]
+
+
+def _given_noise(log: MotionLog) -> Array:
+    for key, value in log.noise.items():
+        if key not in GROUPS or not (np.isfinite(value) and value > 0):
+            raise ValueError(f"noise.{key} = {value}: must be positive, for one of {', '.join(GROUPS)}")
+    return np.repeat([log.noise.get(group, np.nan) for group in GROUPS], 3)
+
+
+def _rms(residuals: Array) -> Array:
+    counts = np.isfinite(residuals).sum(axis=0)
+    sums = np.nansum(residuals**2, axis=0)
+    return np.where(counts > 0, np.maximum(np.sqrt(sums / np.maximum(counts, 1)), LEAST_NOISE), 1.0)
+
+
+def _lag_one(residuals: Array) -> Array:
+    """Return the correlations (12,) between successive residuals, from 0 to 0.95."""
+    found = np.zeros(OUTPUTS)
+    for k in range(OUTPUTS):
+        column = residuals[np.isfinite(residuals[:, k]), k]
+        if len(column) > 2 and column.std() > 0:
+            found[k] = np.corrcoef(column[:-1], column[1:])[0, 1]
+    noise = 3.0 / np.sqrt(max(len(residuals), 1))  # what white noise reaches by chance
+    return np.where(found > noise, np.minimum(found, 0.95), 0.0)
+
+
+def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
+    values = {}
+    for unknown, at, sd in zip(found, z, spread, strict=False):
+        ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
+        values[unknown.name] = Value(unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd))
+    return values
+
+
+def _untold(found: list[Unknown], information: Array) -> list[tuple[float, dict[str, float]]]:
+    """Return the directions of the unknowns in which the log adds less than the prior, the starts eliminated."""
+    p = len(found)
+    starts = information[p:, p:] + np.eye(len(information) - p)
+    own = information[:p, :p] - information[:p, p:] @ np.linalg.solve(starts, information[p:, :p])
+    strengths, directions = np.linalg.eigh(0.5 * (own + own.T))
+    untold = []
+    for strength, direction in zip(strengths, directions.T, strict=True):
+        left = float(1.0 / np.sqrt(1.0 + max(strength, 0.0)))
+        if left >= TOLD:
+            order = np.argsort(-np.abs(direction))
+            parts = {found[k].name: float(direction[k]) for k in order if abs(direction[k]) >= 0.2}
+            untold.append((left, parts))
+    return untold
+
+
+def _updated(model: VehicleModel, found: list[Unknown], z: Array) -> VehicleModel:
+    """Return the vehicle with the identified values, except for the current."""
+    values = {unknown.name: unknown.at(float(at)) for unknown, at in zip(found, z, strict=False)}
+    update: dict[str, Any] = {}
+    for name, value in values.items():
+        key, _, axis = name.partition(".")
+        if key == "mass_kg":
+            update[key] = value
+        elif key.startswith("centre_of"):
+            update.setdefault(key, list(getattr(model, key)))["xyz".index(axis)] = value
+        elif key in ("added_mass", "linear_damping", "quadratic_damping"):
+            update.setdefault(key, list(getattr(model, key)))[AXES.index(axis)] = value
+    mounts = {}
+    for name, mount in model.thrusters.items():
+        change: dict[str, Any] = {}
+        if "thrust_gain" in values:
+            change["gain"] = values["thrust_gain"]
+        if "thrust_lag" in values:
+            change["model"] = mount.model.model_copy(update={"time_constant_s": values["thrust_lag"]})
+        mounts[name] = mount.model_copy(update=change)
+    update = {key: tuple(value) if isinstance(value, list) else value for key, value in update.items()}
+    return model.model_copy(update=update | ({"thrusters": mounts} if mounts else {}))
