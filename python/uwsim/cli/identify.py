@@ -14,14 +14,20 @@ from uwsim.cli.options import Threads
 def identify(
     log: Annotated[
         Path,
-        typer.Argument(help="A recording, an MCAP file, a ROS bag (.bag or a folder) or a table (.csv).", metavar="LOG"),
+        typer.Argument(
+            help="A recording, an MCAP file, a ROS bag (.bag or a folder) or a table (.csv).", metavar="LOG"
+        ),
     ],
     vehicle: Annotated[str, typer.Option(help="The vehicle as far as it is known: a packaged name or a YAML file.")],
     mapping: Annotated[
         Path | None,
-        typer.Option("--map", help="Mapping file: where the log has each quantity. Not for our recordings.", callback=readable),
+        typer.Option(
+            "--map", help="Mapping file: where the log has each quantity. Not for our recordings.", callback=readable
+        ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for vehicle.yaml, report.md and residuals.png.")] = Path("identified"),
+    out: Annotated[Path, typer.Option(help="Folder for vehicle.yaml, report.md and residuals.png.")] = Path(
+        "identified"
+    ),
     known: Annotated[
         list[str] | None, typer.Option(help="A quantity to hold, such as mass_kg or added_mass; may be repeated.")
     ] = None,

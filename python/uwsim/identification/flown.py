@@ -37,7 +37,12 @@ class Flown:
     """
 
     def __init__(
-        self, model: VehicleModel, log: MotionLog, found: list[Unknown], segment_s: float, density_kg_m3: float,
+        self,
+        model: VehicleModel,
+        log: MotionLog,
+        found: list[Unknown],
+        segment_s: float,
+        density_kg_m3: float,
         threads: int | None = None,
     ):
         """segment_s: about the length of a segment. density_kg_m3: of the water."""

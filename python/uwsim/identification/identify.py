@@ -1,6 +1,7 @@
-"""Identification by output error: the vehicle is simulated with the log's commands, and its unknowns are changed until
-the simulated motion is the measured one in the sense of least squares (Ljung 1999, System Identification, ch. 7; Jategaonkar
-2006, Flight Vehicle System Identification, ch. 4).
+"""Identification by output error: least squares between the measured and the simulated motion.
+
+The vehicle is simulated with the log's commands, and its unknowns are changed until the motions agree best (Ljung 1999,
+System Identification, ch. 7; Jategaonkar 2006, Flight Vehicle System Identification, ch. 4).
 
 The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
 observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
@@ -61,7 +62,7 @@ class Identified:
     """The result. values: by name. untold: combinations that the log does not determine, as (share left, {name: part}).
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
-    noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle with the identified values.
+    noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values found.
     """
 
     values: dict[str, Value]

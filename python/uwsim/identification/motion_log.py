@@ -49,7 +49,9 @@ class Mapping(Model):
 
 @dataclass(frozen=True, eq=False)
 class MotionLog:
-    """A log. times_s (n,), increasing; position_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): NaN where not
+    """A vehicle's commands and motion.
+
+    times_s (n,), increasing; position_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): NaN where not
     measured; effort_times_s (m,), efforts (m, 6): each held until the next. noise: see Mapping.
     """
 
@@ -100,7 +102,7 @@ Series = Callable[[str], tuple[Array, Array]]
 
 
 def _from_series(mapping: Mapping, series: Series) -> MotionLog:
-    times_s, first = series(mapping.orientation_xyzw[0])
+    times_s, _ = series(mapping.orientation_xyzw[0])
 
     def columns(names: tuple[str | None, ...] | None, width: int, at: Array, *, held: bool = False) -> Array:
         if names is None:
@@ -167,17 +169,19 @@ class _Messages:
         prefix = f"/{vehicle}" if f"/{vehicle}/telemetry" in self.topics else ""
         odometry = next((t for t in (f"{prefix}/ground_truth/odom", f"{prefix}/odom") if t in self.topics), None)
         if odometry is None or f"{prefix}/telemetry" not in self.topics:
-            raise ValueError(f"{self._path}: no {prefix}/odom and {prefix}/telemetry: name the topics in a mapping file")
+            raise ValueError(
+                f"{self._path}: no {prefix}/odom and {prefix}/telemetry: name the topics in a mapping file"
+            )
         fields = {key: [name.format(odometry) for name in names] for key, names in ODOMETRY.items()}
-        return Mapping.model_validate(
-            {**fields, "effort": [f"{prefix}/telemetry:efforts[{k}]" for k in range(6)]}
-        )
+        return Mapping.model_validate({**fields, "effort": [f"{prefix}/telemetry:efforts[{k}]" for k in range(6)]})
 
     def series(self, name: str) -> tuple[Array, Array]:
         """Return times [s] and values of `topic:field`."""
         topic, colon, field = name.partition(":")
         if not colon or topic not in self.topics:
-            raise ValueError(f"{self._path}: '{name}': must be topic:field, with a topic of {', '.join(sorted(self.topics))}")
+            raise ValueError(
+                f"{self._path}: '{name}': must be topic:field, with a topic of {', '.join(sorted(self.topics))}"
+            )
         if topic not in self._cache:
             rows = [(time, message) for _, time, message in self._read(topic)]
             self._cache[topic] = np.array([row[0] for row in rows]), [row[1] for row in rows]

@@ -32,7 +32,15 @@ def write_report(found: Identified, log: str, out: Path) -> list[Path]:
 def table(found: Identified) -> list[tuple[str, ...]]:
     """Return name, value before, value, ends of the interval, and unit of each quantity, or "-" beside a prior's."""
     return [
-        (v.name, f"{v.before:.4g}", f"{v.value:.4g}", f"{v.low:.4g}", f"{v.high:.4g}", v.unit, "" if v.is_told else "no")
+        (
+            v.name,
+            f"{v.before:.4g}",
+            f"{v.value:.4g}",
+            f"{v.low:.4g}",
+            f"{v.high:.4g}",
+            v.unit,
+            "" if v.is_told else "no",
+        )
         for v in found.values.values()
     ]
 
@@ -64,12 +72,12 @@ def _page(found: Identified, log: str) -> str:
             "|---|---|---|---|---|---|---|",
             *rows,
             "",
-            "A quantity that the log does not tell keeps what was assumed before. Coefficients that are zero in the vehicle's"
-            " file, the displaced volume and the inertia were held.",
+            "A quantity that the log does not tell keeps what was assumed before. Held: coefficients that are zero in"
+            " the vehicle's file, the displaced volume and the inertia.",
             "",
             "## What the log does not tell",
             "",
-            "Combinations, in standard deviations of the assumptions, in which the log's information is less than theirs:",
+            "Combinations, in standard deviations of the assumptions, of which the log tells less than these do:",
             "",
             *untold,
             "",

@@ -37,7 +37,9 @@ UNITS = {
     "current_m_s": "m/s",
 }  # fmt: skip
 AXIS_UNITS = {
-    "added_mass": ("kg", "kg m2"), "linear_damping": ("N s/m", "N m s/rad"), "quadratic_damping": ("N s2/m2", "N m s2/rad2"),
+    "added_mass": ("kg", "kg m2"),
+    "linear_damping": ("N s/m", "N m s/rad"),
+    "quadratic_damping": ("N s2/m2", "N m s2/rad2"),
 }  # fmt: skip
 
 

@@ -18,7 +18,12 @@ from uwsim.scenario import VehicleModel, load_vehicle
 NOISE = np.repeat((0.02, 0.005, 0.01, 0.005), 3)
 KNOWN = ("centre_of_mass_m", "centre_of_buoyancy_m", "added_mass.roll", "added_mass.pitch", "thrust_lag")
 DURATION_S = 12.0
-NAMES = [*(f"p{a}" for a in "xyz"), *(f"q{a}" for a in "xyzw"), *(f"v{k}" for k in range(6)), *(f"e{k}" for k in range(6))]
+NAMES = [
+    *(f"p{a}" for a in "xyz"),
+    *(f"q{a}" for a in "xyzw"),
+    *(f"v{k}" for k in range(6)),
+    *(f"e{k}" for k in range(6)),
+]
 
 
 @pytest.fixture(scope="module")
@@ -81,9 +86,13 @@ def test_a_table_becomes_a_vehicle_file_and_a_report(model: VehicleModel, tmp_pa
     result = CliRunner().invoke(app, [*words, f"--map={tmp_path / 'map.yaml'}"], catch_exceptions=False)
     assert result.exit_code == 0 and "quadratic_damping.surge" in result.output
     assert load_vehicle(out / "vehicle.yaml").quadratic_damping != model.quadratic_damping
-    assert "What the log does not tell" in (out / "report.md").read_text() and (out / "residuals.png").stat().st_size > 0
+    assert (
+        "What the log does not tell" in (out / "report.md").read_text() and (out / "residuals.png").stat().st_size > 0
+    )
     for broken, rule in (("t", "no column 'time'"), ("e0", "no column 'e9'")):
         text = (tmp_path / "map.yaml").read_text()
-        (tmp_path / "bad.yaml").write_text(text.replace("time_s: t", "time_s: time") if broken == "t" else text.replace("e0", "e9"))
+        (tmp_path / "bad.yaml").write_text(
+            text.replace("time_s: t", "time_s: time") if broken == "t" else text.replace("e0", "e9")
+        )
         refused = CliRunner().invoke(app, [*words, f"--map={tmp_path / 'bad.yaml'}"])
         assert refused.exit_code != 0 and rule in str(refused.exception)

@@ -109,12 +109,21 @@ def survey_check(path: Path, limit_s: float) -> Check:
 
     The ship's lever arm and draught explain these offsets.
     """
+    return survey_check_of(path, survey_left_s(path), limit_s)
+
+
+def survey_left_s(path: Path) -> Floats:
+    """Return what remains of the differences between recorded and simulated two-way times, of every 13th beam."""
     levels, pings = read_soundings(path)
     thin = thinned(levels[levels[:, 0] < 12_000.0], PROFILE_WITHIN_M_S)
     profile = _core.SoundSpeedProfile(thin[:, 0], thin[:, 1])
-    left = np.concatenate([_left_s(profile, ping, k % EVERY) for k, ping in enumerate(pings)])
-    spread_s = 1.4826 * float(np.median(np.abs(left - np.median(left))))
-    name = f"{path.stem}: robust sd of {len(left)} two-way times"
+    return np.concatenate([_left_s(profile, ping, k % EVERY) for k, ping in enumerate(pings)])
+
+
+def survey_check_of(path: Path, left_s: Floats, limit_s: float) -> Check:
+    """Return the check of a survey's remaining differences."""
+    spread_s = 1.4826 * float(np.median(np.abs(left_s - np.median(left_s))))
+    name = f"{path.stem}: robust sd of {len(left_s)} two-way times"
     return at_most("EM 302", name, 1e3 * limit_s, 1e3 * spread_s, "ms")
 
 

@@ -1,7 +1,7 @@
 """The peers suite: the same quantities from other people's libraries, where these are installed.
 
-A peer is a module with `checks() -> list[Check]` and an entry in PEERS. All of them can be installed by pip; uwsim does
-not depend on them.
+A peer is a module with `checks() -> list[Check]` and an entry in PEERS. Those in Python can be installed by
+pip; uwsim does not depend on them.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ from pathlib import Path
 from uwsim.evidence.validate.check import Check
 
 PEERS = {
+    "sound_arrivals": ("uwsim", "uwsim"),
+    "occupancy": ("uwsim", "uwsim"),
     "sea_water": ("gsw", "gsw"),
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),
 }
-"""Python package and distribution of each peer."""
+"""Python package and distribution of each peer; those of uwsim itself have kept results, or are linked with it."""
 
 
 def run(out: Path | None = None) -> list[Check]:

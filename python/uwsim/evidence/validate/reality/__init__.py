@@ -12,7 +12,7 @@ from pathlib import Path
 
 from uwsim.evidence.validate.check import Check
 
-DATA_SETS = ("thrust", "instruments", "bathymetry", "arm_tilts")
+DATA_SETS = ("thrust", "instruments", "bathymetry", "soundings", "arm_tilts")
 SOURCES = "docs/inside/reality.md lists the sources"
 
 

@@ -60,8 +60,10 @@ def arm_moment_nm(angles_rad: dict[str, Array]) -> Array:
     moment = np.zeros((n, 3))
     for (offset, rpy, column, zero), links in zip(JOINTS, LINKS, strict=True):
         at = at + turned.apply(offset)
-        turned = turned * Rotation.from_euler("xyz", rpy) * Rotation.from_rotvec(
-            np.outer(angles_rad[column] - zero, (0.0, 0.0, 1.0))
+        turned = (
+            turned
+            * Rotation.from_euler("xyz", rpy)
+            * Rotation.from_rotvec(np.outer(angles_rad[column] - zero, (0.0, 0.0, 1.0)))
         )
         for mass_kg, litres, mass_at, lift_at in links:
             lift_n, weight_n = DENSITY_KG_M3 * 1e-3 * litres * GRAVITY_M_S2, mass_kg * GRAVITY_M_S2
