@@ -47,12 +47,12 @@ def identify(
     """Identify a vehicle's coefficients from a log of its motion, with 95 % intervals.
 
     Mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, and the current; the
-    report states what the log does not tell. The log must be from under water, well below the surface.
+    report states what the log does not determine. The log must be from under water, well below the surface.
     """
     from uwsim.identification import identify as identified
     from uwsim.identification import read_log
     from uwsim.identification.motion_log import read_mapping
-    from uwsim.identification.report import table, untold_lines, write_report
+    from uwsim.identification.report import table, undetermined_lines, write_report
     from uwsim.scenario import load_vehicle
 
     found = identified(
@@ -64,12 +64,12 @@ def identify(
         density_kg_m3=density,
         threads=threads,
     )
-    rows = [("quantity", "before", "identified", "95 % from", "to", "unit", "told"), *table(found)]
+    rows = [("quantity", "before", "identified", "95 % from", "to", "unit", "from the log"), *table(found)]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for row in rows:
         typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
-    for line in untold_lines(found):
-        typer.echo(f"not told: {line}")
+    for line in undetermined_lines(found):
+        typer.echo(f"not determined: {line}")
     for path in write_report(found, log.name, out):
         typer.echo(str(path))
 

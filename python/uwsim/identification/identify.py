@@ -32,8 +32,8 @@ FIRST_NOISE = np.repeat((0.05, 0.02, 0.05, 0.05), 3)
 LEAST_NOISE = np.repeat((1e-4, 1e-4, 1e-4, 1e-4), 3)
 GROUPS = ("position", "attitude", "velocity", "rate")
 BOUND = 5.0  # standard deviations of the prior
-TOLD = 0.7
-"""The log tells a quantity if it reduces the prior's standard deviation to less than this share."""
+DETERMINED = 0.7
+"""The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
 ROUNDS = 3
 BRIEF_S = 4.0
 """Length of the segments of a first solution, in which no motion goes astray whatever the unknowns are."""
@@ -41,7 +41,7 @@ BRIEF_S = 4.0
 
 @dataclass(frozen=True)
 class Value:
-    """An identified quantity. low, high: ends of its 95 % interval. told: share of the prior's spread that is left."""
+    """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that is left."""
 
     name: str
     unit: str
@@ -52,21 +52,21 @@ class Value:
     left: float
 
     @property
-    def is_told(self) -> bool:
+    def is_determined(self) -> bool:
         """Whether the log, and not the prior, determines the value."""
-        return self.left < TOLD
+        return self.left < DETERMINED
 
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """The result. values: by name. untold: combinations that the log does not determine, as (share left, {name: part}).
+    """The result. values: by name. undetermined: combinations that the log does not determine, as (share left, {name: part}).
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
     noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values found.
     """
 
     values: dict[str, Value]
-    untold: list[tuple[float, dict[str, float]]]
+    undetermined: list[tuple[float, dict[str, float]]]
     residuals: Array
     noise: Array
     correlation: Array
@@ -114,7 +114,7 @@ def identify(
     covariance = np.linalg.inv(information + np.eye(flown.size))
     return Identified(
         _values(found, z, np.sqrt(np.diag(covariance))),
-        _untold(found, information),
+        _undetermined(found, information),
         residuals,
         scale,
         correlation,
@@ -153,7 +153,7 @@ def _compressed(misfits: Array, slopes: Array, prior: Array) -> tuple[Array, Arr
     """Return few rows with the same sums of squares and products, by QR: the solver takes a decomposition of them."""
     rows = np.isfinite(misfits)
     whole = np.vstack([np.column_stack([slopes[rows], misfits[rows]]), np.column_stack([np.eye(len(prior)), prior])])
-    triangle = np.linalg.qr(whole, "r")
+    triangle: Array = np.asarray(np.linalg.qr(whole, "r"), np.float64)
     return triangle[:, -1], triangle[:, :-1]
 
 
@@ -189,20 +189,20 @@ def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
     return values
 
 
-def _untold(found: list[Unknown], information: Array) -> list[tuple[float, dict[str, float]]]:
+def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float, dict[str, float]]]:
     """Return the directions of the unknowns in which the log adds less than the prior, the starts eliminated."""
     p = len(found)
     starts = information[p:, p:] + np.eye(len(information) - p)
     own = information[:p, :p] - information[:p, p:] @ np.linalg.solve(starts, information[p:, :p])
     strengths, directions = np.linalg.eigh(0.5 * (own + own.T))
-    untold = []
+    undetermined = []
     for strength, direction in zip(strengths, directions.T, strict=True):
         left = float(1.0 / np.sqrt(1.0 + max(strength, 0.0)))
-        if left >= TOLD:
+        if left >= DETERMINED:
             order = np.argsort(-np.abs(direction))
             parts = {found[k].name: float(direction[k]) for k in order if abs(direction[k]) >= 0.2}
-            untold.append((left, parts))
-    return untold
+            undetermined.append((left, parts))
+    return undetermined
 
 
 def _updated(model: VehicleModel, found: list[Unknown], z: Array) -> VehicleModel:

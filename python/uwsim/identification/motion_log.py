@@ -1,4 +1,4 @@
-"""MotionLog: what a vehicle was told and how it moved, from a recording, an MCAP file, a ROS bag or a CSV table.
+"""MotionLog: a vehicle's commands and motion, from a recording, an MCAP file, a ROS bag or a CSV table.
 
 A mapping file names where each quantity is: a column of a table, or `topic:field`, such as
 `/odom:pose.pose.position.x` or `/telemetry:efforts[0]`, of a log of messages.
@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError
-from ruamel.yaml import YAML, YAMLError
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
 
 from uwsim.base.extras import need_extra
 from uwsim.scenario.spec.fields import Model
@@ -31,7 +32,7 @@ LEAST_ROWS = 20
 
 
 class Mapping(Model):
-    """Where a log has each quantity. World: z up; body: x forward, y left, z up (REP 103).
+    """The names of a log's quantities. World: z up; body: x forward, y left, z up (REP 103).
 
     time_s: the column of the time of a table [s]. position_m (3), orientation_xyzw (4), velocity_body (6) [m/s, rad/s]:
     measured motion; positions and velocities may be left out. effort (6): commands in [-1, 1], surge to yaw, held until

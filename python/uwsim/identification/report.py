@@ -1,4 +1,4 @@
-"""The report of an identification: values with intervals, what the log does not tell, and the residuals."""
+"""The report of an identification: values with intervals, what the log does not determine, and the residuals."""
 
 from __future__ import annotations
 
@@ -39,16 +39,16 @@ def table(found: Identified) -> list[tuple[str, ...]]:
             f"{v.low:.4g}",
             f"{v.high:.4g}",
             v.unit,
-            "" if v.is_told else "no",
+            "" if v.is_determined else "no",
         )
         for v in found.values.values()
     ]
 
 
-def untold_lines(found: Identified) -> list[str]:
+def undetermined_lines(found: Identified) -> list[str]:
     """Return one line for each combination that the log does not determine."""
     lines = []
-    for left, parts in found.untold:
+    for left, parts in found.undetermined:
         text = " ".join(f"{'+' if part > 0 else '-'} {abs(part):.2f} {name}" for name, part in parts.items())
         lines.append(f"{text.removeprefix('+ ')}: {left:.0%} of the spread assumed before is left")
     return lines
@@ -56,7 +56,9 @@ def untold_lines(found: Identified) -> list[str]:
 
 def _page(found: Identified, log: str) -> str:
     rows = ["| " + " | ".join(row) + " |" for row in table(found)]
-    untold = [f"- {line}" for line in untold_lines(found)] or ["Nothing: every combination is determined by the log."]
+    undetermined = [f"- {line}" for line in undetermined_lines(found)] or [
+        "Nothing: every combination is determined by the log."
+    ]
     residuals = [
         f"| {name} | {noise:.3g} | {correlation:.2f} |"
         for name, noise, correlation, column in zip(
@@ -68,18 +70,18 @@ def _page(found: Identified, log: str) -> str:
         [
             f"# Identification from {log}",
             "",
-            "| quantity | before | identified | 95 % from | to | unit | told by the log |",
+            "| quantity | before | identified | 95 % from | to | unit | determined by the log |",
             "|---|---|---|---|---|---|---|",
             *rows,
             "",
-            "A quantity that the log does not tell keeps what was assumed before. Held: coefficients that are zero in"
+            "A quantity that the log does not determine keeps what was assumed before. Held: coefficients that are zero in"
             " the vehicle's file, the displaced volume and the inertia.",
             "",
-            "## What the log does not tell",
+            "## What the log does not determine",
             "",
-            "Combinations, in standard deviations of the assumptions, of which the log tells less than these do:",
+            "Combinations, in standard deviations of the assumptions, of which the log determines less than these do:",
             "",
-            *untold,
+            *undetermined,
             "",
             "## Residuals",
             "",

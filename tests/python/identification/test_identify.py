@@ -59,7 +59,7 @@ def test_intervals_contain_the_truth_and_the_noise_is_found(model: VehicleModel)
     inside = [found.values[name].low <= value <= found.values[name].high for name, value in truth.items()]
     assert np.mean(inside) >= 0.8  # 22 intervals of 95 %: fewer by chance in 1 of 500
     np.testing.assert_allclose(found.noise, NOISE, rtol=0.25)
-    assert all(found.values[name].is_told for name in ("mass_kg", "quadratic_damping.surge", "current_m_s.x"))
+    assert all(found.values[name].is_determined for name in ("mass_kg", "quadratic_damping.surge", "current_m_s.x"))
     assert found.model.mass_kg == pytest.approx(truth["mass_kg"], rel=0.02)
 
 
@@ -67,9 +67,9 @@ def test_a_log_without_motion_in_an_axis_says_so(model: VehicleModel) -> None:
     _, log = flown(model, 4, np.array([0.5, 0.0, 0.0, 0.0, 0.0, 0.0]))
     held = (*KNOWN, "current_m_s", "mass_kg", "thrust_gain")
     found = identify(log, model, known=held)
-    assert found.values["quadratic_damping.surge"].is_told
-    assert not found.values["added_mass.yaw"].is_told and not found.values["quadratic_damping.sway"].is_told
-    assert any("added_mass.yaw" in parts for _, parts in found.untold)
+    assert found.values["quadratic_damping.surge"].is_determined
+    assert not found.values["added_mass.yaw"].is_determined and not found.values["quadratic_damping.sway"].is_determined
+    assert any("added_mass.yaw" in parts for _, parts in found.undetermined)
 
 
 def test_a_table_becomes_a_vehicle_file_and_a_report(model: VehicleModel, tmp_path: Path) -> None:
@@ -87,7 +87,8 @@ def test_a_table_becomes_a_vehicle_file_and_a_report(model: VehicleModel, tmp_pa
     assert result.exit_code == 0 and "quadratic_damping.surge" in result.output
     assert load_vehicle(out / "vehicle.yaml").quadratic_damping != model.quadratic_damping
     assert (
-        "What the log does not tell" in (out / "report.md").read_text() and (out / "residuals.png").stat().st_size > 0
+        "What the log does not determine" in (out / "report.md").read_text()
+        and (out / "residuals.png").stat().st_size > 0
     )
     for broken, rule in (("t", "no column 'time'"), ("e0", "no column 'e9'")):
         text = (tmp_path / "map.yaml").read_text()

@@ -74,7 +74,7 @@ def arm_moment_nm(angles_rad: dict[str, Array]) -> Array:
 def tilt_deg(moment_nm: Array) -> Array:
     """Return pitch (nose down) and roll (n, 2) at rest, for the whole moment h (n, 3)."""
     x, y, z = moment_nm.T
-    return np.degrees(np.column_stack([np.arctan2(-x, np.hypot(y, z)), np.arctan2(y, z)]))
+    return np.asarray(np.degrees(np.column_stack([np.arctan2(-x, np.hypot(y, z)), np.arctan2(y, z)])), np.float64)
 
 
 class Trial:
