@@ -1,4 +1,4 @@
-"""Identification: a vehicle's coefficients from a log of its motion, with intervals and what the log does not determine."""
+"""Identification: a vehicle's coefficients from a log, with intervals, and what the log does not determine."""
 
 from uwsim.identification.identify import Identified, identify
 from uwsim.identification.motion_log import MotionLog, read_log

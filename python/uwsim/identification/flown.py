@@ -5,7 +5,9 @@ from __future__ import annotations
 import tempfile
 from itertools import product
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +62,9 @@ class Flown:
         self._origin_m = np.array([0.0, 0.0, -DEPTH_M]) - _first(log.position_m)
         self.size = len(found) + OUTPUTS * self.segments
         self._members = 1 + len(found) + OUTPUTS
-        bare = _bare(model)
+        folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
+        finalize(self, rmtree, folder, ignore_errors=True)  # members read the hull again when its centre changes
+        bare = _bare(model, folder)
         scenario = Scenario.model_validate(
             {
                 "name": "identification",
@@ -137,7 +141,7 @@ class Flown:
         return np.concatenate([state[:3] + shift[:3], attitude, state[7:] + shift[6:]])
 
 
-def _bare(model: VehicleModel) -> VehicleModel:
+def _bare(model: VehicleModel, folder: Path) -> VehicleModel:
     """Return the vehicle without instruments and, if its volume is published, with a box of that volume as its hull.
 
     Deep under water, a hull acts by its volume and its centre of volume alone.
@@ -150,7 +154,7 @@ def _bare(model: VehicleModel) -> VehicleModel:
             for bits in product((0, 1), repeat=3)
         ]
         lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in BOX]
-        path = Path(tempfile.mkdtemp(prefix="uwsim-")) / "box.obj"
+        path = folder / "box.obj"
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         update |= {"mesh": path, "collision": "hull", "collision_pieces": None}
     return model.model_copy(update=update)

@@ -59,7 +59,7 @@ class Value:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """The result. values: by name. undetermined: combinations that the log does not determine, as (share left, {name: part}).
+    """The result. values: by name. undetermined: combinations, as (share of the spread left, {name: part}).
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
     noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values found.

@@ -7,10 +7,12 @@ A mapping file names where each quantity is: a column of a table, or `topic:fiel
 from __future__ import annotations
 
 import csv
+import json
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from pydantic import Field, ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
+from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
 from uwsim.scenario.spec.fields import Model
 
@@ -29,6 +32,9 @@ ODOMETRY = {
     "velocity_body": [f"{{}}:twist.twist.{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"],
 }
 LEAST_ROWS = 20
+COMMANDS = "/uwsim/commands"
+WITHOUT_MOTION = ("release", "set_lamp", "aim_camera")
+"""Recorded commands beside which the efforts alone steer a vehicle."""
 
 
 class Mapping(Model):
@@ -174,7 +180,26 @@ class _Messages:
                 f"{self._path}: no {prefix}/odom and {prefix}/telemetry: name the topics in a mapping file"
             )
         fields = {key: [name.format(odometry) for name in names] for key, names in ODOMETRY.items()}
-        return Mapping.model_validate({**fields, "effort": [f"{prefix}/telemetry:efforts[{k}]" for k in range(6)]})
+        source = COMMANDS if self._keep_efforts(vehicle) else f"{prefix}/telemetry"
+        return Mapping.model_validate({**fields, "effort": [f"{source}:efforts[{k}]" for k in range(6)]})
+
+    def _keep_efforts(self, vehicle: str) -> bool:
+        """Keep the efforts of the recorded commands, exact in time; return whether nothing else steered the vehicle."""
+        if COMMANDS not in self.topics:
+            return False
+        times_s, rows = [], []
+        for _, time_s, message in self._read(COMMANDS):
+            command = json.loads(message.data)
+            given = command["arguments"]
+            if vehicle and given.get("vehicle", vehicle) != vehicle:
+                continue
+            if command["name"] == "set_effort":
+                times_s.append(time_s)
+                rows.append(SimpleNamespace(efforts=[given.get(axis, 0.0) for axis in AXES]))
+            elif command["name"] not in WITHOUT_MOTION:
+                return False
+        self._cache[COMMANDS] = np.array(times_s), list(rows)
+        return bool(rows)
 
     def series(self, name: str) -> tuple[Array, Array]:
         """Return times [s] and values of `topic:field`."""

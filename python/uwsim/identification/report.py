@@ -74,8 +74,8 @@ def _page(found: Identified, log: str) -> str:
             "|---|---|---|---|---|---|---|",
             *rows,
             "",
-            "A quantity that the log does not determine keeps what was assumed before. Held: coefficients that are zero in"
-            " the vehicle's file, the displaced volume and the inertia.",
+            "A quantity that the log does not determine keeps what was assumed before. Held: coefficients that are zero"
+            " in the vehicle's file, the displaced volume and the inertia.",
             "",
             "## What the log does not determine",
             "",

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
-from uwsim import Batch
+from uwsim import Batch, Simulator
 from uwsim.cli.main import app
 from uwsim.evidence.validate.flights import deep_scenario
-from uwsim.identification import MotionLog, identify
+from uwsim.identification import MotionLog, identify, read_log
 from uwsim.identification.unknowns import parameters_at, unknowns
+from uwsim.recording import Recorder
 from uwsim.scenario import VehicleModel, load_vehicle
 
 NOISE = np.repeat((0.02, 0.005, 0.01, 0.005), 3)
@@ -97,3 +98,15 @@ def test_a_table_becomes_a_vehicle_file_and_a_report(model: VehicleModel, tmp_pa
         )
         refused = CliRunner().invoke(app, [*words, f"--map={tmp_path / 'bad.yaml'}"])
         assert refused.exit_code != 0 and rule in str(refused.exception)
+
+
+def test_a_recording_of_ours_gives_the_commands_at_their_times(model: VehicleModel, tmp_path: Path) -> None:
+    sim = Simulator(deep_scenario(model.model_copy(update={"sonar": None})))
+    with Recorder(sim, tmp_path / "run.mcap", topics=["odom", "telemetry"]):
+        for surge in (0.3, -0.2):
+            sim.rov.set_effort(surge=surge)
+            sim.advance(0.53)
+    log = read_log(tmp_path / "run.mcap")
+    assert log.efforts[:, 0].tolist() == [0.3, -0.2]
+    np.testing.assert_allclose(log.effort_times_s, [0.0, 0.53], atol=1e-9)
+    np.testing.assert_allclose(log.position_m[-1, 0], sim.rov.pose.position_world_m[0], atol=0.05)
