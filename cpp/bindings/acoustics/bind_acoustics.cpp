@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "bindings/binders.h"
@@ -13,6 +16,7 @@
 #include "uwsim/acoustics/absorption.h"
 #include "uwsim/acoustics/arrivals.h"
 #include "uwsim/acoustics/detection_theory.h"
+#include "uwsim/acoustics/seabed.h"
 #include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/acoustics/sound_speed_profile.h"
@@ -100,11 +104,71 @@ void bind_sonar_equation(py::module_& m) {
       .def_property_readonly("figure_db", &SonarFigures::figure_db, "SL + processing gain + DI - NL")
       .def("range_cell_m", &SonarFigures::range_cell_m, py::arg("sound_speed_m_s"))
       .def("check", &SonarFigures::check, "Raise ValueError naming the field if a parameter is invalid.");
+  const auto make = [](double strength_db, double relief, const std::optional<std::string>& name,
+                       const std::array<double, 3>& fluid) {
+    return BottomMaterial{strength_db, relief, name ? &seabed(*name) : nullptr, {fluid[0], fluid[1], fluid[2]}};
+  };
+  const auto seabed_name = [](const BottomMaterial& bottom) -> std::optional<std::string> {
+    if (!bottom.seabed) return std::nullopt;
+    return std::string(bottom.seabed->name);
+  };
+  const auto fluid = [](const BottomMaterial& bottom) {
+    return std::array<double, 3>{bottom.fluid.density_ratio, bottom.fluid.speed_ratio,
+                                 bottom.fluid.attenuation_db_wavelength};
+  };
   py::class_<BottomMaterial>(m, "BottomMaterial", "The acoustic backscattering properties of a bottom.")
-      .def(py::init<double, double>(), py::arg("strength_db") = -30.0, py::arg("relief") = 0.1)
+      .def(
+          py::init(make), py::arg("strength_db") = -30.0, py::arg("relief") = 0.1, py::arg("seabed") = py::none(),
+          py::arg("fluid") = std::array<double, 3>{1.9, 1.1, 0.8},
+          "Create a material. seabed: one of seabeds(), whose backscatter by angle replaces Lambert's law. fluid: the\n"
+          "density and speed of sound relative to water, and the attenuation [dB per wavelength], by which it "
+          "reflects\n"
+          "sound that bounces more than once. Raises ValueError for an unknown seabed.")
       .def_readonly("strength_db", &BottomMaterial::strength_db,
                     "backscatter per square metre at normal incidence; other angles follow Lambert's law")
-      .def_readonly("relief", &BottomMaterial::relief, "rms slope of the relief across a footprint");
+      .def_readonly("relief", &BottomMaterial::relief, "rms slope of the relief across a footprint")
+      .def_property_readonly("seabed", seabed_name,
+                             "the seabed whose backscatter by angle replaces Lambert's law, or None")
+      .def_property_readonly("fluid", fluid,
+                             "density and speed of sound relative to water, attenuation [dB per wavelength]")
+      .def(py::pickle(
+          [seabed_name, fluid](const BottomMaterial& bottom) {
+            return py::make_tuple(bottom.strength_db, bottom.relief, seabed_name(bottom), fluid(bottom));
+          },
+          [make](const py::tuple& state) {
+            return make(state[0].cast<double>(), state[1].cast<double>(), state[2].cast<std::optional<std::string>>(),
+                        state[3].cast<std::array<double, 3>>());
+          }));
+  m.def(
+      "seabeds",
+      [] {
+        py::typing::Dict<py::str, py::tuple> all;
+        for (const Seabed& s : seabeds()) {
+          all[py::str(std::string(s.name))] =
+              py::make_tuple(s.density_ratio, s.speed_ratio, s.attenuation_db_wavelength());
+        }
+        return all;
+      },
+      "Return the seabeds of APL-UW TR 9407, table 2, by name: density and speed of sound relative to water, and the\n"
+      "attenuation [dB per wavelength].");
+  m.def(
+      "seabed_backscatter_db",
+      [](const std::string& name, const py::object& grazing_rad, double frequency_hz, double sound_speed_m_s) {
+        const auto angles = as_array<double>(grazing_rad, "grazing_rad", {-1});
+        const SeabedBackscatter backscatter(seabed(name), frequency_hz, sound_speed_m_s);
+        std::vector<double> levels_db;
+        for (py::ssize_t k = 0; k < angles.size(); ++k) {
+          const double angle_rad = *angles.data(k);
+          require(angle_rad >= 0 && angle_rad <= std::numbers::pi / 2, "grazing_rad[" + std::to_string(k) + "]",
+                  angle_rad, "must be in [0, pi/2] rad");
+          levels_db.push_back(10 * std::log10(backscatter(angle_rad)));
+        }
+        return py::array(move_out(std::move(levels_db)));
+      },
+      py::arg("seabed"), py::arg("grazing_rad"), py::arg("frequency_hz"), py::arg("sound_speed_m_s") = 1500.0,
+      "Return the backscattering strength [dB per square metre] of a seabed at grazing angles (n,), (n,) float64, by\n"
+      "APL-UW TR 9407, ch. IV. Raises ValueError for an unknown seabed, or outside of 10 to 100 kHz, 1400 to 1600 m/s\n"
+      "and [0, pi/2].");
   m.def(
       "bottom_echo",
       [](const SonarFigures& sonar, const BottomMaterial& bottom, double range_m, double incidence_rad,

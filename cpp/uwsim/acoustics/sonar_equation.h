@@ -1,5 +1,8 @@
 #pragma once
 
+#include "uwsim/acoustics/modem/boundary_loss.h"
+#include "uwsim/acoustics/seabed.h"
+
 /// Textbook relations are cited from memory; chapters and pages were not checked against the books.
 namespace uwsim {
 
@@ -39,6 +42,8 @@ double steered_widening(double steering_rad);
 struct BottomMaterial {
   double strength_db = -30;  ///< backscatter per square metre at normal incidence; other angles follow Lambert's law
   double relief = 0.1;       ///< rms slope of the relief across a footprint, which spreads the echo in range
+  const Seabed* seabed = nullptr;  ///< if set, its backscatter by angle replaces Lambert's law
+  FluidBottom fluid = {};          ///< reflects sound that travels by more than one bounce
 };
 
 /// The geometry of a beam that hits a plane bottom.

@@ -5,5 +5,6 @@ found.time_s, found.level_db, found.surface_bounces
 """
 
 from uwsim.acoustics.layered_water import Arrivals, arrivals
+from uwsim.acoustics.seabeds import SEABEDS, seabed_backscatter_db
 
-__all__ = ["Arrivals", "arrivals"]
+__all__ = ["SEABEDS", "Arrivals", "arrivals", "seabed_backscatter_db"]

@@ -1,4 +1,4 @@
-"""The sound suite: arrivals compared with those of BELLHOP, and travel times with a recorded multibeam survey.
+"""The sound suite: arrivals compared with BELLHOP's, times with a recorded survey, backscatter with a published table.
 
 BELLHOP's arrivals are kept beside this file (tests/python/data/README.md has the recipe). The survey is that of an EM
 302 in `gsf/` of the folder of data, which is not part of uwsim; without it, these checks are left out.
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.acoustics import Arrivals, arrivals
+from uwsim.evidence.validate import backscatter
 from uwsim.evidence.validate.check import Check, at_most, within
 from uwsim.evidence.validate.echo_soundings import Ping, read_soundings
 from uwsim.scenario.spec.link import BOTTOMS
@@ -40,8 +41,10 @@ Floats = NDArray[np.float64]
 
 
 def run(out: Path | None = None, data: Path | None = None) -> list[Check]:
-    """Return the checks of the suite, which draws no curves. data: the folder that contains `gsf/`."""
-    checks = bellhop_checks()
+    """Return the checks of the suite; draw its curves into the folder `out`. data: the folder that contains `gsf/`."""
+    checks = bellhop_checks() + backscatter.checks()
+    if out is not None:
+        backscatter.draw(out / "sound_backscatter.png")
     for name, limit_s in SURVEYS.items():
         path = None if data is None else data / "gsf" / name
         if path is not None and path.is_file():
