@@ -98,6 +98,7 @@ __all__: list[str] = [
     "Water",
     "WaterOptics",
     "WaterProfile",
+    "WaterTargets",
     "Waves",
     "World",
     "absorption_db_km",
@@ -135,6 +136,8 @@ __all__: list[str] = [
     "saved_notes",
     "scan_to_points",
     "sea_water_density_kg_m3",
+    "seabed_backscatter_db",
+    "seabeds",
     "sensor_kind",
     "sensor_kinds",
     "solid_properties",
@@ -146,6 +149,7 @@ __all__: list[str] = [
     "surface_loss_db",
     "transform_points",
     "voxel_grid",
+    "water_targets_at",
 ]
 
 class Parameter:
@@ -860,7 +864,16 @@ class BottomMaterial:
         self,
         strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
         relief: typing.SupportsFloat | typing.SupportsIndex = 0.1,
-    ) -> None: ...
+        seabed: str | None = None,
+        fluid: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"
+        ] = [1.9, 1.1, 0.8],
+    ) -> None:
+        """
+        Create a material. seabed: one of seabeds(), whose backscatter by angle replaces Lambert's law. fluid: the
+        density and speed of sound relative to water, and the attenuation [dB per wavelength], by which it reflects
+        sound that bounces more than once. Raises ValueError for an unknown seabed.
+        """
     @property
     def relief(self) -> float:
         """
@@ -1806,7 +1819,8 @@ class PhysicsPing:
     @property
     def incidence_rad(self) -> numpy.ndarray:
         """
-        (beams,) float32 in [0, pi/2], true value; NaN for no detection or a false one
+        (beams,) float32 in [0, pi/2], true value; NaN for no detection, a false one, a ghost or a target in the
+        water
         """
     @property
     def intensity_db(self) -> numpy.ndarray:
@@ -1816,7 +1830,8 @@ class PhysicsPing:
     @property
     def labels(self) -> numpy.ndarray:
         """
-        (beams,) uint16, true value, see World.label_names; 0 for no detection or a false one
+        (beams,) uint16, true value, see World.label_names; 0 for no detection, a false one, a ghost or a target
+        in the water
         """
     @property
     def model(self) -> int:
@@ -1857,10 +1872,45 @@ class PhysicsPing:
         transmitter's width; inf = no detection
         """
     @property
+    def water_column(self) -> typing.Any:
+        """
+        (beams, samples) float32 [dB], the level of each sample in the units of intensity_db, with speckle and
+        noise; None unless requested. At most 4096 samples a beam, each of one range cell or of several
+        """
+    @property
+    def water_column_ranges_m(self) -> typing.Any:
+        """
+        (samples,) float32, the middle of each sample; None unless requested
+        """
+    @property
     def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
         """
         (4, 4) float64, at transmission
         """
+
+class WaterTargets:
+    """
+    A school of fish, or the rising bubbles of a seep, as point targets.
+    """
+    def __init__(
+        self,
+        name: str,
+        rises: bool,
+        position_m: typing.Any,
+        size_m: typing.Any,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        target_strength_db: typing.SupportsFloat | typing.SupportsIndex,
+        rise_m_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None:
+        """
+        Create a group. A school fills an ellipsoid around position_m with the diameters size_m; the bubbles of a
+        seep (rises) form a cone on position_m with the diameters and the height size_m. target_strength_db: of
+        each target, re 1 m^2. Raises ValueError.
+        """
+    @property
+    def count(self) -> int: ...
+    @property
+    def name(self) -> str: ...
 
 class AcousticSpec:
     """
@@ -1901,12 +1951,33 @@ class AcousticSpec:
     @materials.setter
     def materials(self, arg0: collections.abc.Sequence[BottomMaterial]) -> None: ...
     @property
+    def multipath(self) -> bool:
+        """
+        Whether echoes by more than one bounce are received.
+        """
+    @multipath.setter
+    def multipath(self, arg0: bool) -> None: ...
+    @property
     def rays_per_beam(self) -> int:
         """
         rays per beam: 1, or 4 to 64
         """
     @rays_per_beam.setter
     def rays_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def targets(self) -> list[WaterTargets]:
+        """
+        fish and bubbles in the water
+        """
+    @targets.setter
+    def targets(self, arg0: collections.abc.Sequence[WaterTargets]) -> None: ...
+    @property
+    def volume_strength_db(self) -> float | None:
+        """
+        backscatter per cubic metre of water [dB]; None for none
+        """
+    @volume_strength_db.setter
+    def volume_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex | None) -> None: ...
 
 class AcousticMultibeam:
     """
@@ -1932,10 +2003,12 @@ class AcousticMultibeam:
         rate_world_rad_s: typing.Any = (0.0, 0.0, 0.0),
         tick: typing.SupportsInt | typing.SupportsIndex = 0,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        water_column: bool = False,
     ) -> PhysicsPing:
         """
         Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random
-        draws are keyed by tick. Raises ValueError. Releases the GIL.
+        draws are keyed by tick; bubbles move with time_s. Raises ValueError. Releases the GIL.
         """
     @property
     def profile(self) -> SoundSpeedProfile:
@@ -1966,10 +2039,12 @@ class ImagingSonar:
         kind: str,
         figures: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
         strengths_db: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
+        materials: collections.abc.Sequence[BottomMaterial] = [],
     ) -> None:
         """
         figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label;
-        NaN selects that of the bottom or of solids. Raises ValueError naming the parameter.
+        NaN selects that of the bottom or of solids. materials: by label; one with a seabed scatters as that, and
+        all reflect sound that bounces more than once. Raises ValueError naming the parameter.
         """
     def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
@@ -2896,6 +2971,7 @@ class Simulation:
         vehicle: typing.SupportsInt | typing.SupportsIndex,
         sonar: typing.SupportsInt | typing.SupportsIndex,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        water_column: bool = False,
     ) -> PhysicsPing:
         """
         Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.
@@ -4224,6 +4300,24 @@ def sea_water_density_kg_m3(
     ValueError.
     """
 
+def seabed_backscatter_db(
+    seabed: str,
+    grazing_rad: typing.Any,
+    frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex = 1500.0,
+) -> numpy.ndarray:
+    """
+    Return the backscattering strength [dB per square metre] of a seabed at grazing angles (n,), (n,) float64, by
+    APL-UW TR 9407, ch. IV. Raises ValueError for an unknown seabed, or outside of 10 to 100 kHz, 1400 to 1600 m/s
+    and [0, pi/2].
+    """
+
+def seabeds() -> dict[str, tuple]:
+    """
+    Return the seabeds of APL-UW TR 9407, table 2, by name: density and speed of sound relative to water, and the
+    attenuation [dB per wavelength].
+    """
+
 def sensor_kind(name: str) -> SensorKind:
     """
     Return the kind with this name. Raises ValueError listing the known names.
@@ -4297,6 +4391,15 @@ def voxel_grid(
     """
     Return the centroid of the points in each cube with edge voxel_m, by pcl::VoxelGrid. points_m: (n, 3)
     float32. Returns (k, 3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
+    """
+
+def water_targets_at(
+    group: WaterTargets,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    time_s: typing.SupportsFloat | typing.SupportsIndex,
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    """
+    Return the places of a group's targets, (count, 3) float64, world frame.
     """
 
 RANGING_PING_BYTES: int = 2

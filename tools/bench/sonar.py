@@ -50,6 +50,7 @@ GOALS = {
     "ping/pybullet": 10.0,
     "ping/trimesh": 2.0,
     "ping/physics": 12.0,  # maximum
+    "physics/physics_multipath": 2.0,  # maximum
 }
 
 
@@ -206,7 +207,7 @@ class Pings:
 
 
 def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
-    """Return our cases: single pings; batches on one thread and on two; physics mode with straight and bent rays."""
+    """Return our cases: single pings; batches on one thread and on two; physics mode and what it can add."""
     poses = heads_at(sim, along_lines(5 * len(heads.world_from_body))).world_from_body
 
     def batch(threads: int) -> Callable[[], float]:
@@ -219,8 +220,13 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
 
     cases: dict[str, Callable[[], float]] = {"ping": Pings(sim, heads), "batch_1": batch(1), "batch_2": batch(2)}
     first = sim.scenario.vehicles[0]
-    for name, bending in (("physics", False), ("physics_bent", True)):
-        sonar = first.sonar.model_copy(update={"mode": "physics", "bending": bending})
+    for name, more in {
+        "physics": {},
+        "physics_bent": {"bending": True},
+        "physics_multipath": {"multipath": True},
+        "physics_water_column": {"water_column": True},
+    }.items():
+        sonar = first.sonar.model_copy(update={"mode": "physics", **more})
         vehicles = (first.model_copy(update={"sonar": sonar}),)
         acoustic = Simulator(sim.scenario.model_copy(update={"vehicles": vehicles}))
         acoustic.rov.release()
@@ -347,6 +353,8 @@ def _table(figures: dict[str, float]) -> Table:
         "batch_2": "ping_batch, two threads",
         "physics": "a ping in physics mode, 8 rays per beam",
         "physics_bent": "the same with bent rays",
+        "physics_multipath": "the same with multipath",
+        "physics_water_column": "the same with the water column",
         "limit_quads": "bare Embree packets, quads",
         "limit_triangles": "bare Embree packets, triangles",
         "limit_incoherent": "bare Embree packets, incoherent",
@@ -366,7 +374,7 @@ def _table(figures: dict[str, float]) -> Table:
     table.add_section()
     for name, goal in GOALS.items():
         if name in figures:
-            at_most = name == "ping/physics"
+            at_most = name.startswith(("ping/physics", "physics/"))
             met = figures[name] <= goal if at_most else figures[name] >= goal
             limit = f"{'at most' if at_most else 'at least'} {goal:g}"
             table.add_row(name, f"{figures[name]:,.2f}", "", limit, "[green]yes[/]" if met else "[red]no[/]")

@@ -98,13 +98,14 @@ Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index) {
   return out;
 }
 
-PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index, int threads) {
+PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index, int threads,
+                          bool water_column) {
   AcousticPing ping;
   Pose world_from_sonar;
   std::uint64_t time_ns = 0;
   MultibeamModel fan;
   owned.with([&](Simulation& sim) {
-    ping = sim.acoustic_ping(vehicle, index, threads);
+    ping = sim.acoustic_ping(vehicle, index, threads, water_column);
     world_from_sonar = sim.world_from_sonar(vehicle, index);
     time_ns = sim.time_ns();
     fan = sim.sonar(vehicle, index).multibeam().model();
@@ -246,6 +247,7 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           },
           py::arg("vehicle"), py::arg("sonar"))
       .def("acoustic_ping", &acoustic_ping, py::arg("vehicle"), py::arg("sonar"), py::arg("threads") = 1,
+           py::arg("water_column") = false,
            "Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.")
       .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"), "Ping in geometry mode. Releases the GIL.")
       .def("ping_batch", &ping_batch, py::arg("vehicle"), py::arg("sonar"), py::arg("world_from_body"),

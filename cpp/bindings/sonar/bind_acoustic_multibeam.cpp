@@ -42,8 +42,10 @@ void bind_ping(py::module_& m) {
       .field("angles_rad", &PhysicsPing::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
       .field("points_sonar_m", &PhysicsPing::points_sonar_m,
              "(beams, 3) float32, the range along the beam's axis; NaN for no detection")
-      .field("incidence_rad", &PhysicsPing::incidence_rad,
-             "(beams,) float32 in [0, pi/2], true value; NaN for no detection or a false one")
+      .field(
+          "incidence_rad", &PhysicsPing::incidence_rad,
+          "(beams,) float32 in [0, pi/2], true value; NaN for no detection, a false one, a ghost or a target in the\n"
+          "water")
       .field("intensity_db", &PhysicsPing::intensity_db,
              "(beams,) float32, received level minus source level, with speckle and noise; -inf for no detection")
       .field("snr_db", &PhysicsPing::snr_db,
@@ -56,16 +58,47 @@ void bind_ping(py::module_& m) {
              "transmitter's width; inf = no detection")
       .field("horizontal_deviation_m", &PhysicsPing::horizontal_deviation_m,
              "(beams,) float32, the same of its place on the map")
-      .field("labels", &PhysicsPing::labels,
-             "(beams,) uint16, true value, see World.label_names; 0 for no detection or a false one")
+      .field(
+          "labels", &PhysicsPing::labels,
+          "(beams,) uint16, true value, see World.label_names; 0 for no detection, a false one, a ghost or a target\n"
+          "in the water")
       .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, including false detections")
       .field("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection")
+      .field("water_column", &PhysicsPing::water_column,
+             "(beams, samples) float32 [dB], the level of each sample in the units of intensity_db, with speckle and\n"
+             "noise; None unless requested. At most 4096 samples a beam, each of one range cell or of several")
+      .field("water_column_ranges_m", &PhysicsPing::water_column_ranges_m,
+             "(samples,) float32, the middle of each sample; None unless requested")
       .described_by(&describe)
       .drawn_by("uwsim.instruments.sonars.fan_plot")
       .done();
 }
 
 void bind_spec(py::module_& m) {
+  py::class_<WaterTargets>(m, "WaterTargets", "A school of fish, or the rising bubbles of a seep, as point targets.")
+      .def(py::init([](std::string name, bool rises, const py::object& position_m, const py::object& size_m, int count,
+                       double target_strength_db, double rise_m_s) {
+             WaterTargets group{
+                 std::move(name),    rises,   as_vector3(position_m, "position_m"), as_vector3(size_m, "size_m"), count,
+                 target_strength_db, rise_m_s};
+             group.check("target");
+             return group;
+           }),
+           py::arg("name"), py::arg("rises"), py::arg("position_m"), py::arg("size_m"), py::arg("count"),
+           py::arg("target_strength_db"), py::arg("rise_m_s") = 0.0,
+           "Create a group. A school fills an ellipsoid around position_m with the diameters size_m; the bubbles of a\n"
+           "seep (rises) form a cone on position_m with the diameters and the height size_m. target_strength_db: of\n"
+           "each target, re 1 m^2. Raises ValueError.")
+      .def_readonly("name", &WaterTargets::name)
+      .def_readonly("count", &WaterTargets::count);
+  m.def(
+      "water_targets_at",
+      [](const WaterTargets& group, std::uint64_t seed, double time_s) {
+        const Eigen::MatrixX3d places = MovingTargets(group, seed).at(time_s).transpose();
+        return places;
+      },
+      py::arg("group"), py::arg("seed"), py::arg("time_s"),
+      "Return the places of a group's targets, (count, 3) float64, world frame.");
   py::class_<AcousticSpec>(m, "AcousticSpec", "The acoustic parameters of a multibeam in physics mode.")
       .def(py::init<>())
       .def_readwrite("figures", &AcousticSpec::figures)
@@ -73,6 +106,10 @@ void bind_spec(py::module_& m) {
       .def_readwrite("false_detections", &AcousticSpec::false_detections)
       .def_readwrite("range_noise", &AcousticSpec::range_noise)
       .def_readwrite("bending", &AcousticSpec::bending, "Whether rays follow the sound-speed profile.")
+      .def_readwrite("multipath", &AcousticSpec::multipath, "Whether echoes by more than one bounce are received.")
+      .def_readwrite("volume_strength_db", &AcousticSpec::volume_strength_db,
+                     "backscatter per cubic metre of water [dB]; None for none")
+      .def_readwrite("targets", &AcousticSpec::targets, "fish and bubbles in the water")
       .def_readwrite("acidity_ph", &AcousticSpec::acidity_ph)
       .def_readwrite("bottom", &AcousticSpec::bottom, "for labels that `materials` does not cover")
       .def_readwrite("materials", &AcousticSpec::materials, "by label, see World.label_names")
@@ -96,7 +133,7 @@ void bind_instrument(py::module_& m) {
           "ping",
           [](const AcousticMultibeam& sonar, const RayScene& scene, const py::object& position_world_m,
              const py::object& orientation_xyzw, const py::object& velocity_world_m_s,
-             const py::object& rate_world_rad_s, std::uint64_t tick, int threads) {
+             const py::object& rate_world_rad_s, std::uint64_t tick, int threads, double time_s, bool water_column) {
             const Pose pose = as_pose(position_world_m, orientation_xyzw, "sonar");
             const HeadMotion motion{as_vector3(velocity_world_m_s, "velocity_world_m_s"),
                                     as_vector3(rate_world_rad_s, "rate_world_rad_s")};
@@ -107,15 +144,16 @@ void bind_instrument(py::module_& m) {
             AcousticPing raw;
             {
               const GilReleased unlocked;
-              raw = sonar.ping(scene, pose, motion, tick, threads);
+              raw = sonar.ping(scene, pose, motion, tick, threads, {time_s, water_column});
             }
             return physics_ping(std::move(raw), sonar.fan(), pose, 0);
           },
           py::arg("scene"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
           py::arg("velocity_world_m_s") = py::make_tuple(0.0, 0.0, 0.0),
           py::arg("rate_world_rad_s") = py::make_tuple(0.0, 0.0, 0.0), py::arg("tick") = 0, py::arg("threads") = 1,
+          py::arg("time_s") = 0.0, py::arg("water_column") = false,
           "Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random\n"
-          "draws are keyed by tick. Raises ValueError. Releases the GIL.");
+          "draws are keyed by tick; bubbles move with time_s. Raises ValueError. Releases the GIL.");
   m.def("sound_speed_profile", &sound_speed_profile, py::arg("water"),
         "Return the speed of sound by depth: that of the water's profile if it specifies one, else by its equation.");
 }
@@ -165,6 +203,15 @@ PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const P
   out.labels = read_only(move_out(std::move(ping.labels)));
   out.valid = read_only(move_out(std::move(ping.valid)).attr("view")("bool").cast<py::array_t<bool>>());
   out.detections = read_only(move_out(std::move(ping.detections)));
+  if (!ping.water_column_db.empty()) {
+    const auto samples = static_cast<py::ssize_t>(ping.water_column_db.size()) / beams;
+    std::vector<float> ranges_m;
+    for (py::ssize_t k = 0; k < samples; ++k) {
+      ranges_m.push_back(static_cast<float>((static_cast<double>(k) + 0.5) * ping.water_column_sample_m));
+    }
+    out.water_column = read_only(move_out(std::move(ping.water_column_db), {beams, samples}));
+    out.water_column_ranges_m = read_only(move_out(std::move(ranges_m)));
+  }
   return out;
 }
 

@@ -38,10 +38,11 @@ Arrays ping(const ImagingSonar& sonar, const RayScene& scene, const Water& water
 }
 
 std::unique_ptr<ImagingSonar> checked_sonar(const std::string& kind, const std::map<std::string, double>& figures,
-                                            const std::vector<double>& strengths_db) {
+                                            const std::vector<double>& strengths_db,
+                                            const std::vector<BottomMaterial>& materials) {
   ParameterValues values;
   for (const auto& [name, value] : figures) values[name] = {value};
-  return imaging_sonar(kind, std::move(values), strengths_db);
+  return imaging_sonar(kind, std::move(values), strengths_db, materials);
 }
 
 }  // namespace
@@ -60,9 +61,10 @@ void bind_imaging(py::module_& m) {
       py::return_value_policy::reference, "Return the kind with this name. Raises ValueError listing the known names.");
   py::class_<ImagingSonar>(m, "ImagingSonar", "An imaging sonar; see uwsim.instruments.sonars.imaging.")
       .def(py::init(&checked_sonar), py::arg("kind"), py::arg("figures"),
-           py::arg("strengths_db") = std::vector<double>{},
+           py::arg("strengths_db") = std::vector<double>{}, py::arg("materials") = std::vector<BottomMaterial>{},
            "figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label;\n"
-           "NaN selects that of the bottom or of solids. Raises ValueError naming the parameter.")
+           "NaN selects that of the bottom or of solids. materials: by label; one with a seabed scatters as that, and\n"
+           "all reflect sound that bounces more than once. Raises ValueError naming the parameter.")
       .def(
           "absorption_db_m",
           [](const ImagingSonar& s, const Water& water, double z_m) {

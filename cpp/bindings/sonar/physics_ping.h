@@ -17,6 +17,8 @@ struct PhysicsPing {
   Eigen::Matrix4d world_from_sonar = Eigen::Matrix4d::Identity();
   pybind11::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, snr_db, travel_time_s, deviation_m,
       vertical_deviation_m, horizontal_deviation_m, labels, valid, detections;
+  /// (beams, samples) and (samples,), or None
+  pybind11::object water_column = pybind11::none(), water_column_ranges_m = pybind11::none();
 };
 
 /// Moves the results of a ping into arrays.

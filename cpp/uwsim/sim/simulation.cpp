@@ -194,8 +194,8 @@ void Simulation::ping(std::size_t index, std::size_t head, const PingRows& rows)
   sonar(index, head).ping(scene_around(index), world_.water, state(index).world_from_body, rows);
 }
 
-AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t head, int threads) const {
-  return sonar(index, head).acoustic_ping(scene_around(index), state(index), tick_, threads);
+AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t head, int threads, bool water_column) const {
+  return sonar(index, head).acoustic_ping(scene_around(index), state(index), tick_, threads, {time_s(), water_column});
 }
 
 }  // namespace uwsim

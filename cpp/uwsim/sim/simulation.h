@@ -104,7 +104,7 @@ class Simulation {
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows) const;
   /// Pings in physics mode. Random draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry
   /// mode.
-  AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1) const;
+  AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1, bool water_column = false) const;
   /// The surfaces of the world, without vehicles.
   const RayScene& scene() const { return *scene_; }
   /// The surroundings of the vehicle's instruments: the world, and all other vehicles at their present poses. Valid

@@ -10,6 +10,7 @@
 #include "uwsim/core/check.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/core/with_unit.h"
+#include "uwsim/sonar/acoustic_transmission.h"
 #include "uwsim/sonar/bent_cast.h"
 #include "uwsim/sonar/water_sound.h"
 
@@ -33,12 +34,19 @@ void check(const BottomMaterial& bottom, const std::string& path) {
 }  // namespace
 
 AcousticPing AcousticPing::silent(std::size_t beams) {
-  return {std::vector<float>(beams, kInfinity),  std::vector<float>(3 * beams, kNone),
-          std::vector<float>(beams, kNone),      std::vector<float>(beams, -kInfinity),
-          std::vector<float>(beams, -kInfinity), std::vector<float>(beams, kInfinity),
-          std::vector<float>(beams, kInfinity),  std::vector<float>(beams, kInfinity),
-          std::vector<float>(beams, kInfinity),  std::vector<Label>(beams, kNothing),
-          std::vector<std::uint8_t>(beams, 0),   std::vector<std::uint8_t>(beams, 0)};
+  return {std::vector<float>(beams, kInfinity),
+          std::vector<float>(3 * beams, kNone),
+          std::vector<float>(beams, kNone),
+          std::vector<float>(beams, -kInfinity),
+          std::vector<float>(beams, -kInfinity),
+          std::vector<float>(beams, kInfinity),
+          std::vector<float>(beams, kInfinity),
+          std::vector<float>(beams, kInfinity),
+          std::vector<float>(beams, kInfinity),
+          std::vector<Label>(beams, kNothing),
+          std::vector<std::uint8_t>(beams, 0),
+          std::vector<std::uint8_t>(beams, 0),
+          std::vector<float>()};
 }
 
 void AcousticSpec::check() const {
@@ -48,31 +56,12 @@ void AcousticSpec::check() const {
   for (std::size_t k = 0; k < materials.size(); ++k) {
     uwsim::check(materials[k], "sonar.materials[" + std::to_string(k) + "]");
   }
-}
-
-struct AcousticMultibeam::Transmission {
-  const RayScene& scene;
-  Pose world_from_sonar;
-  Eigen::Matrix3f rotation;
-  Eigen::Vector3f mach;         // velocity divided by the speed of sound, world frame
-  double turn_rad_s;            // rate of the fan about its normal
-  double depth_m, absorbed_db;  // depth of the head; absorption from the surface down to the head
-  double sound_speed_m_s;       // at the head
-  float cell_m;
-  double false_alarm;  // probability that noise exceeds the threshold somewhere in a beam
-  SpeckleField::View speckle;
-  std::uint64_t tick;
-};
-
-struct AcousticMultibeam::FanRays {
-  Eigen::Matrix3Xf directions_world;  // beam by beam
-  std::size_t first_beam;
-  float beams_per_ray;
-
-  std::size_t beam(std::size_t ray) const {
-    return first_beam + static_cast<std::size_t>((static_cast<float>(ray) + 0.5f) * beams_per_ray);
+  if (volume_strength_db) {
+    require(*volume_strength_db >= -200 && *volume_strength_db <= 0, "sonar.volume_strength_db",
+            with_unit(*volume_strength_db, "dB"), "must be in [-200, 0] dB");
   }
-};
+  for (std::size_t k = 0; k < targets.size(); ++k) targets[k].check("sonar.targets[" + std::to_string(k) + "]");
+}
 
 AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSpec& spec, const Water& water,
                                      double bottom_m, const RandomStream& stream)
@@ -88,12 +77,17 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
       share_sr_(static_cast<float>(spec.figures.beam_solid_angle_sr() / spec.rays_per_beam)),
       width_rad_(
           static_cast<float>(std::sqrt(spec.figures.beam_width_along_rad * spec.figures.beam_width_across_rad))) {
-  const auto add = [this](const BottomMaterial& material) {
+  const double speed_m_s = profile_.at(bottom_m);
+  const auto add = [&](const BottomMaterial& material) {
     strengths_.push_back(ratio(material.strength_db));
     reliefs_.push_back(static_cast<float>(material.relief));
+    curves_.emplace_back(material, spec.figures.frequency_hz, speed_m_s);
+    if (spec.multipath) mirrors_.push_back(mirror(material.fluid));
+    by_angle_ = by_angle_ || material.seabed;
   };
   for (const BottomMaterial& material : spec.materials) add(material);
   add(spec.bottom);
+  for (const WaterTargets& group : spec.targets) targets_.emplace_back(group, stream.key());
 }
 
 RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, float length_m, float range_m,
@@ -111,6 +105,7 @@ RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, 
   RayEcho echo;
   echo.range_m = range_m;
   echo.energy = share_sr_ * widening * strengths_[material] * cos_i * lost / (length * length);
+  if (by_angle_) echo.energy = share_sr_ * widening * curves_[material](cos_i) / cos_i * lost / (length * length);
   echo.point_m2 = sent.cell_m * sent.cell_m + relief_m * relief_m * square;
   echo.width_m = std::sqrt(echo.point_m2 + patch_m * patch_m * (1 - square) / square);
   echo.cosine = cos_i;
@@ -179,12 +174,14 @@ void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const FanRays& 
 }
 
 AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_from_sonar, const HeadMotion& motion,
-                                     std::uint64_t tick, int threads) const {
+                                     std::uint64_t tick, int threads, const PingRequest& request) const {
   const auto beams = static_cast<std::size_t>(fan_.beams);
   AcousticPing ping = AcousticPing::silent(beams);
   const Eigen::Vector3d& head = world_from_sonar.position_m;
   if (!(head.z() <= 0) || scene.under_ground(head)) return ping;
   const double c = profile_.at(-head.z());
+  const double cells = std::ceil(fan_.range_max_m / spec_.figures.range_cell_m(c));
+  const double cells_per_sample = std::ceil(cells / static_cast<double>(kSamplesMax));
   const Transmission sent{
       scene,
       world_from_sonar,
@@ -197,14 +194,20 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
       static_cast<float>(spec_.figures.range_cell_m(c)),
       spec_.false_detections ? detector_.false_alarm(fan_.range_max_m, spec_.figures.range_cell_m(c)) : 0,
       speckle_.view(world_from_sonar),
-      tick};
+      tick,
+      request.water_column ? static_cast<std::size_t>(std::ceil(cells / cells_per_sample)) : 0};
+  ping.water_column_db.resize(beams * sent.samples);
+  ping.water_column_sample_m = cells_per_sample * spec_.figures.range_cell_m(c);
+  OtherEchoes others(targets_.empty() && !spec_.multipath ? 0 : beams);
+  add_targets(sent, request.time_s, others);
   const auto rays = static_cast<std::size_t>(footprint_.rays());
-  parallel_ranges(beams * rays, threads,
-                  [&](std::size_t first, std::size_t last) { ping_beams(sent, first / rays, last / rays, ping); });
+  parallel_ranges(beams * rays, threads, [&](std::size_t first, std::size_t last) {
+    ping_beams(sent, first / rays, last / rays, others, ping);
+  });
   return ping;
 }
 
-void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, std::size_t last,
+void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, std::size_t last, OtherEchoes& others,
                                    AcousticPing& ping) const {
   const auto rays = static_cast<std::size_t>(footprint_.rays());
   std::vector<RayEcho> echoes((last - first) * rays);
@@ -214,12 +217,28 @@ void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, 
   } else {
     cast_straight(sent, fan_rays, echoes);
   }
+  if (spec_.multipath) add_ghosts(sent, first, last, others);
   for (std::size_t beam = first; beam < last; ++beam) {
     const std::span<RayEcho> all(echoes.data() + (beam - first) * rays, rays);
     for (std::size_t ray = 0; ray < rays; ++ray) all[ray].ray = static_cast<std::uint16_t>(ray);
     const auto silent = std::partition(all.begin(), all.end(), [](const RayEcho& e) { return e.energy > 0; });
-    const BeamEcho echo = beam_echo({all.begin(), silent}, sent.cell_m);
+    const std::span<RayEcho> surface(all.begin(), silent);
+    BeamEcho echo = beam_echo(surface, sent.cell_m);
+    const std::span<RayEcho> other = others.empty() ? std::span<RayEcho>() : std::span<RayEcho>(others[beam]);
+    std::vector<RayEcho> loudest(other.begin(), other.end());
+    if (!loudest.empty()) {
+      if (loudest.size() > kRaysMax) {  // more than the detector takes: it gets the strongest
+        std::sort(loudest.begin(), loudest.end(), [](const RayEcho& a, const RayEcho& b) {
+          return a.energy != b.energy ? a.energy > b.energy : a.range_m < b.range_m;
+        });
+        loudest.resize(kRaysMax);
+      }
+      BeamEcho louder = beam_echo(loudest, sent.cell_m);
+      louder.of_surface = false;
+      if (louder.peak > echo.peak) echo = louder;
+    }
     record(sent, beam, echo, detect(sent, beam, echo), ping);
+    if (sent.samples > 0) record_water_column(sent, beam, surface, other, ping);
   }
 }
 
@@ -257,7 +276,8 @@ BottomDetection AcousticMultibeam::detect(const Transmission& sent, std::size_t 
     const BeamRays rays = footprint_.beam(beam);
     const auto [speckle, speckle_range] = sent.speckle.draws(echo_footprint(echo.rays, rays.directions));
     const auto [noise, noise_range] = stream_.normals(sent.tick, index);
-    found = detector_.bottom(echo, rays, sent.cell_m, {speckle, speckle_range, noise, noise_range});
+    const double background = 1 + detector_.system_ratio() * reverberation(sent, beam, echo.centre_range_m);
+    found = detector_.bottom(echo, rays, sent.cell_m, {speckle, speckle_range, noise, noise_range}, background);
   }
   const double draw = sent.false_alarm > 0 ? stream_.uniform(sent.tick, index + 1) : 1;
   if (draw < sent.false_alarm) {
@@ -277,9 +297,10 @@ void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const
   Eigen::Map<Eigen::Vector3f>(ping.points_sonar_m.data() + 3 * beam) =
       range * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   ping.travel_time_s[beam] = static_cast<float>(2 * found.range_m / sent.sound_speed_m_s);
-  const double level_db = 10 * std::log10(found.intensity);
-  ping.intensity_db[beam] = static_cast<float>(level_db - figure_db_);
-  ping.snr_db[beam] = static_cast<float>(level_db);
+  const double snr_db = 10 * std::log10(found.intensity);
+  const double background = 1 + detector_.system_ratio() * reverberation(sent, beam, found.range_m);
+  ping.intensity_db[beam] = static_cast<float>(10 * std::log10(found.intensity * background) - figure_db_);
+  ping.snr_db[beam] = static_cast<float>(snr_db);
   const double across_m = found.range_m * spec_.figures.beam_width_along_rad / std::sqrt(12.0);
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   ping.deviation_m[beam] = static_cast<float>(found.deviation_m);
@@ -289,7 +310,7 @@ void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const
       std::hypot(found.deviation_m * axis_world.head<2>().norm(), across_m * sent.rotation.col(2).head<2>().norm()));
   ping.valid[beam] = 1;
   ping.detections[beam] = static_cast<std::uint8_t>(found.kind);
-  if (found.kind == Detection::kFalse) return;
+  if (found.kind == Detection::kFalse || !echo.of_surface) return;
   ping.incidence_rad[beam] = std::acos(echo.cosine);
   ping.labels[beam] = echo.label;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "uwsim/acoustics/absorption_column.h"
@@ -12,7 +13,9 @@
 #include "uwsim/sonar/bottom_detector.h"
 #include "uwsim/sonar/echo.h"
 #include "uwsim/sonar/multibeam_model.h"
+#include "uwsim/sonar/scatter_curve.h"
 #include "uwsim/sonar/speckle_field.h"
+#include "uwsim/sonar/water_targets.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -23,10 +26,13 @@ struct AcousticSpec {
   int rays_per_beam = 8;
   bool false_detections = true;  ///< whether noise may be detected as a bottom echo
   bool range_noise = true;
-  bool bending = false;  ///< whether rays follow the sound-speed profile
+  bool bending = false;                      ///< whether rays follow the sound-speed profile
+  bool multipath = false;                    ///< whether echoes by more than one bounce are received, see ghosts.cpp
+  std::optional<double> volume_strength_db;  ///< backscatter per cubic metre of water, re 1/m
   double acidity_ph = 8;
   BottomMaterial bottom;                  ///< for labels that `materials` does not cover
   std::vector<BottomMaterial> materials;  ///< by label
+  std::vector<WaterTargets> targets;      ///< fish and bubbles in the water
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -38,25 +44,37 @@ struct HeadMotion {
   Eigen::Vector3d rate_world_rad_s = Eigen::Vector3d::Zero();
 };
 
+/// Requests to a ping, besides its detections.
+struct PingRequest {
+  double time_s = 0;          ///< moves the bubbles of a seep
+  bool water_column = false;  ///< whether to compute AcousticPing::water_column_db
+};
+
 /// One ping in physics mode, with one value per beam. Fields that also exist in MultibeamPing have the same meaning.
 /// For a beam without a detection, each array contains the value stated at the end of its comment: infinity, NaN,
 /// -infinity or 0.
 struct AcousticPing {
   std::vector<float> ranges_m;        ///< sound speed at the head x half the travel time; infinity
   std::vector<float> points_sonar_m;  ///< beams x 3: the range along the beam's axis at transmission; NaN
-  std::vector<float> incidence_rad;   ///< true value for the strongest ray; NaN, also for false detections
-  std::vector<float> intensity_db;    ///< received level minus source level, plus gain, with speckle; -infinity
-  std::vector<float> snr_db;          ///< at the detector, with noise; -infinity
-  std::vector<float> travel_time_s;   ///< two-way; infinity
-  std::vector<float> deviation_m;     ///< standard deviation of the range, by the detector's own estimate; infinity
+  /// True value for the strongest ray; NaN, also for false detections, ghosts, and targets in the water
+  std::vector<float> incidence_rad;
+  std::vector<float> intensity_db;   ///< received level minus source level, plus gain, with speckle; -infinity
+  std::vector<float> snr_db;         ///< at the detector, with noise; -infinity
+  std::vector<float> travel_time_s;  ///< two-way; infinity
+  std::vector<float> deviation_m;    ///< standard deviation of the range, by the detector's own estimate; infinity
   /// The standard deviation of the echo's place, vertical and horizontal, from that of its range and that of its angle
   /// across the fan, which may lie anywhere in the transmitter's width: range x width / sqrt(12), the deviation of a
   /// uniform distribution. The sonar's share of the total vertical and horizontal uncertainty (TVU, THU) of IHO S-44,
   /// at one standard deviation; Hare 1995's error model also has those of position, attitude and sound speed. Infinity.
   std::vector<float> vertical_deviation_m, horizontal_deviation_m;
-  std::vector<Label> labels;             ///< true value; kNothing, also for false detections
+  /// True value; kNothing, also for false detections, ghosts, and targets in the water
+  std::vector<Label> labels;
   std::vector<std::uint8_t> valid;       ///< 1 for a detection, including false ones
   std::vector<std::uint8_t> detections;  ///< Detection
+  /// The water column, beams x samples: the level of each sample in the units of intensity_db, with speckle and noise.
+  /// Empty unless requested. Sample k is the mean power over ranges [k, k + 1] x water_column_sample_m.
+  std::vector<float> water_column_db;
+  double water_column_sample_m = 0;
 
   /// A ping without echoes.
   static AcousticPing silent(std::size_t beams);
@@ -80,7 +98,11 @@ struct AcousticPing {
 ///
 /// A head above the water or below the terrain detects nothing, not even noise.
 ///
-/// Not modelled: side lobes, multipath, the surface's echo, Doppler, the near field (valid beyond the array's length^2
+/// Optional: backscatter by angle (Seabed); ghosts (ghosts.cpp); targets in the water (WaterTargets). A beam has one
+/// detection, at the strongest of the bottom's echo, ghosts and targets. Volume reverberation, sv Omega cell / R^2
+/// 10^(-2 alpha R / 10) of the source's intensity (Urick 1983, ch. 8), adds to the noise in which echoes are detected.
+///
+/// Not modelled: side lobes, the surface's own backscatter, Doppler, the near field (valid beyond the array's length^2
 /// / wavelength), focusing by refraction.
 class AcousticMultibeam {
  public:
@@ -93,15 +115,21 @@ class AcousticMultibeam {
   const AcousticSpec& spec() const { return spec_; }
   const SoundSpeedProfile& profile() const { return profile_; }
 
+  /// The largest number of samples of a beam's water column. A sample is one range cell, or as many whole cells as this
+  /// bound requires.
+  static constexpr std::size_t kSamplesMax = 4096;
+
   /// Random draws are keyed by tick and beam; the result does not depend on the number of threads.
   AcousticPing ping(const RayScene& scene, const Pose& world_from_sonar, const HeadMotion& motion, std::uint64_t tick,
-                    int threads = 1) const;
+                    int threads = 1, const PingRequest& request = {}) const;
 
  private:
-  struct Transmission;  // common to all beams of a ping
-  struct FanRays;       // the rays of a subset of beams
+  struct Transmission;                                    // common to all beams of a ping
+  struct FanRays;                                         // the rays of a subset of beams
+  using OtherEchoes = std::vector<std::vector<RayEcho>>;  // of ghosts and targets, by beam
 
-  void ping_beams(const Transmission& sent, std::size_t first, std::size_t last, AcousticPing& ping) const;
+  void ping_beams(const Transmission& sent, std::size_t first, std::size_t last, OtherEchoes& others,
+                  AcousticPing& ping) const;
   Eigen::Matrix3Xf ray_directions_world(const Transmission& sent, std::size_t first, std::size_t last) const;
   void cast_straight(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
   void cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
@@ -110,6 +138,18 @@ class AcousticMultibeam {
   BottomDetection detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo) const;
   void record(const Transmission& sent, std::size_t beam, const BeamEcho& echo, const BottomDetection& found,
               AcousticPing& ping) const;
+  void add_targets(const Transmission& sent, double time_s, OtherEchoes& others) const;
+  void add_ghosts(const Transmission& sent, std::size_t first, std::size_t last, OtherEchoes& others) const;
+  /// The power that a fluid reflects, by the cosine of the incidence in kMirrorSteps.
+  static std::vector<float> mirror(const FluidBottom& fluid);
+  double lost(const Transmission& sent, double depth_m, double path_m) const;
+  double transmitted(double within_rad, double aside_rad) const;
+  double received(std::size_t beam, double within_rad) const;
+  double reverberation(const Transmission& sent, std::size_t beam, double range_m) const;
+  void record_water_column(const Transmission& sent, std::size_t beam, std::span<const RayEcho> surface,
+                           std::span<const RayEcho> others, AcousticPing& ping) const;
+
+  static constexpr int kMirrorSteps = 1000;
 
   MultibeamModel fan_;
   AcousticSpec spec_;
@@ -124,6 +164,10 @@ class AcousticMultibeam {
   float width_rad_;  ///< of an unsteered beam: the geometric mean of both widths
   /// By label, as ratios of intensity; the last entry applies to all further labels
   std::vector<float> strengths_, reliefs_;
+  std::vector<ScatterCurve> curves_;
+  std::vector<std::vector<float>> mirrors_;  // by label, see mirror
+  bool by_angle_ = false;                    // whether any surface has a seabed's curve
+  std::vector<MovingTargets> targets_;
 };
 
 }  // namespace uwsim

@@ -15,20 +15,20 @@ BottomDetector::BottomDetector(const SonarFigures& figures, bool range_noise)
       threshold_(figures.detection_threshold_db) {}
 
 BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m,
-                                       const BeamDraws& draws) const {
+                                       const BeamDraws& draws, double background) const {
   if (!(echo.peak > 0)) return {};
   double extent_m = echo.extent_m(static_cast<float>(cell_m));
-  double snr = system_ratio_ * echo.peak;
+  double snr = system_ratio_ * echo.peak / background;
   BottomDetection found{Detection::kAmplitude, echo.centre_range_m, 0, 0};
   bool by_phase = false;
-  if (averaged_looks(extent_m, cell_m) >= kPhaseLooks) {
+  if (echo.of_surface && averaged_looks(extent_m, cell_m) >= kPhaseLooks) {
     const double on_axis_m = axis_range_m(echo.rays, beam);
     if (on_axis_m > 0) {
       by_phase = true;
       found = {Detection::kPhase, on_axis_m, 0, 0};
       const AxisEcho on_axis = axis_echo(echo, beam, on_axis_m, static_cast<float>(cell_m));
       extent_m = on_axis.extent_m;
-      snr = system_ratio_ * on_axis.level;
+      snr = system_ratio_ * on_axis.level / background;
       if (!(snr > 0)) return {};
     }
   }

@@ -15,7 +15,7 @@ enum class Detection : std::uint8_t { kNone = 0, kAmplitude = 1, kPhase = 2, kFa
 struct BottomDetection {
   Detection kind = Detection::kNone;
   double range_m = 0;
-  double intensity = 0;    ///< relative to the mean noise
+  double intensity = 0;    ///< relative to the mean noise and reverberation
   double deviation_m = 0;  ///< standard deviation of the range by the detector's own estimate
 };
 
@@ -34,8 +34,11 @@ class BottomDetector {
  public:
   BottomDetector(const SonarFigures& figures, bool range_noise);
 
-  /// Returns the detection of a beam's echo, if any.
-  BottomDetection bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m, const BeamDraws& draws) const;
+  /// Returns the detection of a beam's echo, if any. `background`: noise and reverberation, relative to the noise.
+  BottomDetection bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m, const BeamDraws& draws,
+                         double background = 1) const;
+  /// The signal-to-noise ratio of a lossless echo.
+  double system_ratio() const { return system_ratio_; }
   /// The probability that noise exceeds the threshold in at least one of a beam's range cells.
   double false_alarm(double range_max_m, double cell_m) const;
   /// Returns a false detection, given a draw from (0, 1) that is below `false_alarm`. The amount by which the noise

@@ -29,6 +29,7 @@ struct BeamEcho {
   float cosine = 0;               ///< cosine of the incidence of its strongest ray
   Label label = kNothing;         ///< label of its strongest ray
   std::span<const RayEcho> rays;  ///< rays of that echo, sorted by range
+  bool of_surface = true;         ///< whether they sample one surface, so that the phase along the echo is a ramp
 
   /// Extent in range of a rectangular echo with the same peak and energy.
   float extent_m(float cell_m) const { return cell_m * energy / peak; }

@@ -52,15 +52,15 @@ MultibeamPing SonarHead::ping(const RayScene& scene, const Water& water, const P
   return multibeam_.ping(scene, water, world_from_body * body_from_sonar());
 }
 
-AcousticPing SonarHead::acoustic_ping(const RayScene& scene, const BodyState& body, std::uint64_t tick,
-                                      int threads) const {
+AcousticPing SonarHead::acoustic_ping(const RayScene& scene, const BodyState& body, std::uint64_t tick, int threads,
+                                      const PingRequest& request) const {
   require(in_physics_mode(), "sonar.mode", "geometry", "must be physics");
   if (!multibeam_.is_on()) return AcousticPing::silent(multibeam_.beams());
   const Pose mounting = body_from_sonar();
   const Eigen::Vector3d rate_body = body.angular_body_rad_s();
   const Eigen::Vector3d velocity_body = body.linear_body_m_s() + rate_body.cross(mounting.position_m);
   const HeadMotion motion{body.world_from_body.direction(velocity_body), body.world_from_body.direction(rate_body)};
-  return acoustics_->ping(scene, body.world_from_body * mounting, motion, tick, threads);
+  return acoustics_->ping(scene, body.world_from_body * mounting, motion, tick, threads, request);
 }
 
 }  // namespace uwsim

@@ -53,7 +53,8 @@ class SonarHead {
   void ping(const RayScene& scene, const Water& water, const Pose& world_from_body, const PingRows& rows) const;
   MultibeamPing ping(const RayScene& scene, const Water& water, const Pose& world_from_body) const;
   /// Pings in physics mode from a moving body. Random draws are keyed by `tick`. Throws InvalidValue in geometry mode.
-  AcousticPing acoustic_ping(const RayScene& scene, const BodyState& body, std::uint64_t tick, int threads = 1) const;
+  AcousticPing acoustic_ping(const RayScene& scene, const BodyState& body, std::uint64_t tick, int threads = 1,
+                             const PingRequest& request = {}) const;
 
  private:
   std::string name_;

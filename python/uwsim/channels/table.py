@@ -30,6 +30,7 @@ from uwsim.channels.services import simulation_services, stream_service, vehicle
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering, is_cut_off
 from uwsim.channels.telemetry import telemetry_channel
+from uwsim.channels.water_column import water_column_channels
 from uwsim.simulator.simulator import Simulator
 
 Wire = Literal["standard", "published", "both"]
@@ -132,6 +133,7 @@ class Table:
         found += command_channels(source, sim, self.steering[source.name])
         if source.name in self.pings:
             found += scan_channels(source, self.pings[source.name])
+            found += water_column_channels(self.pings[source.name], sim)
             found += self.maps[source.name].channels()
         return found
 

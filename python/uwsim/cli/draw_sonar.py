@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from uwsim import _core
 from uwsim.cli.pose_option import chosen_vehicle, place_as_typed
 from uwsim.figures.sonar_fan import SECTION_IN, WIDTH_IN, beam_ends_m, draw_plan, draw_section
 from uwsim.figures.sonar_panels import draw_image, draw_profiles, draw_waterfall
-from uwsim.figures.style import new_figure, save_figure
+from uwsim.figures.style import label_axes, new_figure, save_figure
 from uwsim.instruments.sonars import imaging
+from uwsim.instruments.sonars.fan_plot import draw_water_column
 from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
-KINDS = ("all", "fan", "image", "side-scan", "profile")
+KINDS = ("all", "fan", "image", "side-scan", "profile", "water-column")
 IMAGE_TILT_DEG = 12.0  # nose down, so that the imaging sonar's aperture covers 2 to 22 degrees below horizontal
 TRACK_M, PING_SPACING_M = 60.0, 0.15
 PROFILE_HALF_DEG, PROFILE_STEP_DEG = 60.0, 0.9  # half the beam's width
@@ -115,6 +118,8 @@ class _Sheet:
         right, left_in, right_in = (1 if kind == "all" else 0), 0.0, 0.0
         if kind in ("all", "fan"):
             left_in = self._fan()
+        if kind == "water-column":
+            self._water_column()
         if kind in ("all", "profile"):
             left_in = self._profile(left_in)
         if kind in ("all", "image"):
@@ -140,6 +145,19 @@ class _Sheet:
         nearest = f", {ping.ranges_m.min():.2f} to {ping.ranges_m[ping.valid].max():.2f} m" if ping.valid.any() else ""
         self._summary.append(f"fan: {sonar.model.name}: {int(ping.valid.sum())} echoes of {len(echo)} beams{nearest}")
         return height_in + GAP_IN + SECTION_IN + GAP_IN
+
+    def _water_column(self) -> None:
+        """Draw the level of every range sample of every beam."""
+        sonar = self._rov.sonar
+        if sonar.mode != "physics":
+            raise ValueError(f"--kind water-column: vehicle '{self._rov.name}' has its sonar in geometry mode")
+        ping = cast(_core.PhysicsPing, sonar.ping(water_column=True))
+        axes = self._axes(0, 0.0, WIDTH_IN)
+        height_in = WIDTH_IN * draw_water_column(axes, ping)
+        axes.set_position((0.0, -height_in / WIDTH_IN, 1.0, height_in / WIDTH_IN))
+        label_axes(axes, "Water column", "to starboard [m]", "along the sonar's axis [m]")
+        beams, samples = np.shape(ping.water_column)
+        self._summary.append(f"water column: {sonar.model.name}: {beams} beams x {samples} samples")
 
     def _profile(self, top_in: float) -> float:
         """Draw a pencil beam's profile across the track, on both sides of straight down."""

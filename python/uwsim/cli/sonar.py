@@ -21,8 +21,9 @@ def sonar(
     kind: Annotated[
         str,
         typer.Option(
-            help="fan (plan and section), image (forward-looking), side-scan, profile, or all.",
-            **one_of("fan", "image", "side-scan", "profile", "all"),
+            help="fan (plan and section), image (forward-looking), side-scan, profile, or all; or water-column, of a "
+            "multibeam in physics mode.",
+            **one_of("fan", "image", "side-scan", "profile", "all", "water-column"),
         ),
     ] = "all",
     sonar_model: SonarModel = None,

@@ -25,6 +25,7 @@ from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
+from uwsim.scenario.build.multibeam import bottom_material
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
@@ -155,6 +156,7 @@ class Simulator(Sealed):
             imaging_sonars=imaging_sonars(self, entry),
             journal=self.journal,
             sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
+            water_column=entry.sonar.water_column,
             step_s=self.step_s,
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
             control=vehicle_control(self.scenario, entry.model, spec),
@@ -208,6 +210,13 @@ class Simulator(Sealed):
         return Named(strengths, "strengths_db", "the sonar model's strengths_db")
 
     @property
+    def materials(self) -> Named[_core.BottomMaterial]:
+        """How each surface scatters and reflects sound, keyed by the names in label_names."""
+        surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
+        found = {name: bottom_material(surface) for name, surface in surfaces}
+        return Named(found, "materials", "the scenario's ground and materials")
+
+    @property
     def label_names(self) -> list[str]:
         """The names of the labels that pings and rays return: World.label_names, followed by those of the vehicles."""
         return label_names(self.scenario)
@@ -222,7 +231,8 @@ class Simulator(Sealed):
         if vehicle is not None and vehicle not in names:
             raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
         scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
-        return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns)
+        around = self.strengths_db, self.seed, self.threads, self.time_ns, self.materials
+        return Surroundings(scene, self.world, *around)
 
     @property
     def seed(self) -> int:

@@ -71,6 +71,7 @@ class Vehicle(CommandedVehicle):
         imaging_sonars: Mapping[str, ImagingSonar],
         journal: Journal,
         sensors_on: Mapping[str, bool],
+        water_column: bool = False,
         step_s: float,
         navigate: Callable[[Vehicle, Start], Navigator],
         control: ControlSettings,
@@ -82,7 +83,10 @@ class Vehicle(CommandedVehicle):
         sensors: dict[str, Sensor[Any]] = {
             s.name: Sensor(simulation, index, k, s, step_s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)
         }
-        sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
+        sonars = {
+            s.name: Sonar(simulation, index, k, s, journal, spec.name, water_column=water_column)
+            for k, s in enumerate(spec.sonars)
+        }
         self.sensors = Sensors(sensors, f"{spec.name}.sensors")
         self.sonars = Named(sonars, f"{spec.name}.sonars")
         self._sonar = next(iter(sonars.values()), None)

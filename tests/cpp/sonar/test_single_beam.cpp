@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sonar/imaging_pool.h"
 #include "uwsim/core/check.h"
@@ -87,6 +89,31 @@ TEST(SingleBeam, RefusesFiguresOutOfRange) {
   refused([](auto& m) { m["beam_width_rad"] = 0; });
   refused([](auto& m) { m["rays_across"] = 1; });
   refused([](auto& m) { m["detection_db"] = std::nan(""); });
+}
+
+TEST(SingleBeam, TheSecondEchoOfALevelBedIsAtTwiceTheRangeWithTheLevelOfItsImage) {
+  ImagingModel model = quiet_single_beam();
+  model["multipath"] = 1;
+  model["rays_across"] = 41;
+  const testing::Pings pings{.poses = {downwards(-1e-3)}, .angles_rad = {0.0}};
+  const auto levels = testing::values_of(model, flat_bed(-8), pings, "level_db");
+  const auto energy = [&](double from_m, double to_m) {
+    double sum = 0;
+    for (auto bin = static_cast<std::size_t>(from_m * 100); bin < static_cast<std::size_t>(to_m * 100); ++bin) {
+      sum += std::pow(10, 0.1 * levels[bin]);
+    }
+    return sum;
+  };
+  // The image of the source is at 3 h, and its footprint, over which the pencil beam receives directly, is 9 h^2. Two
+  // Gaussian patterns, one met at three times the angle, overlap by a fifth of their square's integral.
+  const FluidBottom sand;
+  const double reflected = std::pow(10, -0.1 * bottom_loss_db(sand, std::numbers::pi / 2));
+  const double absorbed = 2 * 8 * model.acoustics().absorption_db_m(flat_bed(-8).water, -1e-3);
+  const double expected_db = 10 * std::log10(2 * reflected / 5) - absorbed;
+  EXPECT_NEAR(10 * std::log10(energy(15.8, 16.2) / energy(7.8, 8.2)), expected_db, 1.0);
+  model["multipath"] = 0;
+  const auto plain = testing::values_of(model, flat_bed(-8), pings, "level_db");
+  EXPECT_LT(*std::max_element(plain.begin() + 1500, plain.begin() + 1700), testing::kSilence_db + 20);
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ constexpr Parameter kAcousticParameters[] = {
     {"range_bins", 1, kRequired, 1, kMaxBins, "", "range resolution cells", ParameterType::kWholeNumber},
     {"time_varied_gain", 1, kRequired, 0, 1, "", "whether levels carry the gain", ParameterType::kFlag},
     {"gain_db_decade", 1, kRequired, 0, 100, "dB", "of the gain, for each decade of range"},
-    {"looks", 1, kRequired, 0, kMaxLooks, "", "averaged in a cell; 0: no speckle", ParameterType::kWholeNumber}};
+    {"looks", 1, kRequired, 0, kMaxLooks, "", "averaged in a cell; 0: no speckle", ParameterType::kWholeNumber},
+    {"multipath", 1, 0, 0, 1, "", "whether echoes by more than one bounce are received", ParameterType::kFlag}};
 
 double power_of(double level_db) { return std::pow(10.0, level_db / 10); }
 
@@ -32,7 +33,8 @@ double power_of(double level_db) { return std::pow(10.0, level_db / 10); }
 
 std::span<const Parameter> imaging_acoustics_parameters() { return kAcousticParameters; }
 
-ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db) {
+ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db,
+                                   const std::vector<BottomMaterial>& materials) {
   for (const double strength_db : strengths_db) {
     require(std::isnan(strength_db) || std::abs(strength_db) <= kLoudest_db, "sonar.strengths_db",
             with_unit(strength_db, "dB"), "must be in [-300, 300] dB");
@@ -49,6 +51,8 @@ ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::ve
   acoustics.time_varied_gain = flag(figures, "time_varied_gain");
   acoustics.gain_db_decade = number(figures, "gain_db_decade");
   acoustics.looks = whole_number(figures, "looks");
+  acoustics.multipath = flag(figures, "multipath");
+  acoustics.materials = materials;
   return acoustics;
 }
 

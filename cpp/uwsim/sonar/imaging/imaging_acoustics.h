@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/core/parameter.h"
 #include "uwsim/core/random.h"
 #include "uwsim/world/water.h"
@@ -27,6 +28,10 @@ struct ImagingAcoustics {
   bool time_varied_gain = true;  ///< whether a log10 R + 2 alpha R is added; if not, levels are as received
   double gain_db_decade = 0;     ///< a
   int looks = 1;                 ///< independent looks averaged in a cell: 1 for full speckle, 0 for none
+  bool multipath = false;        ///< whether echoes by more than one bounce are received, see surface_ghosts.cpp
+  /// By label: a seabed, which takes precedence over the Lambert strength, and how the surface reflects. Labels beyond
+  /// its end follow Lambert's law and reflect as BottomMaterial does by default.
+  std::vector<BottomMaterial> materials;
 
   /// The Lambert coefficient mu of a surface, as a linear ratio.
   double strength(Label label) const;
@@ -39,7 +44,8 @@ struct ImagingAcoustics {
 /// The parameters of ImagingAcoustics by name, except strengths_db.
 std::span<const Parameter> imaging_acoustics_parameters();
 /// Creates the acoustics from a complete set of parameters. Throws InvalidValue for strengths out of range.
-ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {});
+ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {},
+                                   const std::vector<BottomMaterial>& materials = {});
 
 /// Converts an echo's mean power to the displayed level: speckle, noise, gain.
 ///

@@ -25,10 +25,11 @@ std::vector<Parameter> imaging_parameters(const ImagingKind& kind) {
 }
 
 std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues figures,
-                                            const std::vector<double>& strengths_db) {
+                                            const std::vector<double>& strengths_db,
+                                            const std::vector<BottomMaterial>& materials) {
   const ImagingKind& of = imaging_kind(kind);
   complete_parameters(figures, imaging_parameters(of), "sonar");
-  return of.make(imaging_acoustics(figures, strengths_db), figures);
+  return of.make(imaging_acoustics(figures, strengths_db, materials), figures);
 }
 
 }  // namespace uwsim

@@ -13,9 +13,10 @@ const ImagingKind& imaging_kind(std::string_view name);
 /// Returns the parameters common to all kinds (ImagingAcoustics), followed by those of the kind.
 std::vector<Parameter> imaging_parameters(const ImagingKind& kind);
 
-/// Creates a sonar from its parameters. `strengths_db`: see ImagingAcoustics. Throws InvalidValue naming
+/// Creates a sonar from its parameters. `strengths_db`, `materials`: see ImagingAcoustics. Throws InvalidValue naming
 /// sonar.<parameter> if a parameter is unknown, missing or out of range.
 std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues figures,
-                                            const std::vector<double>& strengths_db = {});
+                                            const std::vector<double>& strengths_db = {},
+                                            const std::vector<BottomMaterial>& materials = {});
 
 }  // namespace uwsim

@@ -16,22 +16,6 @@ double range_ratio(double along, double other) {
   return ratio > 0 ? std::clamp(ratio, 1 / kStretch, kStretch) : kStretch;
 }
 
-/// Distributes power evenly over an interval of bins.
-void spread(double power, double near_bin, double far_bin, std::span<double> profile) {
-  const double end = static_cast<double>(profile.size());
-  const double length = far_bin - near_bin;
-  if (near_bin >= end) return;
-  if (length < 1e-9) {
-    profile[static_cast<std::size_t>(near_bin)] += power;
-    return;
-  }
-  const double last = std::min(far_bin, end);
-  for (double bin = std::floor(near_bin); bin < last; ++bin) {
-    const double covered = std::min(bin + 1, last) - std::max(bin, near_bin);
-    profile[static_cast<std::size_t>(bin)] += power * covered / length;
-  }
-}
-
 }  // namespace
 
 Eigen::Vector3d RayArc::direction(double angle_rad) const {
@@ -76,6 +60,21 @@ Label EchoesByLabel::strongest(std::size_t bin, double least) const {
   return label;
 }
 
+void SurfaceEchoes::spread(double power, double near_bin, double far_bin, std::span<double> profile) {
+  const double end = static_cast<double>(profile.size());
+  const double length = far_bin - near_bin;
+  if (near_bin >= end) return;
+  if (length < 1e-9) {
+    profile[static_cast<std::size_t>(near_bin)] += power;
+    return;
+  }
+  const double last = std::min(far_bin, end);
+  for (double bin = std::floor(near_bin); bin < last; ++bin) {
+    const double covered = std::min(bin + 1, last) - std::max(bin, near_bin);
+    profile[static_cast<std::size_t>(bin)] += power * covered / length;
+  }
+}
+
 SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m,
                              const ImagingAcoustics& acoustics, double absorption_db_m)
     : scene_(&scene),
@@ -83,11 +82,25 @@ SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_
       range_max_m_(acoustics.range_max_m),
       bin_m_(acoustics.bin_m()),
       absorption_db_m_(absorption_db_m),
-      solid_(std::pow(10.0, acoustics.solid_strength_db / 10)) {
+      solid_(std::pow(10.0, acoustics.solid_strength_db / 10)),
+      acoustics_(&acoustics) {
   const std::size_t labels = std::max<std::size_t>(acoustics.strengths_db.size(), kTerrain + 1);
   for (std::size_t label = 0; label < labels; ++label) {
     strengths_.push_back(acoustics.strength(static_cast<Label>(label)));
   }
+  const std::vector<BottomMaterial>& materials = acoustics.materials;
+  if (std::none_of(materials.begin(), materials.end(), [](const BottomMaterial& m) { return m.seabed != nullptr; })) {
+    return;
+  }
+  constexpr double kSpeed_m_s = 1500;  // nominal: it hardly matters to backscatter
+  for (const BottomMaterial& material : materials) curves_.emplace_back(material, acoustics.frequency_hz, kSpeed_m_s);
+}
+
+double SurfaceEchoes::scattered(Label label, double cosine) const {
+  if (label < curves_.size() && acoustics_->materials[label].seabed) {
+    return double{curves_[label](static_cast<float>(std::clamp(cosine, 1e-3, 1.0)))};
+  }
+  return (label < strengths_.size() ? strengths_[label] : solid_) * cosine * cosine;
 }
 
 void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
@@ -101,6 +114,7 @@ void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::sp
   for (std::size_t k = 0; k < rays.size(); ++k) {
     if (hits[k].label != kNothing) add_patch(arc, rays[k], cast[k], hits[k], profile, by_label);
   }
+  if (acoustics_->multipath) add_ghosts(arc, rays, profile);
 }
 
 void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit,
@@ -122,7 +136,11 @@ void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray&
 
   const double strength = hit.label < strengths_.size() ? strengths_[hit.label] : solid_;
   const double loss = std::pow(10.0, -0.2 * absorption_db_m_ * range) / (range * range);
-  const double power = strength * std::min(1.0, -along) * patch.gain_sr * loss;
+  double power = strength * std::min(1.0, -along) * patch.gain_sr * loss;
+  if (!curves_.empty()) {
+    const double cosine = std::clamp(-along, 1e-3, 1.0);
+    power = scattered(hit.label, cosine) / cosine * patch.gain_sr * loss;
+  }
   spread(power, near / bin_m_, far / bin_m_, profile);
   if (by_label != nullptr) spread(power, near / bin_m_, far / bin_m_, by_label->of(hit.label));
 }

@@ -6,6 +6,7 @@
 
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sonar/imaging/imaging_acoustics.h"
+#include "uwsim/sonar/scatter_curve.h"
 
 namespace uwsim {
 
@@ -57,11 +58,13 @@ class EchoesByLabel {
 /// (Urick 1983, "Principles of Underwater Sound", ch. 8), this patch returns, relative to the source's power at 1 m,
 ///   R^-4 10^(-2 alpha R / 10) mu cos^2 i dA = mu cos i dO R^-2 10^(-2 alpha R / 10),
 /// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no separate model,
-/// since no ray hits a hidden surface. Rays are straight and reflected once. Surfaces above z = 0 return no echo, and a
-/// head above z = 0 receives none. The inside of a surface returns no echo either, so a head in the ground or in a
-/// solid receives only noise.
+/// since no ray hits a hidden surface. A seabed's backscatter by angle replaces mu cos^2 i where a material has one.
+/// Rays are straight and reflected once, unless multipath is on (surface_ghosts.cpp). Surfaces above z = 0 return no
+/// echo, and a head above z = 0 receives none. The inside of a surface returns no echo either, so a head in the ground
+/// or in a solid receives only noise.
 class SurfaceEchoes {
  public:
+  /// Keeps references to `scene` and `acoustics`.
   SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m, const ImagingAcoustics& acoustics,
                 double absorption_db_m);
 
@@ -72,6 +75,11 @@ class SurfaceEchoes {
  private:
   void add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit, std::span<double> profile,
                  EchoesByLabel* by_label) const;
+  void add_ghosts(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const;
+  /// The backscattering cross-section per unit area.
+  double scattered(Label label, double cosine) const;
+  /// Distributes power evenly over an interval of bins.
+  static void spread(double power, double near_bin, double far_bin, std::span<double> profile);
 
   const RayScene* scene_;
   Eigen::Vector3d head_world_m_;
@@ -79,6 +87,8 @@ class SurfaceEchoes {
   double absorption_db_m_;
   double solid_;                   // the Lambert coefficient mu for labels that strengths_ does not cover
   std::vector<double> strengths_;  // the Lambert coefficient mu by label
+  const ImagingAcoustics* acoustics_;
+  std::vector<ScatterCurve> curves_;  // by label; empty if no material has a seabed
 };
 
 }  // namespace uwsim

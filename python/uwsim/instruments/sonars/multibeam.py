@@ -34,15 +34,18 @@ class Sonar(Sealed):
         spec: _core.SonarSpec,
         journal: Journal,
         owner: str,
+        *,
+        water_column: bool = False,
     ) -> None:
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
         self._journal = journal
         self._owner = owner
+        self._water_column = water_column
         self.name = spec.name
         self.change(spec)
-        self._last: tuple[int, _core.Ping] | None = None
+        self._last: tuple[tuple[int, bool], _core.Ping] | None = None
 
     def change(self, spec: _core.SonarSpec) -> None:
         """Replace the model or mode. Simulator.parameters calls this."""
@@ -78,22 +81,30 @@ class Sonar(Sealed):
         """
         return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
 
-    def ping(self) -> _core.Ping:
+    def ping(self, *, water_column: bool | None = None) -> _core.Ping:
         """Ping once from the vehicle's current pose; see _core.Ping for the arrays. All pings at one time are equal.
 
         Surfaces above the water return no echo. A head above the water or under the terrain receives no echoes: no beam
         is valid, and all ranges are inf. A head inside an obstacle receives echoes from its walls. In physics mode the
         result is a _core.PhysicsPing, which has additional arrays.
+
+        water_column: in physics mode, whether the ping contains the level of every range sample of every beam, as
+        `water_column` (beams, samples) and `water_column_ranges_m` (samples,); by default as the scenario's
+        `sonar.water_column`. It changes nothing else in the ping. Raises ValueError if True in geometry mode.
         """
-        version = self._simulation.version
+        wanted = self._water_column if water_column is None else water_column
+        key = self._simulation.version, wanted
         last = self._last
-        if last is None or last[0] != version:
-            self.__dict__["_last"] = last = version, self._new_ping()  # faster than __setattr__, which checks names
+        if last is None or last[0] != key:
+            self.__dict__["_last"] = last = key, self._new_ping(wanted)  # faster than __setattr__, which checks names
         return last[1]
 
-    def _new_ping(self) -> _core.Ping:
+    def _new_ping(self, water_column: bool) -> _core.Ping:
         if self.mode == "physics":
-            return cast(_core.Ping, self._simulation.acoustic_ping(self._vehicle, self._index))
+            ping = self._simulation.acoustic_ping(self._vehicle, self._index, water_column=water_column)
+            return cast(_core.Ping, ping)
+        if water_column:
+            raise ValueError("water_column = True: is for `mode: physics` only")
         return self._simulation.ping(self._vehicle, self._index)
 
     def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:

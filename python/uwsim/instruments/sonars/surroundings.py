@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from uwsim import _core
 
@@ -13,7 +13,7 @@ class Surroundings:
     """A snapshot from `Simulator.around`, for imaging sonars and depth maps.
 
     scene: the world and the other vehicles. strengths_db: Lambert strength of each surface's material, by
-    Simulator.label_names.
+    Simulator.label_names. materials: how each surface scatters by angle and reflects, by the same names.
     """
 
     scene: _core.RayScene
@@ -22,3 +22,4 @@ class Surroundings:
     seed: int
     threads: int
     time_ns: int
+    materials: Mapping[str, _core.BottomMaterial] = field(default_factory=dict)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from uwsim import _core
 from uwsim.scenario.spec.material import ROCK, Backscatter
 from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
+from uwsim.scenario.spec.water_target import School, Seep
 
 
 def multibeam_model(
@@ -38,10 +39,13 @@ def acoustic_spec(
     bending: bool = False,
     rays_per_beam: int = 8,
     bottoms: Sequence[Backscatter] = (),
+    volume_strength_db: float | None = None,
+    water_targets: Sequence[School | Seep] = (),
 ) -> _core.AcousticSpec:
     """Return the physics-mode parameters at a frequency.
 
-    bottoms: backscatter by label; labels beyond its end are treated as rock. Raises ValueError.
+    bottoms: backscatter by label; labels beyond its end are treated as rock. volume_strength_db: of the water.
+    Raises ValueError.
     """
     band = model.acoustic_band(frequency_khz)
     spec, figures = _core.AcousticSpec(), _core.SonarFigures()
@@ -57,6 +61,9 @@ def acoustic_spec(
     spec.false_detections = model.noise.false_detections
     spec.range_noise = model.noise.range
     spec.bending = bending
+    spec.multipath = model.multipath
+    spec.volume_strength_db = volume_strength_db
+    spec.targets = [targets(group) for group in water_targets]
     spec.bottom = bottom_material(ROCK)
     spec.materials = [bottom_material(bottom) for bottom in bottoms]
     return spec
@@ -64,4 +71,21 @@ def acoustic_spec(
 
 def bottom_material(backscatter: Backscatter) -> _core.BottomMaterial:
     """Convert a surface's acoustic backscatter to a core object."""
-    return _core.BottomMaterial(backscatter.strength_db, backscatter.relief)
+    return _core.BottomMaterial(backscatter.strength_db, backscatter.relief, backscatter.seabed, backscatter.fluid)
+
+
+def targets(group: School | Seep) -> _core.WaterTargets:
+    """Convert a school or a seep to a core object."""
+    if isinstance(group, School):
+        size_m, rise_m_s = group.size_m, 0.0
+    else:
+        size_m, rise_m_s = (group.top_diameter_m, group.top_diameter_m, group.height_m), group.rise_m_s
+    return _core.WaterTargets(
+        group.name,
+        isinstance(group, Seep),
+        group.position_m,
+        size_m,
+        group.count,
+        group.target_strength_db,
+        rise_m_s,
+    )

@@ -100,6 +100,8 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
             bending=sonar.bending,
             rays_per_beam=sonar.rays_per_beam,
             bottoms=bottoms,
+            volume_strength_db=scenario.water.volume_strength_db,
+            water_targets=scenario.water_targets,
         )
     return _core.SonarSpec(
         "sonar",

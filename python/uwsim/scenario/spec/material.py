@@ -10,34 +10,42 @@ from uwsim import _core
 from uwsim.scenario.spec.camera import Colour
 from uwsim.scenario.spec.fields import InRange, Model, OneOf
 
+SEABEDS = _core.seabeds()
+SeabedName = Annotated[str, OneOf(tuple(SEABEDS))]
 Strength = Annotated[float, InRange(-100, 30, "dB")]
 Relief = Annotated[float, InRange(0, 2)]
 
 
 class Backscatter(Model):
-    """A surface that scatters sound according to Lambert's law.
+    """A surface that scatters sound according to Lambert's law, or by angle as a seabed does.
 
     strength_db: backscattering strength per square metre at normal incidence. relief: RMS slope, across a footprint, of
-    roughness that is finer than the mesh; it spreads the echo in range.
+    roughness that is finer than the mesh; it spreads the echo in range. seabed: for imaging sonars, and a multibeam in
+    physics mode, one of _core.seabeds(), whose backscatter by angle replaces Lambert's law. fluid: density and speed
+    relative to water, attenuation [dB per wavelength], by which the surface reflects sound that bounces more than once.
     """
 
     strength_db: Strength
     relief: Relief = 0.0
+    seabed: SeabedName | None = None
+    fluid: tuple[float, float, float] = SEABEDS["rock"]
 
 
 ROCK = Backscatter(strength_db=-30.0, relief=0.1)
 """BS = -30 dB as in the manufacturer's coverage table of the EM 2040 (the seed paper's Fig. 8); relief assumed."""
 
 # All assumed, except rock's strength, which has a source. Softer bottoms are weaker, as in textbooks; metal and
-# concrete are hard and smooth; paint is as strong as the surface it covers.
+# concrete are hard and smooth; paint is as strong as the surface it covers. They reflect as the most similar seabed of
+# APL-UW TR 9407, concrete as rock, steel as a fluid of its density and speed (handbook values, from memory).
+STEEL = (7.8, 3.9, 0.1)
 BACKSCATTER = {
     "rock": ROCK,
-    "gravel": Backscatter(strength_db=-32.0, relief=0.06),
-    "sand": Backscatter(strength_db=-36.0, relief=0.03),
-    "mud": Backscatter(strength_db=-44.0, relief=0.01),
+    "gravel": Backscatter(strength_db=-32.0, relief=0.06, fluid=SEABEDS["cobble"]),
+    "sand": Backscatter(strength_db=-36.0, relief=0.03, fluid=SEABEDS["medium_sand"]),
+    "mud": Backscatter(strength_db=-44.0, relief=0.01, fluid=SEABEDS["sandy_mud"]),
     "concrete": Backscatter(strength_db=-30.0),
-    "steel": Backscatter(strength_db=-26.0),
-    "paint": Backscatter(strength_db=-26.0),
+    "steel": Backscatter(strength_db=-26.0, fluid=STEEL),
+    "paint": Backscatter(strength_db=-26.0, fluid=STEEL),
     "land": ROCK,
     "plain": ROCK,
 }
@@ -48,19 +56,20 @@ MaterialName = Annotated[str, OneOf(tuple(_core.material_names()))]
 class Material(Model):
     """The material of a surface.
 
-    kind: its name. colour: its albedo, red, green and blue; strength_db, relief: its backscatter, as in Backscatter.
-    Each overrides the material's default.
+    kind: its name. colour: its albedo, red, green and blue; strength_db, relief, seabed: its backscatter, as in
+    Backscatter. Each overrides the material's default.
     """
 
     kind: MaterialName
     colour: Colour | None = None
     strength_db: Strength | None = None
     relief: Relief | None = None
+    seabed: SeabedName | None = None
 
     @property
     def backscatter(self) -> Backscatter:
         """The backscatter of the surface."""
-        return _with_own(BACKSCATTER[self.kind], self.strength_db, self.relief)
+        return _with_own(BACKSCATTER[self.kind], self)
 
 
 def _named(value: object) -> object:
@@ -74,8 +83,8 @@ MaterialSpec = Annotated[Material, BeforeValidator(_named, json_schema_input_typ
 class Ground(Model):
     """The materials of the terrain: under water, on steep slopes, and above the water.
 
-    bed: under water. steep: on steep slopes. land: above the water. strength_db, relief: the backscatter of the whole
-    terrain, as in Backscatter; they override those of the bed's material.
+    bed: under water. steep: on steep slopes. land: above the water. strength_db, relief, seabed: the backscatter of the
+    whole terrain, as in Backscatter; they override those of the bed's material.
     """
 
     bed: MaterialName = "sand"
@@ -83,15 +92,18 @@ class Ground(Model):
     land: MaterialName = "land"
     strength_db: Strength | None = None
     relief: Relief | None = None
+    seabed: SeabedName | None = None
 
     @property
     def backscatter(self) -> Backscatter:
         """The backscatter of the terrain."""
-        return _with_own(BACKSCATTER[self.bed], self.strength_db, self.relief)
+        return _with_own(BACKSCATTER[self.bed], self)
 
 
-def _with_own(usual: Backscatter, strength_db: float | None, relief: float | None) -> Backscatter:
+def _with_own(usual: Backscatter, own: Material | Ground) -> Backscatter:
     return Backscatter(
-        strength_db=usual.strength_db if strength_db is None else strength_db,
-        relief=usual.relief if relief is None else relief,
+        strength_db=usual.strength_db if own.strength_db is None else own.strength_db,
+        relief=usual.relief if own.relief is None else own.relief,
+        seabed=own.seabed,
+        fluid=usual.fluid if own.seabed is None else SEABEDS[own.seabed],
     )

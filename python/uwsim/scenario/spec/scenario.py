@@ -22,6 +22,7 @@ from uwsim.scenario.spec.terrain import TerrainSpec
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import Water
+from uwsim.scenario.spec.water_target import WaterTargetSpec
 
 RESERVED_NAMES = ("nothing", "terrain", "station")
 WITHOUT_STATION = Station(dock_m=(0.0, 0.0, -2.0))
@@ -53,13 +54,13 @@ class Scenario(Model):
 
     name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
     simulation. dynamics: what moves the vehicles. water: its surface, currents and profile. optics: optical conditions
-    for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. station: the
-    reference for distances; it has the dock. vehicles: at least one. warnings: when the panel issues warnings. survey:
-    the survey flown by `uwsim survey`. mission_time_s: battery life after the release of a vehicle without a `battery`,
-    and the default time limit of a flight. link: the link between station and vehicles; None: messages are delivered
-    immediately. faults: what fails, and when. wire: the topics that servers offer unless they are asked for others:
-    `standard` (ROS's usual ones), `published` (those of the paper's simulator, in its coordinates: water surface at
-    z = 75.3 m) or `both`.
+    for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. water_targets: fish
+    and bubbles, which a multibeam in physics mode receives. station: the reference for distances; it has the dock.
+    vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
+    mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
+    flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
+    and when. wire: the topics that servers offer unless they are asked for others: `standard` (ROS's usual ones),
+    `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or `both`.
     """
 
     name: Name
@@ -73,6 +74,7 @@ class Scenario(Model):
     terrain: TerrainSpec
     ground: Ground = Ground()
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
+    water_targets: Annotated[tuple[WaterTargetSpec, ...], Field(max_length=100)] = ()
     station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
     warnings: WarningLimits = WarningLimits()
@@ -93,7 +95,11 @@ class Scenario(Model):
     @model_validator(mode="after")
     def _names_are_unique(self) -> Scenario:
         taken = set(RESERVED_NAMES)
-        for kind, items in (("obstacles", self.obstacles), ("vehicles", self.vehicles)):
+        for kind, items in (
+            ("obstacles", self.obstacles),
+            ("water_targets", self.water_targets),
+            ("vehicles", self.vehicles),
+        ):
             for index, item in enumerate(items):
                 if item.name in taken:
                     raise broken("is already in use", at=(kind, index, "name"), value=item.name)

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.read.spec_file import read_spec
@@ -122,10 +122,11 @@ class SonarModel(Model):
 
     beams: number of beams, evenly spaced over the field of view, about the head's forward axis. wire_number: its number
     among the four models of the published simulator. dual_swath: whether a ping has two fans. tilt_rate_deg_s: rate at
-    which the head tilts. mounting: pose on the vehicle's mount. noise: receiver noise in physics mode.
-    receiver_tilt_deg: tilt of each of two receivers. ping_rate_max_hz: limit set by the electronics. receivers: number
-    of flat arrays, one facing ahead or two ("dual RX"), each turned to its side by receiver_tilt_deg; a model with one
-    receiver and a tilt is also available with two. frequencies: a scenario selects one.
+    which the head tilts. mounting: pose on the vehicle's mount. noise: receiver noise in physics mode. multipath:
+    whether, in physics mode, echoes by more than one bounce are received. receiver_tilt_deg: tilt of each of two
+    receivers. ping_rate_max_hz: limit set by the electronics. receivers: number of flat arrays, one facing ahead or two
+    ("dual RX"), each turned to its side by receiver_tilt_deg; a model with one receiver and a tilt is also available
+    with two. frequencies: a scenario selects one.
     """
 
     name: Name
@@ -139,6 +140,7 @@ class SonarModel(Model):
     receiver_tilt_deg: Annotated[float, InRange(0, 90, "deg")] | None = None
     mounting: SonarMounting = SonarMounting()
     noise: SonarNoise = SonarNoise()
+    multipath: StrictBool = False
     frequencies: Annotated[tuple[SonarBand, ...], Field(min_length=1, max_length=32)]
 
     @model_validator(mode="after")

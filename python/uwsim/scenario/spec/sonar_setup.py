@@ -61,10 +61,11 @@ class SonarSetup(Model):
     then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a wider fan
     and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`, in which
     ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's sound-speed
-    profile. rays_per_beam: in physics mode, for each footprint. tilt_rate_deg_s: of the head, overriding the model's.
-    gain_db: of the receiver's display, added to every intensity. noise: values for physics mode that override the
-    model's. tilt_deg: initial tilt, positive nose down, as scanPos on the wire. on: a sonar that is off tilts, but
-    receives no echoes.
+    profile. rays_per_beam: in physics mode, for each footprint. multipath: in physics mode, whether echoes by more than
+    one bounce are received; by default the model's. water_column: in physics mode, whether every ping contains the
+    water column, and a channel offers it. tilt_rate_deg_s: of the head, overriding the model's. gain_db: of the
+    receiver's display, added to every intensity. noise: values for physics mode that override the model's. tilt_deg:
+    initial tilt, positive nose down, as scanPos on the wire. on: a sonar that is off tilts, but receives no echoes.
     """
 
     model: Annotated[
@@ -78,6 +79,8 @@ class SonarSetup(Model):
     mode: SonarMode = "geometry"
     bending: bool = False
     rays_per_beam: Annotated[int, InRange(4, 64)] = 8
+    multipath: StrictBool | None = None
+    water_column: StrictBool = False
     tilt_rate_deg_s: Annotated[float, InRange(0.01, 1000, "deg/s")] | None = None
     gain_db: Annotated[float, InRange(-100, 100, "dB")] = 0.0
     noise: Annotated[SonarNoiseChanges, BeforeValidator(_given_figures)] | None = None
@@ -86,8 +89,9 @@ class SonarSetup(Model):
 
     @model_validator(mode="after")
     def _fits_its_model(self) -> SonarSetup:
-        if self.bending and self.mode != "physics":
-            raise broken("is for `mode: physics` only", at=("bending",), value=self.bending)
+        for key in ("bending", "multipath", "water_column"):
+            if getattr(self, key) and self.mode != "physics":
+                raise broken("is for `mode: physics` only", at=(key,), value=True)
         try:
             loaded = self.loaded
             if self.mode == "physics":
@@ -111,6 +115,8 @@ class SonarSetup(Model):
         if self.receivers is not None:
             model = model.with_receivers(self.receivers, self.frequency_khz)
         own: dict[str, object] = {}
+        if self.multipath is not None:
+            own["multipath"] = self.multipath
         if self.tilt_rate_deg_s is not None:
             own["tilt_rate_deg_s"] = self.tilt_rate_deg_s
         if self.noise is not None:

@@ -266,7 +266,8 @@ class Water(Model):
     water's own weight (EOS-80). sound_speed_equation: automatic selects the best that is valid in all of the water; one
     that is not valid in it is rejected. surface: flat, or with waves. current_world_m_s: a uniform current. current:
     additional currents; all add up, to 10 m/s at most, with gusts counted at three sigma. profile: temperature,
-    salinity, density and sound speed by depth, instead of the first four.
+    salinity, density and sound speed by depth, instead of the first four. volume_strength_db: backscatter per cubic
+    metre, which a multibeam in physics mode receives as reverberation; by default none.
     """
 
     density_kg_m3: Density | None = None
@@ -279,6 +280,7 @@ class Water(Model):
     surface: SurfaceSpec = StillSurface()
     current: CurrentSpecs = ()
     profile: ProfileSpec | None = None
+    volume_strength_db: Annotated[float, InRange(-200, 0, "dB")] | None = None
 
     @model_validator(mode="before")
     @classmethod

@@ -28,6 +28,7 @@ from uwsim.scenario.spec.water import (
     TableProfile,
     TidalCurrent,
     UniformCurrent,
+    Water,
 )
 
 COORDINATES = ("x", "y", "z")
@@ -44,11 +45,13 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "terrain",
             "ground",
             "obstacles",
+            "water_targets",
             "link",
             "survey",
             "faults",
         ]
     ),
+    Water: frozenset({"volume_strength_db"}),
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
@@ -78,7 +81,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     BatteryType: frozenset({"name", "description", "open_circuit_v"}),
     FinMount: frozenset({"position_m", "span"}),
     SensorMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
-    SonarSetup: frozenset({"tilt_deg"}),
+    SonarSetup: frozenset({"tilt_deg", "multipath", "water_column"}),
     CameraMount: frozenset(
         ["position_m", "yaw_pitch_roll_deg", "width", "height", "distortion", "port", "follows", "pan_tilt"]
     ),

@@ -61,7 +61,8 @@ class Acoustics:
     by Simulator.label_names. range_max_m is divided into range_bins, each of which is one resolution cell. The
     time-varied gain is gain_db_decade log10 R + 2 alpha R, where alpha is the absorption of the water at the head
     (Francois and Garrison); if time_varied_gain is False, levels remain as received. looks: number of independent looks
-    averaged in a cell; 1 gives full speckle (Rayleigh amplitude), 0 gives none.
+    averaged in a cell; 1 gives full speckle (Rayleigh amplitude), 0 gives none. multipath: whether echoes by more than
+    one bounce are received: second echoes of the bed, and images in the water's surface.
     """
 
     kind: ClassVar[str] = ""
@@ -80,6 +81,7 @@ class Acoustics:
     # bottom decreases as (height / range)^2: together they make a flat bottom appear uniform.
     gain_db_decade: float = 50.0
     looks: int = 1
+    multipath: bool = False
 
     @property
     def bin_m(self) -> float:
@@ -128,8 +130,10 @@ def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
         for name, value in given.items()
         if value is not None or np.isnan(parameters[name].by_default)  # None leaves the parameter at the core's default
     }
-    strengths_db = [] if sim is None else _strengths_by_label(sim, model)
-    return _core.ImagingSonar(model.kind, figures, strengths_db)
+    if sim is None:
+        return _core.ImagingSonar(model.kind, figures)
+    strengths_db, materials = _strengths_by_label(sim, model)
+    return _core.ImagingSonar(model.kind, figures, strengths_db, materials)
 
 
 def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: float) -> Levels:
@@ -161,8 +165,11 @@ def _number(name: str, value: Any, type_name: str) -> float:
     return float(value)
 
 
-def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
-    """Return each surface's strength: the model's for that surface or else for its class, or else its material's."""
+def _strengths_by_label(sim: Place, model: Acoustics) -> tuple[list[float], list[_core.BottomMaterial]]:
+    """Return each surface's strength: the model's for that surface or else for its class, or else its material's.
+
+    Also return its material, which scatters by angle only where the model has no strength for it.
+    """
     given_db, material_db = model.strengths_db, sim.strengths_db
     fixed = sim.world.label_names
     names = [*fixed, *(name for name in material_db if name not in fixed)]  # the vehicles come last
@@ -172,9 +179,14 @@ def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
     for name, value in given_db.items():
         if isinstance(value, bool) or not isinstance(value, int | float | np.number) or np.isnan(value):
             raise ValueError(f"sonar.strengths_db['{name}'] = {value!r} dB: must be a number")
-    strengths_db = []
+    strengths_db, materials = [], []
+    known: Mapping[str, _core.BottomMaterial] = getattr(sim, "materials", {})  # a Place may have none
     for label, name in enumerate(names):
         own_db = model.bottom_strength_db if label <= TERRAIN_LABEL else model.solid_strength_db
         usual_db = own_db if own_db is not None else material_db.get(name, np.nan)
         strengths_db.append(float(given_db.get(name, usual_db)))
-    return strengths_db
+        material = known.get(name, _core.BottomMaterial())
+        if own_db is not None or name in given_db:
+            material = _core.BottomMaterial(material.strength_db, material.relief, None, material.fluid)
+        materials.append(material)
+    return strengths_db, materials

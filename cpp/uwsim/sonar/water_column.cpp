@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "uwsim/sonar/acoustic_transmission.h"
+#include "uwsim/sonar/hashed_noise.h"
+
+// The water as received by a multibeam: targets, volume reverberation, and every sample of a beam's echo.
+namespace uwsim {
+namespace {
+
+constexpr double kFaint = 1e-6;  // of the beam's pattern, below which a target is not received
+constexpr float kShapeReach = 15.0f / 16;
+
+/// A uniform number in (0, 1) by hashing.
+double hashed_uniform(std::uint64_t hash) { return (static_cast<double>(hash >> 11) + 0.5) * 0x1p-53; }
+
+}  // namespace
+
+/// Point targets by the sonar equation: the pattern x 10^(TS / 10) / R^4 10^(-2 alpha R / 10) of the source's
+/// intensity.
+void AcousticMultibeam::add_targets(const Transmission& sent, double time_s, OtherEchoes& others) const {
+  const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
+  RayPacket packet{};
+  std::array<Eigen::Vector3d, kPacketRays> places;
+  std::array<double, kPacketRays> sections_m2{};
+  std::size_t count = 0;
+  const auto receive = [&] {
+    Blocked blocked{};
+    sent.scene.occluded(head, packet, blocked);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      if (blocked[lane] != 0) continue;
+      const double range_m = places[lane].norm();
+      const Eigen::Vector3d direction = sent.rotation.transpose().cast<double>() * places[lane] / range_m;
+      const double within_rad = std::atan2(direction.y(), direction.x());
+      const double aside = transmitted(within_rad, std::asin(std::clamp(direction.z(), -1.0, 1.0)));
+      const double depth_m = -(head.z() + places[lane].z());
+      const double on_axis = aside * sections_m2[lane] * lost(sent, depth_m, 2 * range_m) / std::pow(range_m, 4);
+      for (std::size_t beam = 0; beam < others.size(); ++beam) {
+        const double pattern = received(beam, within_rad);
+        if (pattern * aside < kFaint) continue;
+        RayEcho echo;
+        echo.range_m = static_cast<float>(range_m);
+        echo.energy = static_cast<float>(pattern * on_axis);
+        echo.width_m = sent.cell_m;
+        echo.point_m2 = sent.cell_m * sent.cell_m;
+        echo.cosine = 1;
+        if (echo.energy > 0) others[beam].push_back(echo);
+      }
+    }
+    packet = RayPacket{};
+    count = 0;
+  };
+  for (const MovingTargets& group : targets_) {
+    const Eigen::Matrix3Xd places_world_m = group.at(time_s);
+    for (Eigen::Index k = 0; k < places_world_m.cols(); ++k) {
+      const Eigen::Vector3d place_m = places_world_m.col(k) - head;
+      const double range_m = place_m.norm();
+      if (places_world_m(2, k) > 0 || !(range_m > 0.01 && range_m < fan_.range_max_m)) continue;
+      const Eigen::Vector3d direction = sent.rotation.transpose().cast<double>() * place_m / range_m;
+      const double aside_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0));
+      if (transmitted(std::atan2(direction.y(), direction.x()), aside_rad) < kFaint) continue;
+      places[count] = place_m;
+      sections_m2[count] = group.cross_section_m2();
+      packet.direction_x[count] = static_cast<float>(place_m.x() / range_m);
+      packet.direction_y[count] = static_cast<float>(place_m.y() / range_m);
+      packet.direction_z[count] = static_cast<float>(place_m.z() / range_m);
+      packet.far_m[count] = static_cast<float>(range_m);
+      packet.active[count] = -1;
+      if (++count == kPacketRays) receive();
+    }
+  }
+  if (count > 0) receive();
+}
+
+/// The volume's echo from one range cell, as a ratio of the source's intensity.
+double AcousticMultibeam::reverberation(const Transmission& sent, std::size_t beam, double range_m) const {
+  if (!spec_.volume_strength_db) return 0;
+  const double range = std::max(range_m, 0.01);
+  const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
+  const double depth_m = std::max(0.0, sent.depth_m - range * axis_world.z());
+  return std::pow(10, *spec_.volume_strength_db / 10) * spec_.figures.beam_solid_angle_sr() *
+         footprint_.widening(beam) * sent.cell_m / (range * range) * lost(sent, depth_m, 2 * range);
+}
+
+void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_t beam,
+                                            std::span<const RayEcho> surface, std::span<const RayEcho> others,
+                                            AcousticPing& ping) const {
+  const double sample_m = ping.water_column_sample_m;
+  std::vector<double> power(sent.samples, 0.0);
+  // Each echo keeps its energy: its shape is that of RayEcho, at least as wide as a sample, divided by its sum.
+  const auto add = [&](const RayEcho& echo) {
+    const double half_m = kShapeReach * std::max(double{echo.width_m}, sample_m);
+    const auto shape = [&](double k) {
+      const double off = ((k + 0.5) * sample_m - echo.range_m) / half_m;
+      return std::abs(off) < 1 ? (1 - off * off) * (1 - off * off) : 0.0;
+    };
+    const double from = std::ceil((echo.range_m - half_m) / sample_m - 0.5);
+    const double to = std::floor((echo.range_m + half_m) / sample_m - 0.5);
+    double sum = 0;
+    for (double k = from; k <= to; ++k) sum += shape(k);
+    const double end = std::min(to, static_cast<double>(sent.samples) - 1);
+    for (double k = std::max(from, 0.0); k <= end && sum > 0; ++k) {
+      power[static_cast<std::size_t>(k)] += shape(k) / sum * echo.energy * sent.cell_m / sample_m;
+    }
+  };
+  for (const RayEcho& echo : surface) add(echo);
+  for (const RayEcho& echo : others) add(echo);
+  if (spec_.volume_strength_db) {
+    const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
+    double water_m = axis_world.z() > 0 ? sent.depth_m / axis_world.z() : fan_.range_max_m;
+    for (const RayEcho& echo : surface) water_m = std::min(water_m, double{echo.range_m});
+    for (std::size_t k = 0; k < power.size() && (static_cast<double>(k) + 0.5) * sample_m < water_m; ++k) {
+      power[k] += reverberation(sent, beam, (static_cast<double>(k) + 0.5) * sample_m);
+    }
+  }
+  // Echo and noise are both complex Gaussian, so that each range cell's power is exponential about their sum.
+  const int cells = static_cast<int>(std::lround(sample_m / sent.cell_m));
+  std::uint64_t key = mixed(stream_.key() ^ (static_cast<std::uint64_t>(stream_.stream()) << 32));
+  key = mixed(mixed(key ^ sent.tick) ^ (static_cast<std::uint64_t>(beam) << 40));
+  for (std::size_t k = 0; k < power.size(); ++k) {
+    double speckle = 0;
+    for (int cell = 0; cell < cells; ++cell) {
+      const std::uint64_t index = k * static_cast<std::uint64_t>(cells) + static_cast<std::uint64_t>(cell);
+      speckle -= std::log(hashed_uniform(mixed(key + index)));
+    }
+    const double mean = detector_.system_ratio() * power[k] + 1;
+    ping.water_column_db[beam * sent.samples + k] =
+        static_cast<float>(10 * std::log10(mean * speckle / cells) - figure_db_);
+  }
+}
+
+}  // namespace uwsim
