@@ -45,6 +45,8 @@ void bind_link_figures(py::module_& m) {
       .def_readwrite("guard_s", &ModemSpec::guard_s)
       .def_readwrite("backoff_s", &ModemSpec::backoff_s)
       .def_readwrite("queue_bytes", &ModemSpec::queue_bytes)
+      .def_readwrite("retransmissions", &ModemSpec::retransmissions)
+      .def_readwrite("acknowledgement_bytes", &ModemSpec::acknowledgement_bytes)
       .def("packet_s", &ModemSpec::packet_s, py::arg("bytes"), "Return the duration of a packet [s].")
       .def("check", &ModemSpec::check, "Raise ValueError naming modem.<field> if a parameter is invalid.");
   py::class_<LinkFault>(m, "LinkFault", "An interval in which packets are lost with some probability.")
@@ -68,6 +70,7 @@ void bind_link_figures(py::module_& m) {
             l.bottom = {density_ratio, speed_ratio, attenuation_db_wavelength};
           },
           py::arg("density_ratio"), py::arg("speed_ratio"), py::arg("attenuation_db_wavelength"))
+      .def_readwrite("relays", &LinkSpec::relays)
       .def_readwrite("faults", &LinkSpec::faults);
 }
 
@@ -103,16 +106,19 @@ void bind_link_physics(py::module_& m) {
   m.def(
       "network_trial",
       [](const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds, std::uint64_t bytes,
-         double delay_s, std::uint64_t seed) {
-        NetworkTrial trial{modem, nodes, rate_1_s, seconds, bytes, {true, delay_s, 130, 76, 0, 0}, seed, 0.005};
+         double delay_s, std::uint64_t seed, double loss, std::vector<std::uint64_t> relays) {
+        const Reception heard{.reached = true, .delay_s = delay_s, .signal_db = 130, .noise_db = 76};
+        NetworkTrial trial{modem, nodes, rate_1_s, seconds, bytes, heard, seed, 0.005, loss, std::move(relays)};
         const GilReleased unlocked;
         return run_trial(trial);
       },
       py::arg("modem"), py::arg("nodes"), py::arg("rate_1_s"), py::arg("seconds"), py::arg("bytes"),
-      py::arg("delay_s") = 0.1, py::arg("seed") = 0,
+      py::arg("delay_s") = 0.1, py::arg("seed") = 0, py::arg("loss") = 0.0,
+      py::arg("relays") = std::vector<std::uint64_t>(),
       "Return the counts of a network under random load: all nodes except the first send single-packet\n"
       "messages to the first, each as a Poisson process; all packets are received at the same level, 54 dB\n"
-      "above the noise. Raises ValueError. Releases the GIL.");
+      "above the noise. loss: probability that a packet is lost regardless. relays: the relay of each node, 0 for\n"
+      "none. Raises ValueError. Releases the GIL.");
 }
 
 void bind_link_results(py::module_& m) {
@@ -126,6 +132,13 @@ void bind_link_results(py::module_& m) {
       .def_readonly("closing_m_s", &Reception::closing_m_s, "closing speed of the ends along the strongest arrival")
       .def_readonly("spread_s", &Reception::spread_s,
                     "from the first to the last arrival within 20 dB of the strongest")
+      .def_readonly(
+          "bed_departure", &Reception::bed_departure,
+          "by how much the bed between the ends departs from the flat bottom that was assumed, as a part of its "
+          "depth; 0 if no arrival that counts has bounced off the bottom")
+      .def_property_readonly(
+          "bed_is_uneven", [](const Reception& heard) { return heard.bed_departure > kUnevenBed; },
+          "whether the flat bottom does not hold: bed_departure is above 0.05")
       .def(
           "packet_loss",
           [](const Reception& heard, const ModemSpec& modem, std::uint64_t bytes) {
@@ -147,6 +160,7 @@ void bind_link_results(py::module_& m) {
       .def_readonly("refused", &TopicCounts::refused, "refused because the queue was full")
       .def_readonly("late", &TopicCounts::late, "dropped because the deadline passed before they could be sent")
       .def_readonly("sent", &TopicCounts::sent)
+      .def_readonly("resent", &TopicCounts::resent, "retransmissions after a missing acknowledgement")
       .def_readonly("delivered", &TopicCounts::delivered)
       .def_readonly("bytes_sent", &TopicCounts::bytes_sent)
       .def_readonly("bytes_delivered", &TopicCounts::bytes_delivered)
@@ -155,15 +169,18 @@ void bind_link_results(py::module_& m) {
           "lost",
           [](const TopicCounts& c) {
             constexpr const char* kNames[kLossKinds] = {"none",    "unheard", "noise", "collision",
-                                                        "sending", "doppler", "fault"};
+                                                        "sending", "doppler", "fault", "relay"};
             std::map<std::string, std::uint64_t> lost;
             for (std::size_t k = 1; k < kLossKinds; ++k) lost[kNames[k]] = c.lost[k];
             return lost;
           },
-          "Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path.");
+          "Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path;\n"
+          "relay: dropped by a relay, because its queue was full, the message too late, or a newer one came.");
   py::class_<LinkQuality>(m, "LinkQuality", "The link quality that a node last observed for another.")
       .def_readonly("packets", &LinkQuality::packets)
       .def_readonly("packets_lost", &LinkQuality::packets_lost)
+      .def_readonly("packets_uneven", &LinkQuality::packets_uneven,
+                    "packets for which the flat bottom that was assumed did not hold (Reception.bed_is_uneven)")
       .def_readonly("heard_ns", &LinkQuality::heard_ns, "when the last message arrived; 0 if none has")
       .def_readonly("delay_s", &LinkQuality::delay_s)
       .def_readonly("snr_db", &LinkQuality::snr_db)

@@ -191,6 +191,7 @@ class Search {
     one.arrival_dip_rad = std::atan2(last_up ? -to_sine : to_sine, p * to_m_s);
     one.time_s = sum.time_s;
     one.length_m = sum.length_m;
+    one.widening_m2_s = sum.widening;
     add_legs(band, snell, parts, first_up, reversals, one);
     const double length = std::max(sum.length_m, 1.0), wave_number = 2 * kPi * losses_.frequency_hz / to_m_s;
     const double spread = from_m_s * to_m_s / (sum.across_per_p * std::abs(sum.widening) * from_sine * to_sine);

@@ -41,6 +41,7 @@ struct Arrival {
   /// each between them, and the least and the greatest depth with the grazing angles there, 0 where the ray turns.
   double first_m = 0, crossing_m = 0, last_m = 0;
   double top_m = 0, bottom_m = 0, top_grazing_rad = 0, bottom_grazing_rad = 0;
+  double widening_m2_s = 0;  ///< dx / dp: change of the distance with the Snell invariant; 0 at a caustic
 
   int legs() const { return surface_bounces + bottom_bounces + turns + 1; }
 };

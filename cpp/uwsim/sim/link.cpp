@@ -7,7 +7,6 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/infinity.h"
-#include "uwsim/rays/bed_depth.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_packet.h"
 #include "uwsim/sonar/water_sound.h"
@@ -22,6 +21,7 @@ constexpr double kOffTheBed = 0.05;
 constexpr double kAudible_db = 20;     // weaker than the strongest by more than this does not count (reception.h)
 constexpr double kBesideHit_m = 0.01;  // step past a solid before continuing behind it
 constexpr int kSolidsPassed = 8;
+constexpr double kDeepestBed_m = 12000;
 
 double depth_of(const Transducer& transducer) { return std::max(0.0, -transducer.position_world_m.z()); }
 
@@ -108,9 +108,34 @@ std::vector<bool> blocked_paths(const RayScene& scene, const std::vector<RaySegm
   return blocked;
 }
 
-Reception perfect(double delay_s) {
-  return {.reached = true, .delay_s = delay_s, .signal_db = 0, .noise_db = 0, .closing_m_s = 0, .spread_s = 0};
+/// The depths of the bed at evenly spaced places from one transducer to the other; infinite where there is none.
+using BedProfile = std::array<double, 5>;
+
+BedProfile bed_between(const RayScene& scene, const Transducer& from, const Transducer& to) {
+  BedProfile bed_m;
+  ExactRays rays;
+  ExactHits hits;
+  for (std::size_t lane = 0; lane < kPacketRays; ++lane) {
+    const double share = static_cast<double>(std::min(lane, bed_m.size() - 1)) / static_cast<double>(bed_m.size() - 1);
+    Eigen::Vector3d above = from.position_world_m + share * (to.position_world_m - from.position_world_m);
+    above.z() = 0;
+    set_ray(rays, lane, above, -Eigen::Vector3d::UnitZ(), kDeepestBed_m, lane < bed_m.size());
+  }
+  scene.cast({&rays, 1}, {&hits, 1});
+  std::copy_n(hits.distance_m.begin(), bed_m.size(), bed_m.begin());
+  return bed_m;
 }
+
+/// By how much a bed departs from a depth, as a part of it; 1 where it is missing.
+double departure(const BedProfile& bed_m, double bottom_m) {
+  double most = 0;
+  for (const double depth_m : bed_m) {
+    most = std::max(most, std::isfinite(depth_m) ? std::abs(depth_m / bottom_m - 1) : 1.0);
+  }
+  return most;
+}
+
+Reception perfect(double delay_s) { return {.reached = true, .delay_s = delay_s, .signal_db = 0, .noise_db = 0}; }
 
 ModemWater modem_water(const LinkSpec& spec, const Water& water) {
   const bool is_modem = spec.modem.kind == LinkKind::kModem;
@@ -156,8 +181,8 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
   const Eigen::Vector3d level =
       across_m > 0 ? Eigen::Vector3d(line.x() / across_m, line.y() / across_m, 0) : Eigen::Vector3d(1, 0, 0);
   const double deepest = std::max(depth_of(from), depth_of(to));
-  const Eigen::Vector3d middle = 0.5 * (from.position_world_m + to.position_world_m);
-  double bottom_m = bed_depth_m(scene, middle.x(), middle.y());
+  const BedProfile bed_m = bed_between(scene, from, to);
+  double bottom_m = bed_m[bed_m.size() / 2];
   // The bed half-way is above one of the ends, so there is no reflection
   if (bottom_m <= deepest) bottom_m = kInfinity;
   const SoundLosses losses{modem_.frequency_hz, water_.bottom, water_.surface_rms_m, &water_.absorption};
@@ -166,6 +191,7 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
   const bool bends = water_.profile.steepest_1_s() > 0;
   paths_.clear();
   double strongest_db = -1e9;
+  bool bounces = false;
   // Strongest first, until terrain blocks none that counts
   for (std::size_t first = 0, end = 0; first < rays.size(); first = end) {
     if (rays[first].level_db < strongest_db - kAudible_db) break;
@@ -178,12 +204,15 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
       if (blocked[k - first]) continue;
       const Arrival& ray = rays[k];
       strongest_db = std::max(strongest_db, ray.level_db);
+      bounces |= ray.bottom_bounces > 0 && ray.level_db >= strongest_db - kAudible_db;
       paths_.push_back({ray.time_s, modem_.source_level_db + ray.level_db,
                         from.velocity_world_m_s.dot(along(level, ray.launch_dip_rad)) -
                             to.velocity_world_m_s.dot(along(level, ray.arrival_dip_rad))});
     }
   }
-  return reception(modem_, water_, paths_);
+  Reception heard = reception(modem_, water_, paths_);
+  if (bounces) heard.bed_departure = departure(bed_m, bottom_m);
+  return heard;
 }
 
 std::array<double, 2> LinkWater::overhear(const Transducer& from, const Transducer& to) const {

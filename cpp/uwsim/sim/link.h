@@ -20,6 +20,7 @@ struct LinkSpec {
   NoiseSources noise;
   FluidBottom bottom;
   double acidity_ph = 8;
+  std::vector<std::uint64_t> relays;  ///< the relay of each node, 0 for none (PacketNetwork); may be empty
   std::vector<LinkFault> faults;
 
   /// Throws InvalidValue naming link.<field>.
@@ -40,11 +41,15 @@ struct RaySegment {
 
 /// The propagation of sound between transducers in a world: all arrivals (arrivals.h), through the sound-speed profile
 /// and between a flat surface and a flat bottom, which is at the depth of the bed half-way between the transducers.
-/// Terrain in a ray's path blocks it (no diffraction); solids and hulls do not (they are small).
+/// Where arrivals that count have bounced off the bottom, Reception::bed_departure is by how much the bed is higher or
+/// lower than that at the transducers and half-way to them: beyond kUnevenBed, the times and levels of these arrivals
+/// are those of other water. Terrain in a ray's path blocks it (no diffraction); solids and hulls do not (they are
+/// small).
 class LinkWater {
  public:
   LinkWater(const LinkSpec& spec, const Water& water);
 
+  /// scene: without moving bodies.
   Reception hear(const RayScene& scene, const Transducer& from, const Transducer& to) const;
   /// Delay [s] and level [dB re 1 uPa] along the straight, unobstructed path.
   std::array<double, 2> overhear(const Transducer& from, const Transducer& to) const;

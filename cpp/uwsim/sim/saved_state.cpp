@@ -56,9 +56,12 @@ void Simulation::exchange_state(StateArchive& archive) {
   archive.same("vehicles", vehicles_.size());
   for (Vehicle& vehicle : vehicles_) exchange_vehicle(archive, vehicle);
   bodies_.exchange_state(archive);
-  archive.same("link", link_ ? 1 : 0);
+  std::uint64_t layout = link_ ? PacketNetwork::kLayout : 0;
+  archive(layout);
+  require((layout > 0) == link_.has_value() && layout <= PacketNetwork::kLayout, "state.link", layout,
+          link_ ? "must be 1 or 2" : "must be 0");
   if (!link_) return;
-  link_->network.exchange_state(archive);
+  link_->network.exchange_state(archive, layout);
   for (PositionExchange& one : link_->exchanges) one.exchange_state(archive, link_->network, tick_);
 }
 

@@ -75,7 +75,11 @@ class Members:
             water = scenario_water(scenario, self._world)
         except ValueError as error:
             raise ValueError(f"batch[{index}]: {error}") from None
-        link = None if scenario.link is None else link_spec(scenario.link, scenario.station)
+        link = (
+            None
+            if scenario.link is None
+            else link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
+        )
         spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link)
         return Member(original, scenario, water, vehicles, spec)
 

@@ -34,6 +34,17 @@ def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
     return modem.slot_s / (modem.slot_s + modem.guard_s) / nodes
 
 
+def sharers(relays: Mapping[str, str], vehicle: str, vehicles: Iterable[str]) -> int:
+    """Return the number of vehicles whose messages pass the last relay on a vehicle's way, or the vehicle itself."""
+
+    def last(name: str) -> str:
+        while name in relays:
+            name = relays[name]
+        return name
+
+    return sum(last(other) == last(vehicle) for other in vehicles)
+
+
 def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
     """Return the time for which a message of `size` bytes occupies the modem, in seconds; TDMA slots are not split."""
     full, rest = divmod(size, modem.packet_bytes)
@@ -53,6 +64,7 @@ def send_rates(
     *,
     times: Mapping[str, int] | None = None,
     taken: float = 0.0,
+    shared_by: int = 1,
 ) -> dict[str, float]:
     """Return the rates [Hz] of a vehicle's channels by name; channels that cannot be sent are missing.
 
@@ -60,8 +72,10 @@ def send_rates(
     remaining capacity. The channels of the last priority that gets any capacity also get what remains unused. Pictures
     take turns: the rate returned for each is that of all pictures together. sizes: packed message sizes in bytes.
     times: how many times each message is sent, by default once. taken: share of time used by the vehicle's instruments.
+    shared_by: number of vehicles whose messages pass the same relay. Acknowledgements and retransmissions are not
+    allowed for.
     """
-    left = max(airtime_share(modem, access, nodes) - taken, 0.0)
+    left = max(airtime_share(modem, access, nodes) / shared_by - taken, 0.0)
     times = times or {}
     rates: dict[str, float] = {}
     grown: dict[str, float] = {}

@@ -32,7 +32,8 @@ Floats = NDArray[np.float64]
 class Leg:
     """The result at one place: its range from the station's transducer, and how many messages arrived from there.
 
-    delay_s: travel time of the sound, NaN if there is no path. waited_s: mean time from `send` to arrival.
+    delay_s: travel time of the sound, NaN if there is no path. uneven: whether reflections from the bed count that are
+    not those of a flat bottom (Reception.bed_is_uneven). waited_s: mean time from `send` to arrival.
     goodput_bit_s: rate at which payloads arrived.
     """
 
@@ -44,6 +45,7 @@ class Leg:
     delivered: int
     waited_s: float
     goodput_bit_s: float
+    uneven: bool
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,7 @@ def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
         delivered=delivered,
         waited_s=float(np.mean([one.arrived_s - one.given_s for one in got])) if got else np.nan,
         goodput_bit_s=8.0 * size * delivered / (done_s - began_s),
+        uneven=heard.bed_is_uneven,
     )
 
 
@@ -192,8 +195,10 @@ def summary(trial: Trial) -> str:
     sent, delivered = sum(leg.sent for leg in trial.legs), sum(leg.delivered for leg in trial.legs)
     farthest_m = max(leg.range_m for leg in trial.legs)
     heard = trial.open_water.delivery >= 0.5
+    uneven = sum(leg.uneven for leg in trial.legs)
+    bed = f"; at {uneven} of {len(trial.legs)} places the bed is too uneven for reflections of a flat one"
     reach = f"{trial.open_water.range_m[heard].max():,.0f} m" if heard.any() else "nowhere"
     return (
         f"{trial.modem} in {trial.scenario.name}: {delivered} of {sent} messages of {trial.message_bytes} bytes "
-        f"delivered within {farthest_m:,.0f} m; without a bed half of them would reach {reach}"
+        f"delivered within {farthest_m:,.0f} m; without a bed half of them would reach {reach}{bed if uneven else ''}"
     )

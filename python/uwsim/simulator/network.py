@@ -32,7 +32,8 @@ class Counts(NamedTuple):
     """Message counts for one topic and sender; `lost` counts messages sent but not received, by reason.
 
     replaced: superseded by a newer message while queued. refused: the queue was full. late: expired before it could be
-    sent. bytes_sent, bytes_delivered: payload bytes. delay_s: mean time from `send` to arrival.
+    sent. bytes_sent, bytes_delivered: payload bytes. delay_s: mean time from `send` to arrival. resent:
+    retransmissions after a missing acknowledgement, by all nodes on the way.
     """
 
     topic: str
@@ -47,14 +48,16 @@ class Counts(NamedTuple):
     bytes_sent: int
     bytes_delivered: int
     delay_s: float
+    resent: int
 
 
 class Network:
     """The packets between the station and the vehicles, in simulated time; part of a simulator's state.
 
     modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message is delivered whole with
-    its last packet, or not at all. There are no acknowledgements, but a message may be sent several times. Topics that
-    begin with `ranging/` are pings and fixes of a USBL that shares the modem.
+    its last packet, or not at all; it may be sent several times, in any case (`repeats`) or because it was not
+    acknowledged (the modem's `retransmissions`). Topics that begin with `ranging/` are pings and fixes of a USBL that
+    shares the modem; `acknowledgement` counts those.
     """
 
     def __init__(self, core: _core.Simulation, scenario: Scenario, modem: ModemModel, journal: Journal) -> None:
@@ -68,7 +71,7 @@ class Network:
         """Return a scenario's network, or None if it has no link. Call after all vehicles have been added."""
         if scenario.link is None:
             return None
-        spec = link_spec(scenario.link, scenario.station)
+        spec = link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
         if spec is None:
             return None
         core.set_link(spec)
@@ -137,7 +140,7 @@ class Network:
                     found.append(
                         Counts(
                             topic, name, one.given, one.replaced, one.refused, one.late, one.sent, one.delivered,
-                            one.lost, one.bytes_sent, one.bytes_delivered, mean_s,
+                            one.lost, one.bytes_sent, one.bytes_delivered, mean_s, one.resent,
                         )
                     )  # fmt: skip
         return found

@@ -86,17 +86,17 @@ TEST(PacketQueue, ItFollowsThePlainRulesThroughRandomOperations) {
         default: {
           if (queue.empty()) break;
           const auto front = plain.front();
-          EXPECT_EQ(queue.front().number, front->number);
+          EXPECT_EQ(queue.next(k)->number, front->number);
           if (draw(2) == 0) {
-            ++queue.front().packets_sent;
+            ++queue.next(k)->packets_sent;
             ++front->packets_sent;
           } else if (front->repeats > 0) {
-            queue.repeat_front();
+            queue.repeat_next(k, 0);
             front->packets_sent = 0;
             --front->repeats;
             std::rotate(front, front + 1, plain.messages.end());
           } else {
-            EXPECT_EQ(queue.take_front().number, front->number);
+            EXPECT_EQ(queue.take_next(k).number, front->number);
             plain.messages.erase(front);
           }
         }
@@ -114,6 +114,26 @@ TEST(PacketQueue, ItFollowsThePlainRulesThroughRandomOperations) {
   }
 }
 
+TEST(PacketQueue, AHeldMessageIsPassedOverUntilItsTimeAndMayBeFinishedBefore) {
+  PacketQueue queue;
+  LinkMessage replaced;
+  for (const std::uint64_t number : {1u, 2u}) {
+    LinkMessage message;
+    message.number = number;
+    message.retransmissions = 1;
+    queue.add(message, 100, replaced);
+  }
+  EXPECT_EQ(queue.repeat_next(0, 50).number, 1u);
+  EXPECT_EQ(queue.repeat_next(0, 60).number, 2u);
+  EXPECT_EQ(queue.next(49), nullptr);
+  EXPECT_EQ(queue.next(50)->number, 1u);
+  EXPECT_TRUE(queue.finish(1));
+  EXPECT_FALSE(queue.finish(1));
+  EXPECT_EQ(queue.next(59), nullptr);
+  EXPECT_EQ(queue.take_next(60).retransmissions, 0u);
+  EXPECT_TRUE(queue.empty());
+}
+
 // Regression test: when each operation examined all messages, this took more than a minute.
 TEST(PacketQueue, AQueueOfAHundredThousandMessagesIsFilledAndEmptied) {
   PacketQueue queue;
@@ -125,7 +145,7 @@ TEST(PacketQueue, AQueueOfAHundredThousandMessagesIsFilledAndEmptied) {
     message.payload.assign(64, 'x');
     ASSERT_EQ(queue.add(message, 10'000'000, replaced), PacketQueue::Added::kQueued);
   }
-  for (std::uint64_t k = 0; k < 50'000; ++k) ASSERT_EQ(queue.take_front().number, k);
+  for (std::uint64_t k = 0; k < 50'000; ++k) ASSERT_EQ(queue.take_next(0).number, k);
   std::uint64_t late = 0;
   for (std::uint64_t now_ns = 1'000'000; now_ns < 1'100'000; ++now_ns) {
     queue.expire(now_ns, [&](const LinkMessage&) { ++late; });

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,8 +11,11 @@ from uwsim import Simulator, _core
 from uwsim.acoustics import arrivals
 from uwsim.channels import Table
 from uwsim.link import seen_channels
-from uwsim.scenario import ScenarioError, load
+from uwsim.recording.recorder import Recorder
+from uwsim.recording.replay import replay
+from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.build.link import modem_spec
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.link import BOTTOMS, LinkSetup
 from uwsim.scenario.spec.modem import ModemModel, load_modem
 
@@ -130,6 +135,77 @@ def test_a_burst_takes_its_share_and_the_status_says_so_while_it_lasts() -> None
     assert abs(counts.lost["fault"] - 50) < 4 * 5, "of a binomial, n = 100 and p = 0.5, sigma is 5"
 
 
+def relayed(**changes: object) -> Simulator:
+    """Return the pair's basin in which the scout exchanges messages through the rov, and packets get lost."""
+    setup = {"modem": "s2cm_hs", "access": "aloha", "relays": {"scout": "rov"}, "retransmissions": 4}
+    setup["faults"] = [{"from_s": 0.0, "until_s": 1e6, "loss": 0.3}]
+    return Simulator(load("pair").model_copy(update={"link": LinkSetup(**setup | changes)}), threads=1)
+
+
+def test_acknowledged_and_relayed_messages_arrive_and_a_restored_state_repeats_them() -> None:
+    sim = relayed()
+
+    def talk() -> list[object]:
+        for k in range(10):
+            sim.link.send("scout", "station", "up", bytes([k]) * 40)
+            sim.link.send("station", "scout", "down", bytes([k]) * 40)
+            sim.advance(3.0)
+        sim.advance(20.0)
+        return [sim.link.received("station"), sim.link.received("scout"), sim.link.counts()]
+
+    sim.link.send("scout", "station", "up", bytes(40))
+    sim.advance(0.2)  # a message is held until it is acknowledged
+    state = sim.save_state()
+    first = talk()
+    sim.restore_state(state)
+    assert talk() == first
+    assert [one.sender for one in first[0]] == ["scout"] * len(first[0])
+    up, down = [next(one for one in sim.link.counts() if one.topic == topic) for topic in ("up", "down")]
+    assert up.sender == "scout" and down.sender == "station"
+    for counts in (up, down):
+        # Two hops, each of which loses 0.3^5 of the messages
+        assert counts.delivered >= 10
+        assert counts.resent > 0
+        assert counts.delivered + sum(counts.lost.values()) == counts.sent
+    assert sim.link.quality("scout", "station").delay_s == pytest.approx(
+        sim.link.reception("scout", "rov").delay_s + sim.link.reception("rov", "station").delay_s, rel=0.2
+    )
+    assert sim.link.waiting("scout") == (0, 0)
+
+
+def test_relayed_and_acknowledged_messages_replay_to_the_byte(tmp_path: Path) -> None:
+    sim, path = relayed(), tmp_path / "link.mcap"
+    with Recorder(sim, path, topics=["scout/link", "rov/link"]):
+        for k in range(8):
+            sim.link.send("scout", "station", "up", bytes([k]) * 40, replaces=k % 2 == 0)
+            sim.advance(0.7)
+    result = replay(path, threads=1)
+    assert result.difference is None
+    assert result.state_compared
+    assert sum(one.resent for one in sim.link.counts()) > 0
+
+
+def test_a_bed_that_is_not_flat_is_reported() -> None:
+    """A ramp of 1 in 10 below a path of 200 m: 10 m deeper and shallower at the ends than half-way, of 40 m."""
+    spec, water = _core.LinkSpec(), _core.Water()
+    water.bottom_depth_m = 50.0
+    spec.modem = modem_spec(load_modem("micromodem"))
+    heard_in, ends = _core.LinkWater(spec, water), ((-100.0, 0.0, -5.0), (100.0, 0.0, -5.0))
+
+    def departure(slope: float) -> _core.Reception:
+        world = _core.World()
+        heights = -40.0 + slope * np.linspace(-500.0, 500.0, 101, dtype=np.float32)
+        world.set_terrain(np.tile(heights, (101, 1)).astype(np.float32), 10.0, (-500.0, -500.0))
+        return heard_in.hear(_core.RayScene(world), *ends)
+
+    assert departure(0.0).bed_departure == pytest.approx(0.0, abs=1e-6)
+    assert departure(0.1).bed_departure == pytest.approx(0.25, rel=1e-3)
+    assert departure(0.1).bed_is_uneven and not departure(0.019).bed_is_uneven
+    spec.set_bottom(1.0, 1.0, 0.5)  # water: nothing is reflected
+    heard_in = _core.LinkWater(spec, water)
+    assert departure(0.1).bed_departure == 0.0, "no arrival that counts has touched the bed"
+
+
 def test_reset_forgets_all_messages() -> None:
     sim = lake("ideal_acoustic")
     sim.link.send("station", "rov", "t", b"x")
@@ -152,6 +228,14 @@ def test_mistakes_are_named(tmp_path) -> None:
         load("pair").with_changes(modem=_file(tmp_path, text))
     with pytest.raises(ScenarioError, match="did you mean"):
         load("pair").with_changes(modem="micromodm")
+    for relays, rule in (
+        ({"scout": "rob"}, "link.relays.scout = .*rob.*: must be one of the vehicles, rov, scout; did you mean 'rov'"),
+        ({"scout": "rov", "rov": "scout"}, "must not be relayed in a circle: scout - rov - scout"),
+    ):
+        with pytest.raises(ScenarioError, match=rule):
+            validated(Scenario, load("pair").given() | {"link": {"modem": "micromodem", "relays": relays}})
+    with pytest.raises(ScenarioError, match=r"retransmissions.*no effect on a link of kind 'cable'"):
+        validated(Scenario, load("pair").given() | {"link": {"modem": "tether", "retransmissions": 2}})
 
 
 def _file(folder, text: str) -> str:

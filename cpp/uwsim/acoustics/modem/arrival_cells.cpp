@@ -7,11 +7,12 @@
 namespace uwsim {
 namespace {
 
-constexpr double kCellsAcross = 64;
+constexpr double kCellsAcross = 32;
 constexpr double kLeast_m = 0.0625;
+constexpr double kMostBent = 1.0 / 32;  // change of a ray's invariant, relative to the slowness of sound
 constexpr ArrivalLimits kKept{.within_db = 30, .most = 24};
 
-/// The greatest power of two that is at most 1/64 of a distance.
+/// The greatest power of two that is at most 1/32 of a distance.
 double cell_m(double distance_m) {
   return std::max(kLeast_m, std::exp2(std::floor(std::log2(distance_m / kCellsAcross))));
 }
@@ -61,12 +62,19 @@ std::span<const Arrival> ArrivalCells::at(const SoundSpeedProfile& profile, cons
   const double bed_lower = has_bottom ? ends.bottom_m - cell.ends.bottom_m : 0;
   moved_.assign(cell.arrivals.begin(), cell.arrivals.end());
   for (Arrival& one : moved_) {
+    const double found_s = one.time_s;
     one.time_s += (std::cos(one.arrival_dip_rad) * farther + std::sin(one.arrival_dip_rad) * to_lower) / to_m_s -
                   std::sin(one.launch_dip_rad) * from_lower / from_m_s;
+    double missed_m = farther - to_lower / std::tan(one.arrival_dip_rad) + from_lower / std::tan(one.launch_dip_rad);
     if (one.bottom_bounces > 0) {
-      one.time_s += 2 * one.bottom_bounces * std::sin(one.bottom_grazing_rad) * bed_lower / profile.at(one.bottom_m);
+      const double lower = 2 * one.bottom_bounces * bed_lower;
+      one.time_s += std::sin(one.bottom_grazing_rad) * lower / profile.at(one.bottom_m);
+      missed_m -= lower / std::tan(one.bottom_grazing_rad);
       one.bottom_m = ends.bottom_m;
     }
+    const double bent_s_m = missed_m / one.widening_m2_s;
+    if (std::abs(bent_s_m) * to_m_s <= kMostBent) one.time_s += 0.5 * missed_m * bent_s_m;
+    one.level_db -= 20 * std::log10(one.time_s / found_s);
   }
   return moved_;
 }

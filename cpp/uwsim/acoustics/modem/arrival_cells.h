@@ -12,13 +12,15 @@ namespace uwsim {
 
 /// The arrivals between points in the same water, for many packets between slowly moving ends. They are computed once
 /// for each cell of range, depths of both ends and depth of the bottom, at the middle of the cell, and moved to the
-/// true ends: travel times to first order, by the slowness of the ray at its ends and its reflections from the bottom.
+/// true ends. With the slowness vectors of the ray at its ends and at its reflections from the bottom, the travel time
+/// changes to first order by their components along the displacements. To second order it changes by d^2 / (2 dx/dp),
+/// where d is the horizontal distance by which a ray with the same Snell invariant p misses the true receiver (the
+/// time is the Legendre transform of the delay p x + T(p)); near a caustic, where p would have to change by more than
+/// 1/32 of the slowness, this term is left out. Levels change as under spherical spreading.
 ///
-/// A cell is 1/128 to 1/64 as wide as the ends are apart, and at most that part of the water's depth high. The levels
-/// are those of ends that are at most 1/128 of the distance away: 0.07 dB under spherical spreading, more near a
-/// caustic. The error of a travel time is of second order: at most 1/8192 of it along a straight ray, 1e-5 on average.
-/// The content of a cell depends on the cell alone, so results do not depend on which cells are remembered, nor on the
-/// order of calls.
+/// A cell is 1/64 to 1/32 as wide as the ends are apart, and at most that part of the water's depth high. The error of
+/// a travel time is of third order along a straight ray: at most 1/65536 of it. The content of a cell depends on the
+/// cell alone, so results do not depend on which cells are remembered, nor on the order of calls.
 class ArrivalCells {
  public:
   /// `cells`: how many of them are remembered.

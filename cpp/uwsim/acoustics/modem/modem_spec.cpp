@@ -18,7 +18,14 @@ void ModemSpec::check() const {
   within("header_bytes", static_cast<double>(header_bytes), 0, 1e4, "bytes");
   within("latency_s", latency_s, 0, 60, "s");
   within("queue_bytes", static_cast<double>(queue_bytes), 1, 1e9, "bytes");
-  if (kind != LinkKind::kModem) return;
+  if (kind != LinkKind::kModem) {
+    require(retransmissions == 0, "modem.retransmissions", retransmissions, "must be 0 unless the link has modems");
+    return;
+  }
+  within("retransmissions", static_cast<double>(retransmissions), 0, 100, "");
+  within("acknowledgement_bytes", static_cast<double>(acknowledgement_bytes), 0, static_cast<double>(packet_bytes),
+         "bytes");
+  within("guard_s", guard_s, 0, 600, "s");
   within("frequency_hz", frequency_hz, 100, 1e6, "Hz");
   within("bandwidth_hz", bandwidth_hz, 1, 2 * frequency_hz, "Hz");
   within("source_level_db", source_level_db, 50, 250, "dB");
@@ -29,7 +36,6 @@ void ModemSpec::check() const {
   within("speed_max_m_s", speed_max_m_s, 0, 100, "m/s");
   within("backoff_s", backoff_s, 0, 600, "s");
   if (access != MediumAccess::kTdma) return;
-  within("guard_s", guard_s, 0, 600, "s");
   require(slot_s >= packet_s(packet_bytes), "modem.slot_s", with_unit(slot_s, "s"),
           "must hold a full packet, " + std::to_string(packet_s(packet_bytes)) + " s");
 }

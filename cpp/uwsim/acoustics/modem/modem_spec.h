@@ -36,11 +36,17 @@ struct ModemSpec {
   double speed_max_m_s = 5;  ///< largest closing speed at which the receiver can track the Doppler shift
 
   MediumAccess access = MediumAccess::kTdma;
-  double slot_s = 1;     ///< TDMA: time to send in a slot; a guard time follows
-  double guard_s = 1;    ///< TDMA: travel time over the largest range for which the slots are designed
+  double slot_s = 1;  ///< TDMA: time to send in a slot; a guard time follows
+  /// Travel time over the largest range for which the network is designed: follows each slot of TDMA; twice this time
+  /// is allowed for an acknowledgement's way.
+  double guard_s = 1;
   double backoff_s = 0;  ///< ALOHA: maximum of the uniformly distributed wait before a packet
 
   std::uint64_t queue_bytes = 4096;  ///< largest total payload that may be queued at a node
+
+  /// How many times a message is sent again if it is not acknowledged; 0: there are no acknowledgements.
+  std::uint64_t retransmissions = 0;
+  std::uint64_t acknowledgement_bytes = 0;  ///< payload of an acknowledgement
 
   bool takes_turns() const { return kind == LinkKind::kModem && access == MediumAccess::kTdma; }
   /// Duration of a packet with this many bytes of payload [s].

@@ -26,6 +26,8 @@ void check(const NetworkTrial& trial) {
   require(trial.rate_1_s >= 0 && trial.rate_1_s * trial.step_s <= 0.5, "rate_1_s", with_unit(trial.rate_1_s, "1/s"),
           "must be below a half of 1 / step_s");
   require(trial.seconds > 0 && trial.seconds <= 1e7, "seconds", trial.seconds, "must be in (0, 1e7] s");
+  require(trial.loss >= 0 && trial.loss <= 1, "loss", trial.loss, "must be in [0, 1]");
+  require(trial.relays.size() <= trial.nodes, "relays", trial.relays.size(), "must be at most one for each node");
   require(trial.bytes <= trial.modem.packet_bytes, "bytes", trial.bytes, "must fit into a packet");
 }
 
@@ -34,7 +36,9 @@ void check(const NetworkTrial& trial) {
 TopicCounts run_trial(const NetworkTrial& trial) {
   check(trial);
   const auto step_ns = static_cast<std::uint64_t>(std::llround(1e9 * trial.step_s));
-  PacketNetwork network(trial.modem, trial.nodes, {}, trial.seed, step_ns);
+  std::vector<LinkFault> faults;
+  if (trial.loss > 0) faults.push_back({0, 1e9, trial.loss});
+  PacketNetwork network(trial.modem, trial.nodes, std::move(faults), trial.seed, step_ns, trial.relays);
   const EvenMedium medium(trial.heard);
   const RandomStream arrivals(trial.seed, "trial/arrivals");
   const std::uint64_t topic = network.topic("load");

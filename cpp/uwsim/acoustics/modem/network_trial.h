@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "uwsim/acoustics/modem/packet_network.h"
 
 namespace uwsim {
 
 /// A network under random load, for comparing its throughput with theory. Every node except node 0 sends single-packet
-/// messages to node 0 as a Poisson process. All packets are received at the same level.
+/// messages to node 0 as a Poisson process. All packets are received at the same level, and some are lost at random.
 struct NetworkTrial {
   ModemSpec modem;
   std::size_t nodes = 2;
@@ -17,6 +18,8 @@ struct NetworkTrial {
   Reception heard{true, 0.1, 130, 76, 0, 0};
   std::uint64_t seed = 0;
   double step_s = 0.005;
+  double loss = 0;                    ///< probability that a packet is lost regardless of the others
+  std::vector<std::uint64_t> relays;  ///< by node, as for PacketNetwork
 };
 
 /// Runs the trial and returns the sum of all nodes' counts. Time advances in steps of step_s, and a node submits at

@@ -12,6 +12,19 @@ namespace {
 
 std::uint64_t ns(double seconds) { return static_cast<std::uint64_t>(std::llround(1e9 * seconds)); }
 
+/// Returns the relays of all nodes; each chain of them must end.
+std::vector<std::uint64_t> checked(std::vector<std::uint64_t> relays, std::size_t nodes) {
+  relays.resize(nodes, 0);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    std::size_t hops = 0;
+    for (std::uint64_t at = node; relays[at] != 0; at = relays[at]) {
+      require(at != 0 && relays[at] < nodes, "link.relays", relays[at], "must be a vehicle's node, for a vehicle");
+      require(++hops < nodes, "link.relays", node, "must not be relayed in a circle");
+    }
+  }
+  return relays;
+}
+
 }  // namespace
 
 TopicCounts& TopicCounts::operator+=(const TopicCounts& other) {
@@ -21,6 +34,7 @@ TopicCounts& TopicCounts::operator+=(const TopicCounts& other) {
   late += other.late;
   sent += other.sent;
   delivered += other.delivered;
+  resent += other.resent;
   bytes_sent += other.bytes_sent;
   bytes_delivered += other.bytes_delivered;
   for (std::size_t k = 0; k < kLossKinds; ++k) lost[k] += other.lost[k];
@@ -29,14 +43,17 @@ TopicCounts& TopicCounts::operator+=(const TopicCounts& other) {
 }
 
 PacketNetwork::PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults,
-                             std::uint64_t seed, std::uint64_t step_ns)
+                             std::uint64_t seed, std::uint64_t step_ns, std::vector<std::uint64_t> relays)
     : modem_((modem.check(), modem)),
       faults_(std::move(faults)),
+      relays_(checked(std::move(relays), nodes)),
       step_ns_(step_ns),
       losses_(seed, stream_name("link", "loss")),
       waits_(seed, stream_name("link", "wait")),
       nodes_(nodes),
-      quality_(nodes * nodes) {}
+      quality_(nodes * nodes) {
+  if (modem_.retransmissions > 0) acknowledgements_ = topic("acknowledgement");
+}
 
 std::uint64_t PacketNetwork::topic(const std::string& name) {
   const auto found = std::find(topics_.begin(), topics_.end(), name);
@@ -55,25 +72,39 @@ bool PacketNetwork::send(std::size_t from, LinkMessage message, std::uint64_t no
   require(message.repeats <= kRepeatsMax, "link.repeats", message.repeats, "must be at most 1000");
   TopicCounts& counts = counts_[message.topic][from];
   message.number = next_message_++;
+  message.from = from;
   message.given_ns = now_ns;
-  message.packets_sent = 0;
+  message.packets_sent = message.held_until_ns = 0;
+  message.repeats_given = message.repeats;
+  message.retransmissions = message.signal ? 0 : modem_.retransmissions;
   ++counts.given;
+  const bool has_room = enqueue(from, std::move(message));
+  if (!has_room) ++counts.refused;
+  return has_room;
+}
+
+/// Adds a message to a node's queue; returns whether there is room.
+bool PacketNetwork::enqueue(std::size_t at, LinkMessage message) {
   LinkMessage older;
-  switch (nodes_[from].queue.add(std::move(message), modem_.queue_bytes, older)) {
-    case PacketQueue::Added::kRefused:
-      ++counts.refused;
-      return false;
-    case PacketQueue::Added::kReplaced:
-      if (older.again) {
-        drop_repeat(from, older);
-      } else {
-        ++counts.replaced;
-      }
-      return true;
-    default:
-      ++waiting_;
-      return true;
+  const auto added = nodes_[at].queue.add(std::move(message), modem_.queue_bytes, older);
+  if (added == PacketQueue::Added::kQueued) ++waiting_;
+  if (added == PacketQueue::Added::kReplaced) {
+    TopicCounts& counts = counts_[older.topic][older.from];
+    if (older.again) {
+      drop_repeat(at, older);
+    } else {
+      ++(older.from == at ? counts.replaced : counts.lost[static_cast<std::size_t>(Loss::kRelay)]);
+    }
   }
+  return added != PacketQueue::Added::kRefused;
+}
+
+std::size_t PacketNetwork::next_hop(std::size_t at, std::size_t to) const {
+  std::size_t top = to;  // of the chain of relays between `to` and the station
+  for (; top != 0 && relays_[top] != 0; top = relays_[top]) {
+    if (relays_[top] == at) return top;
+  }
+  return relays_[at] != 0 ? relays_[at] : top;
 }
 
 void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
@@ -82,22 +113,22 @@ void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
     Node& node = nodes_[index];
     if (node.queue.empty()) continue;
     node.queue.expire(now_ns, [&](const LinkMessage& message) {
+      TopicCounts& counts = counts_[message.topic][message.from];
       if (message.again) {
         drop_repeat(index, message);
       } else {
-        ++counts_[message.topic][index].late;
+        ++(message.from == index ? counts.late : counts.lost[static_cast<std::size_t>(Loss::kRelay)]);
       }
       --waiting_;
     });
     if (node.waits && node.may_send_ns >= now_ns + step_ns_) continue;
-    while (!node.queue.empty()) {
-      const LinkMessage& next = node.queue.front();
-      const std::uint64_t sent = next.packets_sent * modem_.packet_bytes;
-      const std::uint64_t bytes = std::min<std::uint64_t>(next.payload.size() - sent, modem_.packet_bytes);
+    while (const LinkMessage* next = node.queue.next(now_ns)) {
+      const std::uint64_t sent = next->packets_sent * modem_.packet_bytes;
+      const std::uint64_t bytes = std::min<std::uint64_t>(next->payload.size() - sent, modem_.packet_bytes);
       const std::uint64_t length_ns = ns(modem_.packet_s(bytes));
       std::uint64_t start_ns = 0;
       if (!may_send(index, now_ns, length_ns, start_ns)) break;
-      send_packet(index, start_ns, length_ns, medium);
+      send_packet(index, now_ns, start_ns, length_ns, medium);
     }
   }
 }
@@ -123,17 +154,18 @@ bool PacketNetwork::may_send(std::size_t index, std::uint64_t now_ns, std::uint6
   return start_ns < now_ns + step_ns_;
 }
 
-void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::uint64_t length_ns,
-                                const LinkMedium& medium) {
+void PacketNetwork::send_packet(std::size_t index, std::uint64_t now_ns, std::uint64_t start_ns,
+                                std::uint64_t length_ns, const LinkMedium& medium) {
   Node& node = nodes_[index];
-  LinkMessage& message = node.queue.front();
-  TopicCounts& counts = counts_[message.topic][index];
-  if (message.packets_sent == 0 && !message.again) ++counts.sent;
+  LinkMessage& message = *node.queue.next(now_ns);
+  TopicCounts& counts = counts_[message.topic][message.from];
+  if (message.packets_sent == 0 && !message.again && message.from == index) ++counts.sent;
+  if (message.packets_sent == 0 && message.held_until_ns > 0) ++counts.resent;
   Flight flight;
   flight.packet = next_packet_++;
   flight.from = index;
-  flight.at = message.to;
-  flight.heard = medium.hear(index, message.to);
+  flight.at = message.signal ? message.to : next_hop(index, message.to);
+  flight.heard = medium.hear(index, flight.at);
   flight.starts_ns = start_ns + ns(flight.heard.delay_s);
   flight.ends_ns = flight.starts_ns + length_ns;
   const std::uint64_t first = message.packets_sent * modem_.packet_bytes;
@@ -147,16 +179,17 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::
     busy_until_ns_ = node.sending_until_ns;
   }
   if (modem_.kind == LinkKind::kModem) {
-    flight.deaf = nodes_[message.to].sending_until_ns > flight.starts_ns;
+    flight.deaf = nodes_[flight.at].sending_until_ns > flight.starts_ns;
     deafen(index, start_ns, node.sending_until_ns);
     let_others_hear(flight, start_ns, length_ns, medium);
     sounds_.push_back({flight.packet, flight.at, flight.starts_ns, flight.ends_ns, flight.heard.signal_db});
   }
-  flight.is_copy = message.again || message.repeats > 0;
-  if (flight.is_last && message.repeats > 0) {
-    flight.message = node.queue.repeat_front();
+  flight.is_copy = message.again || message.repeats + message.retransmissions > 0;
+  if (flight.is_last && message.repeats + message.retransmissions > 0) {
+    const bool again_at_once = message.repeats > 0;
+    flight.message = node.queue.repeat_next(now_ns, again_at_once ? 0 : node.sending_until_ns + ns(timeout_s()));
   } else if (flight.is_last) {
-    flight.message = node.queue.take_front();
+    flight.message = node.queue.take_next(now_ns);
     --waiting_;
   } else {
     ++message.packets_sent;
@@ -190,6 +223,11 @@ double PacketNetwork::longest_wait_s() const {
   if (modem_.kind != LinkKind::kModem) return 0;
   return modem_.takes_turns() ? static_cast<double>(nodes_.size()) * (modem_.slot_s + modem_.guard_s)
                               : modem_.backoff_s + modem_.packet_s(modem_.packet_bytes);
+}
+
+double PacketNetwork::timeout_s() const {
+  return longest_wait_s() + modem_.packet_s(modem_.acknowledgement_bytes) + 2 * modem_.guard_s +
+         2e-9 * static_cast<double>(step_ns_);
 }
 
 std::uint64_t PacketNetwork::next_arrival_ns(std::uint64_t now_ns) const {

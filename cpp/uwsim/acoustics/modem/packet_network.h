@@ -22,8 +22,8 @@ struct LinkFault {
 };
 
 /// The reason for the loss of a packet.
-enum class Loss { kNone, kUnheard, kNoise, kCollision, kDeaf, kDoppler, kFault };
-inline constexpr std::size_t kLossKinds = 7;
+enum class Loss { kNone, kUnheard, kNoise, kCollision, kDeaf, kDoppler, kFault, kRelay };
+inline constexpr std::size_t kLossKinds = 8;
 
 /// Provides the acoustics between a network's nodes at their present positions.
 class LinkMedium {
@@ -45,33 +45,45 @@ struct LinkDelivery {
 
 /// Counts the outcomes of the messages that a node submitted on a topic. replaced: superseded by newer messages before
 /// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: counted by
-/// the reason their first lost packet was lost. Byte counts include payloads only.
+/// the reason their first lost packet was lost, or as dropped by a relay. resent: retransmissions, by all nodes. Byte
+/// counts include payloads only, of all transmissions.
 struct TopicCounts {
-  std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0;
+  std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0, resent = 0;
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;
   std::array<std::uint64_t, kLossKinds> lost{};
   double delay_s = 0;  ///< time from submission to arrival, summed over all delivered messages
   TopicCounts& operator+=(const TopicCounts& other);
-  void exchange_state(StateArchive& archive);
+  void exchange_state(StateArchive& archive, std::uint64_t layout);
 };
 
-/// The quality of the link from one node to another, as last observed by the receiver.
+/// The quality of the link from one node to another, as last observed by the receiver. Between nodes that are connected
+/// by relays only, a packet is a message that arrived, delay_s is summed over all hops, and the rest is the last hop's.
 struct LinkQuality {
   std::uint64_t packets = 0, packets_lost = 0;
+  std::uint64_t packets_uneven = 0;                               ///< packets that were received over an uneven bed
   std::uint64_t heard_ns = 0;                                     ///< when the last message arrived; 0 if none has
   double delay_s = 0, snr_db = 0, closing_m_s = 0, spread_s = 0;  ///< of the last packet, lost or not
-  void exchange_state(StateArchive& archive);
+  void exchange_state(StateArchive& archive, std::uint64_t layout);
 };
 
 /// Nodes that exchange messages over one shared channel, packet by packet, in simulated time. Every node receives every
 /// packet. Nodes are half-duplex: they cannot receive while they send. Packets that overlap at a receiver are noise to
-/// each other. There are no acknowledgements: a message with a lost packet is lost unless it is repeated (`repeats`)
-/// and one of the repeats arrives. Receivers discard duplicates. A message arrives when its last packet does. Random
-/// draws are keyed by packet number. Motion during a packet's flight is neglected.
+/// each other. A message with a lost packet is lost unless it is sent again, whole: in any case (`repeats`), or, if the
+/// modem has retransmissions, because no acknowledgement has arrived within timeout_s() of the end of its last packet.
+/// Every copy that arrives is acknowledged, by a packet that waits for its turn, takes up air time and may be lost,
+/// too. If p is the probability that all packets of a copy arrive, n retransmissions deliver 1 - (1 - p)^(n + 1) of the
+/// messages. Receivers discard duplicates. A message arrives when its last packet does.
+///
+/// Static routing: a node may have a relay, through which it exchanges messages with the station and with the other
+/// nodes, except those for which it is a relay itself. Relays store whole messages and forward them; each hop has its
+/// own transmissions and acknowledgements. Signals of instruments are not relayed.
+///
+/// Random draws are keyed by packet number. Motion during a packet's flight is neglected.
 class PacketNetwork {
  public:
+  /// relays: the relay of each node, 0 for none; may be empty. Throws InvalidValue.
   PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults, std::uint64_t seed,
-                std::uint64_t step_ns);
+                std::uint64_t step_ns, std::vector<std::uint64_t> relays = {});
 
   const ModemSpec& modem() const { return modem_; }
   std::size_t nodes() const { return nodes_.size(); }
@@ -93,6 +105,11 @@ class PacketNetwork {
   double fault_loss(std::size_t from, std::size_t to, std::uint64_t now_ns) const;
   /// The longest time that a node may have to wait for its turn to send [s].
   double longest_wait_s() const;
+  /// The time to wait for an acknowledgement [s]: the wait for a turn, its packet, twice the modem's guard time, and
+  /// two steps.
+  double timeout_s() const;
+  /// The node to which a message for `to` is sent next from `at`.
+  std::size_t next_hop(std::size_t at, std::size_t to) const;
   /// A lower bound for the time at which the next message arrives.
   std::uint64_t next_arrival_ns(std::uint64_t now_ns) const;
 
@@ -105,7 +122,9 @@ class PacketNetwork {
   /// The total time that nodes have been sending [s].
   double sending_s() const { return sending_s_; }
 
-  void exchange_state(StateArchive& archive);
+  /// Saves or restores the network. States of layout 1, saved before there were acknowledgements and relays, are read.
+  void exchange_state(StateArchive& archive, std::uint64_t layout = kLayout);
+  static constexpr std::uint64_t kLayout = 2;
 
  private:
   struct Node {
@@ -122,7 +141,7 @@ class PacketNetwork {
     std::uint64_t bytes = 0;
     bool is_last = false, deaf = false;
     bool is_copy = false;  // one of several copies of its message
-    void exchange_state(StateArchive& archive);
+    void exchange_state(StateArchive& archive, std::uint64_t layout);
   };
   /// A packet as received by a node, whether or not it is addressed to it; it is noise to all other packets there.
   /// There are many of these, so the struct is small.
@@ -134,9 +153,10 @@ class PacketNetwork {
   /// A message some of whose packets have arrived. fate: the reason the first lost packet of its newest copy was lost,
   /// if any was. before: the same for the previous copy. delivered: whether any copy has been delivered.
   struct Partial {
-    std::uint64_t number = 0, fate = 0, before = 0;
+    std::uint64_t number = 0, from = 0;  // the message's, and the node that sends it on this hop
+    std::uint64_t fate = 0, before = 0;
     bool delivered = false;
-    void exchange_state(StateArchive& archive);
+    void exchange_state(StateArchive& archive, std::uint64_t layout);
   };
   /// An interval in which a node is disconnected.
   struct Outage {
@@ -144,15 +164,20 @@ class PacketNetwork {
   };
 
   bool may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns, std::uint64_t& start_ns);
-  void send_packet(std::size_t index, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
+  void send_packet(std::size_t index, std::uint64_t now_ns, std::uint64_t start_ns, std::uint64_t length_ns,
+                   const LinkMedium& medium);
   void let_others_hear(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
   void deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns);
   void arrive(const Flight& flight);
   void finish_copy(const Flight& flight, Partial& known);
   void drop_repeat(std::size_t from, const LinkMessage& message);
   bool more_to_come(const Flight& flight) const;
-  Partial& partial(std::uint64_t number);
-  void forget(std::uint64_t number);
+  Partial& partial(std::uint64_t number, std::size_t from);
+  void forget(std::uint64_t number, std::size_t from);
+  void acknowledge(const Flight& flight);
+  void acknowledged(std::size_t from, std::uint64_t number);
+  void forward(const Flight& flight);
+  bool enqueue(std::size_t at, LinkMessage message);
   Loss fate(const Flight& flight) const;
   bool struck_by_fault(const Flight& flight) const;
   double interference_db(const Flight& flight) const;
@@ -166,6 +191,8 @@ class PacketNetwork {
 
   ModemSpec modem_;
   std::vector<LinkFault> faults_;
+  std::vector<std::uint64_t> relays_;   // by node; 0: none
+  std::uint64_t acknowledgements_ = 0;  // their topic
   std::vector<Outage> outages_;
   std::uint64_t step_ns_;
   RandomStream losses_, waits_;

@@ -8,15 +8,18 @@
 namespace uwsim {
 namespace {
 
-void exchange_losses(StateArchive& archive, std::array<std::uint64_t, kLossKinds>& lost) {
-  for (std::uint64_t& count : lost) archive(count);
+constexpr std::size_t kOldLossKinds = 7;
+
+void exchange_losses(StateArchive& archive, std::uint64_t layout, std::array<std::uint64_t, kLossKinds>& lost) {
+  for (std::size_t k = 0; k < (layout < 2 ? kOldLossKinds : kLossKinds); ++k) archive(lost[k]);
 }
 
-void exchange_reception(StateArchive& archive, Reception& heard) {
+void exchange_reception(StateArchive& archive, std::uint64_t layout, Reception& heard) {
   archive(heard.reached);
   for (double* value : {&heard.delay_s, &heard.signal_db, &heard.noise_db, &heard.closing_m_s, &heard.spread_s}) {
     archive(*value);
   }
+  if (layout >= 2) archive(heard.bed_departure);
 }
 
 }  // namespace
@@ -26,24 +29,27 @@ void LinkDelivery::exchange_state(StateArchive& archive) {
   archive(payload);
 }
 
-void TopicCounts::exchange_state(StateArchive& archive) {
+void TopicCounts::exchange_state(StateArchive& archive, std::uint64_t layout) {
   for (std::uint64_t* value : {&given, &replaced, &refused, &late, &sent, &delivered, &bytes_sent, &bytes_delivered}) {
     archive(*value);
   }
-  exchange_losses(archive, lost);
+  exchange_losses(archive, layout, lost);
   archive(delay_s);
+  if (layout >= 2) archive(resent);
 }
 
-void LinkQuality::exchange_state(StateArchive& archive) {
+void LinkQuality::exchange_state(StateArchive& archive, std::uint64_t layout) {
   for (std::uint64_t* value : {&packets, &packets_lost, &heard_ns}) archive(*value);
   for (double* value : {&delay_s, &snr_db, &closing_m_s, &spread_s}) archive(*value);
+  if (layout >= 2) archive(packets_uneven);
 }
 
-void PacketNetwork::Flight::exchange_state(StateArchive& archive) {
+void PacketNetwork::Flight::exchange_state(StateArchive& archive, std::uint64_t layout) {
   for (std::uint64_t* value : {&packet, &from, &at, &starts_ns, &ends_ns, &bytes}) archive(*value);
   for (bool* value : {&is_last, &deaf, &is_copy}) archive(*value);
-  exchange_reception(archive, heard);
-  message.exchange_state(archive);
+  exchange_reception(archive, layout, heard);
+  message.exchange_state(archive, layout);
+  if (layout < 2) message.from = from;
 }
 
 void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
@@ -51,16 +57,17 @@ void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
   archive(level_db);
 }
 
-void PacketNetwork::Partial::exchange_state(StateArchive& archive) {
+void PacketNetwork::Partial::exchange_state(StateArchive& archive, std::uint64_t layout) {
   for (std::uint64_t* value : {&number, &fate, &before}) archive(*value);
   archive(delivered);
+  if (layout >= 2) archive(from);
   require(std::max(fate, before) < kLossKinds, "state.link.fate", fate, "must be a kind of loss");
 }
 
-void PacketNetwork::exchange_state(StateArchive& archive) {
+void PacketNetwork::exchange_state(StateArchive& archive, std::uint64_t layout) {
   archive.same("link nodes", nodes_.size());
-  for (Node& node : nodes_) {
-    node.queue.exchange_state(archive);
+  for (std::size_t index = 0; Node & node : nodes_) {
+    node.queue.exchange_state(archive, layout, index++);
     archive(node.may_send_ns);
     archive(node.waits);
     archive(node.sending_until_ns);
@@ -69,12 +76,21 @@ void PacketNetwork::exchange_state(StateArchive& archive) {
   if (archive.restoring()) counts_.clear();
   for (std::size_t k = 0; k < topics_.size(); ++k) {
     if (archive.restoring()) counts_.emplace_back(nodes_.size());
-    for (TopicCounts& counts : counts_[k]) counts.exchange_state(archive);
+    for (TopicCounts& counts : counts_[k]) counts.exchange_state(archive, layout);
   }
-  for (LinkQuality& quality : quality_) quality.exchange_state(archive);
-  archive.list(flights_, [&](Flight& flight) { flight.exchange_state(archive); });
+  for (LinkQuality& quality : quality_) quality.exchange_state(archive, layout);
+  archive.list(flights_, [&](Flight& flight) { flight.exchange_state(archive, layout); });
   archive.list(sounds_, [&](Sound& sound) { sound.exchange_state(archive); });
-  archive.list(partials_, [&](Partial& partial) { partial.exchange_state(archive); });
+  archive.list(partials_, [&](Partial& partial) { partial.exchange_state(archive, layout); });
+  for (Partial& partial : partials_) {
+    if (layout >= 2) break;
+    for (std::size_t node = 0; node < nodes_.size(); ++node) {
+      if (nodes_[node].queue.holds(partial.number)) partial.from = node;
+    }
+    for (const Flight& flight : flights_) {
+      if (flight.message.number == partial.number) partial.from = flight.from;
+    }
+  }
   archive.list(outages_, [&](Outage& outage) {
     for (std::uint64_t* value : {&outage.node, &outage.from_ns, &outage.until_ns}) archive(*value);
   });
@@ -95,9 +111,13 @@ void PacketNetwork::check() const {
     waiting += nodes_[from].queue.size();
   }
   require(waiting_ == waiting, "state.link.waiting", waiting_, "must be the number of messages");
+  require(acknowledgements_ < topics_.size() || modem_.retransmissions == 0, "state.link.topics", topics_.size(),
+          "must include acknowledgements");
   for (const Flight& flight : flights_) {
     check_ends("flight", flight.from, flight.at);
     check_topic(flight.message.topic);
+    require(flight.message.from < nodes_.size() && flight.message.to < nodes_.size(), "state.link.flight.message.to",
+            flight.message.to, "must be a node");
     require(flight.bytes <= modem_.packet_bytes, "state.link.bytes", flight.bytes, "must be those of a packet");
     next_end_ns = std::min(next_end_ns, flight.ends_ns);
   }
@@ -112,7 +132,11 @@ void PacketNetwork::check() const {
 void PacketNetwork::check(const LinkMessage& message, std::size_t from) const {
   check_ends("message", from, message.to);
   check_topic(message.topic);
-  require(message.repeats <= kRepeatsMax, "state.link.repeats", message.repeats, "must be at most 1000");
+  require(message.from < nodes_.size(), "state.link.from", message.from, "must be a node");
+  require(std::max(message.repeats, message.repeats_given) <= kRepeatsMax, "state.link.repeats", message.repeats,
+          "must be at most 1000");
+  require(message.retransmissions <= modem_.retransmissions, "state.link.retransmissions", message.retransmissions,
+          "must be at most the modem's");
   const std::uint64_t packets = (message.payload.size() + modem_.packet_bytes - 1) / modem_.packet_bytes;
   require(message.packets_sent < std::max<std::uint64_t>(packets, 1), "state.link.packets_sent", message.packets_sent,
           "must leave some to send");

@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-void LinkMessage::exchange_state(StateArchive& archive) {
+void LinkMessage::exchange_state(StateArchive& archive, std::uint64_t layout) {
   archive(number);
   archive(to);
   archive(topic);
@@ -20,6 +20,9 @@ void LinkMessage::exchange_state(StateArchive& archive) {
   archive(payload);
   archive(packets_sent);
   archive(again);
+  if (layout < 2) return;
+  for (std::uint64_t* value : {&from, &repeats_given, &retransmissions, &held_until_ns, &acknowledges}) archive(*value);
+  archive(travel_s);
 }
 
 PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced) {
@@ -32,14 +35,35 @@ PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max
   return replaces ? Added::kReplaced : Added::kQueued;
 }
 
-LinkMessage PacketQueue::repeat_front() {
-  LinkMessage message = take_front();
+PacketQueue::Messages::iterator PacketQueue::find_next(std::uint64_t now_ns) {
+  return std::find_if(messages_.begin(), messages_.end(),
+                      [&](const auto& entry) { return entry.second.held_until_ns <= now_ns; });
+}
+
+LinkMessage* PacketQueue::next(std::uint64_t now_ns) {
+  const auto found = find_next(now_ns);
+  return found == messages_.end() ? nullptr : &found->second;
+}
+
+LinkMessage PacketQueue::repeat_next(std::uint64_t now_ns, std::uint64_t held_until_ns) {
+  LinkMessage message = take_next(now_ns);
   LinkMessage copy = message;
   message.packets_sent = 0;
   message.again = true;
-  --message.repeats;
+  --(held_until_ns > 0 ? message.retransmissions : message.repeats);
+  message.held_until_ns = held_until_ns;
   insert(std::move(message));
   return copy;
+}
+
+bool PacketQueue::finish(std::uint64_t number) {
+  const auto found = std::find_if(messages_.begin(), messages_.end(),
+                                  [&](const auto& entry) { return entry.second.number == number; });
+  if (found == messages_.end()) return false;
+  found->second.repeats = found->second.retransmissions = 0;
+  if (found->second.packets_sent > 0) return false;
+  take(found);
+  return true;
 }
 
 std::vector<const LinkMessage*> PacketQueue::messages() const {
@@ -76,18 +100,23 @@ PacketQueue::Messages::iterator PacketQueue::replaced_by(const LinkMessage& mess
   for (const Place& place : replaceable_) {
     const auto other = messages_.find(place);
     const LinkMessage& held = other->second;
-    if (held.packets_sent > 0 || held.topic != message.topic || held.to != message.to) continue;
+    if (held.packets_sent > 0 || held.topic != message.topic || held.from != message.from || held.to != message.to) {
+      continue;
+    }
     if (oldest == messages_.end() || place.order < oldest->first.order) oldest = other;
   }
   return oldest;
 }
 
-void PacketQueue::exchange_state(StateArchive& archive) {
+void PacketQueue::exchange_state(StateArchive& archive, std::uint64_t layout, std::uint64_t node) {
   std::vector<LinkMessage> all;
   for (const LinkMessage* message : messages()) all.push_back(*message);
-  archive.list(all, [&](LinkMessage& message) { message.exchange_state(archive); });
+  archive.list(all, [&](LinkMessage& message) { message.exchange_state(archive, layout); });
   *this = PacketQueue();
-  for (LinkMessage& message : all) insert(std::move(message));
+  for (LinkMessage& message : all) {
+    if (layout < 2) message.from = node;
+    insert(std::move(message));
+  }
 }
 
 }  // namespace uwsim

@@ -16,25 +16,33 @@ namespace uwsim {
 /// A message from one node to another. Times are in nanoseconds of simulated time.
 struct LinkMessage {
   std::uint64_t number = 0;    ///< sequence number among all messages of the network
-  std::uint64_t to = 0;        ///< receiving node
+  std::uint64_t from = 0;      ///< node that submitted it
+  std::uint64_t to = 0;        ///< node that it is for, which relays may precede
   std::uint64_t topic = 0;     ///< index of the topic, for counting
   std::uint64_t priority = 0;  ///< 0 is sent first
   std::uint64_t given_ns = 0;
-  std::uint64_t deadline_ns = 0;  ///< the message is dropped if sending has not begun by then; 0: no deadline
-  bool replaces = false;          ///< replaces an older message of its topic and receiver whose sending has not begun
-  bool signal = false;            ///< sent by an instrument; does not reset the failsafe's silence timer
-  std::uint64_t repeats = 0;      ///< number of further times that the whole message is sent
+  std::uint64_t deadline_ns = 0;    ///< the message is dropped if sending has not begun by then; 0: no deadline
+  bool replaces = false;            ///< replaces an older message of its topic and receiver whose sending has not begun
+  bool signal = false;              ///< sent by an instrument; does not reset the failsafe's silence timer
+  std::uint64_t repeats = 0;        ///< number of further times that the whole message is sent in any case
+  std::uint64_t repeats_given = 0;  ///< the same, when it was submitted
+  std::uint64_t retransmissions = 0;   ///< number of further times that it is sent if it is not acknowledged
+  std::uint64_t held_until_ns = 0;     ///< time until which it waits for its acknowledgement
+  std::uint64_t acknowledges = kNone;  ///< number of the message that this one acknowledges
+  double travel_s = 0;                 ///< travel time of the sound over all previous hops
   std::string payload;
   std::uint64_t packets_sent = 0;
-  bool again = false;  ///< whether it has been sent before
+  bool again = false;  ///< whether it has been sent before by the present node
 
-  void exchange_state(StateArchive& archive);
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
+  void exchange_state(StateArchive& archive, std::uint64_t layout);
 };
 
 inline constexpr std::uint64_t kRepeatsMax = 1000;
 
-/// The messages waiting at a node, ordered by priority number (lowest first) and then by age (oldest first). Every
-/// operation takes at most logarithmic time.
+/// The messages waiting at a node, ordered by priority number (lowest first) and then by age (oldest first). Messages
+/// that wait for their acknowledgements are passed over. Apart from these, operations take at most logarithmic time.
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
@@ -55,16 +63,22 @@ class PacketQueue {
       take(found);
     }
   }
-  /// The message whose packets are sent next; the queue must not be empty.
-  LinkMessage& front() { return messages_.begin()->second; }
-  LinkMessage take_front() { return take(messages_.begin()); }
-  /// Returns a copy of front(), and moves that message behind all others of the same priority.
-  LinkMessage repeat_front();
+  /// The message whose packets are sent next, or nullptr if there is none or all are held.
+  LinkMessage* next(std::uint64_t now_ns);
+  /// Takes next(), which must exist.
+  LinkMessage take_next(std::uint64_t now_ns) { return take(find_next(now_ns)); }
+  /// Returns a copy of next(), which must exist, and moves that message behind all others of the same priority, to be
+  /// sent again: held until a time, as a retransmission, or not held, as a repeat.
+  LinkMessage repeat_next(std::uint64_t now_ns, std::uint64_t held_until_ns);
+  /// Drops the remaining transmissions of a message; one that has begun is completed. Returns whether the message has
+  /// been removed.
+  bool finish(std::uint64_t number);
   bool holds(std::uint64_t number) const { return numbers_.contains(number); }
   /// All messages, in order of submission.
   std::vector<const LinkMessage*> messages() const;
 
-  void exchange_state(StateArchive& archive);
+  /// node: the one whose queue it is.
+  void exchange_state(StateArchive& archive, std::uint64_t layout, std::uint64_t node);
 
  private:
   struct Place {
@@ -74,6 +88,7 @@ class PacketQueue {
   };
   using Messages = std::map<Place, LinkMessage>;
 
+  Messages::iterator find_next(std::uint64_t now_ns);
   void insert(LinkMessage message);
   LinkMessage take(Messages::iterator from);
   /// The oldest message that this new message replaces.

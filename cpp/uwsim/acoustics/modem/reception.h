@@ -28,6 +28,9 @@ struct HeardPath {
   double closing_m_s;  ///< closing speed of the ends along the ray, which sets its Doppler shift
 };
 
+/// A bed that departs from a flat bottom by more than this part of its depth is uneven.
+inline constexpr double kUnevenBed = 0.05;
+
 /// How a packet reaches a receiver.
 struct Reception {
   bool reached = false;     ///< whether any sound arrives
@@ -36,6 +39,9 @@ struct Reception {
   double noise_db = -300;   ///< within the band, including interference between symbols
   double closing_m_s = 0;   ///< closing speed of the ends along the strongest arrival
   double spread_s = 0;      ///< from the first to the last arrival within 20 dB of the strongest
+  /// By how much the bed between the ends departs from the flat bottom that was assumed, as a part of its depth; 0 if
+  /// no arrival that counts has bounced off the bottom.
+  double bed_departure = 0;
 
   double snr_db() const { return signal_db - noise_db; }
 };

@@ -22,11 +22,14 @@ SAND = BOTTOMS["sand"]
 PACKET_BYTES = 60
 SERVICE_S = 0.512  # transmission time of such a packet with a 4-byte header, at 1000 bit/s
 TRIAL_S = 40_000.0
+LOST = 0.4  # share of packets, acknowledgements included
 
 
 def run(out: Path | None = None) -> list[Check]:
     """Return the checks of the suite, which draws no curves."""
-    return [*path_checks(), *level_checks(), *error_checks(), *network_checks(), *delivery_checks()]
+    return [
+        *path_checks(), *level_checks(), *error_checks(), *network_checks(), *repeat_checks(), *delivery_checks()
+    ]  # fmt: skip
 
 
 def path_checks() -> list[Check]:
@@ -130,6 +133,30 @@ def network_checks() -> list[Check]:
         wait_s = counts.delay_s / counts.delivered - SERVICE_S
         expected = 0.5 * load / (1.0 - load) * SERVICE_S
         checks.append(relative("M/D/1 wait", f"rho = {rho:g}", expected, wait_s, 0.05, "s"))
+    return checks
+
+
+def repeat_checks() -> list[Check]:
+    """Check retransmissions against the binomial distribution, within 3 standard deviations, and delays over relays."""
+    tdma, checks = _plain_modem(_core.MediumAccess.TDMA), []
+    for again in (0, 1, 2, 4):
+        tdma.retransmissions = again
+        counts = _core.network_trial(tdma, 2, 0.05, 20_000.0, PACKET_BYTES, loss=LOST)
+        expected = 1.0 - LOST ** (1 + again)
+        limit = 3.0 * math.sqrt(expected * (1.0 - expected) / counts.given)
+        name = f"{again} retransmissions, {100 * LOST:g} % of packets lost"
+        checks.append(within("delivery", name, expected, counts.delivered / counts.given, 1.0, limit))
+    aloha = _plain_modem(_core.MediumAccess.ALOHA)
+    aloha.backoff_s = 0.0
+    for hops in (1, 2, 3):
+        relays = [0, *range(hops)]  # each vehicle's messages pass the one before it
+        step_s, hop_s = 0.005, 0.1 + SERVICE_S
+        forwarded_s = math.ceil(hop_s / step_s) * step_s  # a relay sends at the next step
+        counts = _core.network_trial(aloha, 1 + hops, 0.001, 20_000.0, PACKET_BYTES, loss=0.0, relays=relays)
+        mean = sum((k * forwarded_s + hop_s) for k in range(hops)) / hops  # all vehicles send
+        checks.append(
+            relative("delay over relays", f"up to {hops} hops", mean, counts.delay_s / counts.delivered, 0.02, "s")
+        )
     return checks
 
 

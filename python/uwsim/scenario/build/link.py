@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from uwsim import _core
 from uwsim.scenario.build.station import in_world
 from uwsim.scenario.spec.link import BOTTOMS, LinkSetup
@@ -14,6 +16,7 @@ MODULATION = {"psk": _core.Modulation.PSK, "fsk": _core.Modulation.FSK}
 AS_THEY_ARE = (
     "latency_s", "packet_bytes", "header_bytes", "preamble_s", "receiver_noise_db_hz", "fading", "coding_gain_db",
     "multipath_window_s", "symbol_s", "speed_max_m_s", "slot_s", "guard_s", "backoff_s", "queue_bytes",
+    "retransmissions", "acknowledgement_bytes",
 )  # fmt: skip
 
 
@@ -33,12 +36,16 @@ def modem_spec(modem: ModemModel, access: str | None = None) -> _core.ModemSpec:
     return spec
 
 
-def link_spec(link: LinkSetup, station: Station) -> _core.LinkSpec | None:
-    """Return the link, or None if messages are delivered immediately."""
+def link_spec(link: LinkSetup, station: Station, vehicles: Sequence[str] = ()) -> _core.LinkSpec | None:
+    """Return the link, or None if messages are delivered immediately. vehicles: names, for the relays."""
     if link.modem.kind == "none":
         return None
     spec = _core.LinkSpec()
     spec.modem = modem_spec(link.modem, link.access)
+    if link.retransmissions is not None:
+        spec.modem.retransmissions = link.retransmissions
+    nodes = {name: 1 + index for index, name in enumerate(vehicles)}
+    spec.relays = [0, *(nodes[link.relays[name]] if name in link.relays else 0 for name in vehicles)]
     spec.station_transducer_world_m = in_world(station, link.station_transducer_m)
     spec.wind_m_s = link.wind_m_s
     spec.shipping = link.shipping

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.scenario.spec.fields import AssetName, InRange, Model, Point3, broken
+from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.modem import Access, ModemModel, load_modem
 
 ModemName = Annotated[str, AssetName("modems")]
@@ -49,8 +49,10 @@ def _modem(value: object, info: ValidationInfo) -> object:
 class LinkSetup(Model):
     """The link between the station and the vehicles. In a scenario, a modem's name alone suffices.
 
-    modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access: the
-    access protocol, overriding the modem's. station_transducer_m: position of the transducer in the station's frame; a
+    modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access,
+    retransmissions: override the modem's access protocol and number of retransmissions. relays: by vehicle, the vehicle
+    through which it exchanges messages with the station and with all vehicles except those that it relays itself.
+    station_transducer_m: position of the transducer in the station's frame; a
     vehicle's is at its origin. wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the
     material that reflects sound at the bed. carries: patterns of the channels that use the link, by default all that
     can. repeats: number of additional copies of each message, by channel pattern, sent whether or not the first
@@ -59,6 +61,8 @@ class LinkSetup(Model):
 
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]
     access: Access | None = None
+    retransmissions: Annotated[int, InRange(0, 100)] | None = None
+    relays: Annotated[dict[Name, Name], Field(max_length=64)] = Field(default_factory=dict)
     station_transducer_m: Point3 = (0.0, 0.0, -3.0)
     wind_m_s: Annotated[float, InRange(0, 40, "m/s")] = 5.0
     shipping: Annotated[float, InRange(0, 1)] = 0.5
@@ -69,10 +73,17 @@ class LinkSetup(Model):
 
     @model_validator(mode="after")
     def _fits_its_modem(self) -> LinkSetup:
-        if self.access is None:
-            return self
-        if self.modem.kind != "modem":
-            raise broken(f"has no effect on a link of kind '{self.modem.kind}'", at=("access",))
+        for key in ("access", "retransmissions"):
+            if getattr(self, key) is not None and self.modem.kind != "modem":
+                raise broken(f"has no effect on a link of kind '{self.modem.kind}'", at=(key,))
+        for vehicle in self.relays:
+            passed, at = [vehicle], vehicle
+            while (at := self.relays.get(at, "")) != "":
+                if at in passed:
+                    raise broken(
+                        f"must not be relayed in a circle: {' - '.join([*passed, at])}", at=("relays", vehicle)
+                    )
+                passed.append(at)
         if self.access == "tdma" and self.modem.slot_s < self.modem.packet_s():
             rule = f"{self.modem.name}'s slot_s must hold a full packet, {self.modem.packet_s():.3g} s"
             raise broken(rule, at=("access",), value=self.access)

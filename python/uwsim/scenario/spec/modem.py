@@ -32,7 +32,9 @@ class ModemModel(Model):
     reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest random wait in ALOHA. access: `aloha`,
     a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns of
     slot_s, each followed by the travel time over range_max_m. queue_bytes: largest size of the queue of messages to be
-    sent.
+    sent. retransmissions: how many times a message is sent again, whole, if no acknowledgement has arrived after the
+    longest wait for a turn and twice the travel time over range_max_m; 0: there are no acknowledgements.
+    acknowledgement_bytes: payload of the packet that acknowledges a message, in addition to the header.
     """
 
     name: Name
@@ -58,6 +60,8 @@ class ModemModel(Model):
     slot_s: Annotated[float, InRange(0.001, 600, "s")] = 1.0
     backoff_s: Annotated[float, InRange(0, 600, "s")] = 1.0
     queue_bytes: Annotated[int, InRange(1, 1_000_000_000, "bytes")] = 1_000_000
+    retransmissions: Annotated[int, InRange(0, 100)] = 0
+    acknowledgement_bytes: Annotated[int, InRange(0, 10_000, "bytes")] = 0
 
     @model_validator(mode="after")
     def _is_whole(self) -> ModemModel:
@@ -75,6 +79,9 @@ class ModemModel(Model):
         if self.bandwidth_hz > 2 * self.frequency_hz:  # type: ignore[operator]
             rule = f"must be at most twice the frequency, {2 * self.frequency_hz:g} Hz"  # type: ignore[operator]
             raise broken(rule, at=("bandwidth_hz",), value=self.bandwidth_hz, unit="Hz")
+        if self.acknowledgement_bytes > self.packet_bytes:
+            rule = f"must fit into a packet, {self.packet_bytes} bytes"
+            raise broken(rule, at=("acknowledgement_bytes",), value=self.acknowledgement_bytes, unit="bytes")
         if self.access == "tdma" and self.slot_s < self.packet_s():
             rule = f"must hold a full packet, {self.packet_s():.3g} s"
             raise broken(rule, at=("slot_s",), value=self.slot_s, unit="s")

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fault import FaultSpec
@@ -107,6 +108,16 @@ class Scenario(Model):
         return self
 
     @model_validator(mode="after")
+    def _relays_are_vehicles(self) -> Scenario:
+        names = [vehicle.name for vehicle in self.vehicles]
+        for vehicle, relay in self.link.relays.items() if self.link else ():
+            for name in (vehicle, relay):
+                if name not in names:
+                    rule = f"must be one of the vehicles, {', '.join(names)}{did_you_mean(name, names)}"
+                    raise broken(rule, at=("link", "relays", vehicle), value=name)
+        return self
+
+    @model_validator(mode="after")
     def _at_most_one_is_docked(self) -> Scenario:
         docked = [index for index, vehicle in enumerate(self.vehicles) if vehicle.start is None]
         if len(docked) > 1:
@@ -151,7 +162,8 @@ class Scenario(Model):
             data["mission_time_s"] = mission_time_s
         if modem is not None:
             kept = self.link.given() if self.link else {}
-            kept.pop("access", None)
+            for key in ("access", "retransmissions"):
+                kept.pop(key, None)
             data["link"] = {**kept, "modem": modem}
         vehicles = [vehicle.given() for vehicle in self.vehicles]
         if sonar_model is not None or sonar_frequency_khz is not None:
