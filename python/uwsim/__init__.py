@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from uwsim.campaigns.datasets import make_dataset
     from uwsim.flight.fly import fly
     from uwsim.flight.survey import run_survey
+    from uwsim.identification import identify
     from uwsim.mapping import OccupancyMap
     from uwsim.scenario import Scenario, ScenarioError
     from uwsim.simulator.docking import DockedWarning
@@ -47,6 +48,7 @@ _MODULE_OF = {
     "ScenarioError": "uwsim.scenario",
     "Simulator": "uwsim.simulator.simulator",
     "fly": "uwsim.flight.fly",
+    "identify": "uwsim.identification",
     "make_dataset": "uwsim.campaigns.datasets",
     "run_survey": "uwsim.flight.survey",
 }
@@ -60,6 +62,7 @@ __all__ = [
     "Simulator",
     "__version__",
     "fly",
+    "identify",
     "make_dataset",
     "run_survey",
     "scenarios",

@@ -860,6 +860,7 @@ class BottomMaterial:
     """
     The acoustic backscattering properties of a bottom.
     """
+    def __getstate__(self) -> tuple[float, float, typing.Any, typing.Any]: ...
     def __init__(
         self,
         strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
@@ -874,10 +875,21 @@ class BottomMaterial:
         density and speed of sound relative to water, and the attenuation [dB per wavelength], by which it reflects
         sound that bounces more than once. Raises ValueError for an unknown seabed.
         """
+    def __setstate__(self, arg0: tuple[float, float, typing.Any, typing.Any]) -> None: ...
+    @property
+    def fluid(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        density and speed of sound relative to water, attenuation [dB per wavelength]
+        """
     @property
     def relief(self) -> float:
         """
         rms slope of the relief across a footprint
+        """
+    @property
+    def seabed(self) -> str | None:
+        """
+        the seabed whose backscatter by angle replaces Lambert's law, or None
         """
     @property
     def strength_db(self) -> float:
@@ -3610,6 +3622,10 @@ class ModemSpec:
         Return the duration of a packet [s].
         """
     @property
+    def acknowledgement_bytes(self) -> int: ...
+    @acknowledgement_bytes.setter
+    def acknowledgement_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
     def backoff_s(self) -> float: ...
     @backoff_s.setter
     def backoff_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -3662,6 +3678,10 @@ class ModemSpec:
     @receiver_noise_db_hz.setter
     def receiver_noise_db_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def retransmissions(self) -> int: ...
+    @retransmissions.setter
+    def retransmissions(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
     def slot_s(self) -> float: ...
     @slot_s.setter
     def slot_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -3713,6 +3733,10 @@ class LinkSpec:
     @faults.setter
     def faults(self, arg0: collections.abc.Sequence[LinkFault]) -> None: ...
     @property
+    def relays(self) -> list[int]: ...
+    @relays.setter
+    def relays(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
+    @property
     def shipping(self) -> float: ...
     @shipping.setter
     def shipping(self, arg1: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -3734,6 +3758,16 @@ class Reception:
     def packet_loss(self, modem: ModemSpec, bytes: typing.SupportsInt | typing.SupportsIndex) -> float:
         """
         Return the probability that a packet with this many bytes is lost due to noise.
+        """
+    @property
+    def bed_departure(self) -> float:
+        """
+        by how much the bed between the ends departs from the flat bottom that was assumed, as a part of its depth; 0 if no arrival that counts has bounced off the bottom
+        """
+    @property
+    def bed_is_uneven(self) -> bool:
+        """
+        whether the flat bottom does not hold: bed_departure is above 0.05
         """
     @property
     def closing_m_s(self) -> float:
@@ -3806,7 +3840,8 @@ class TopicCounts:
     @property
     def lost(self) -> dict[str, int]:
         """
-        Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path.
+        Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path;
+        relay: dropped by a relay, because its queue was full, the message too late, or a newer one came.
         """
     @property
     def refused(self) -> int:
@@ -3817,6 +3852,11 @@ class TopicCounts:
     def replaced(self) -> int:
         """
         replaced by newer messages before they were sent
+        """
+    @property
+    def resent(self) -> int:
+        """
+        retransmissions after a missing acknowledgement
         """
     @property
     def sent(self) -> int: ...
@@ -3838,6 +3878,11 @@ class LinkQuality:
     def packets(self) -> int: ...
     @property
     def packets_lost(self) -> int: ...
+    @property
+    def packets_uneven(self) -> int:
+        """
+        packets for which the flat bottom that was assumed did not hold (Reception.bed_is_uneven)
+        """
     @property
     def snr_db(self) -> float: ...
     @property
@@ -4182,11 +4227,14 @@ def network_trial(
     bytes: typing.SupportsInt | typing.SupportsIndex,
     delay_s: typing.SupportsFloat | typing.SupportsIndex = 0.1,
     seed: typing.SupportsInt | typing.SupportsIndex = 0,
+    loss: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    relays: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [],
 ) -> TopicCounts:
     """
     Return the counts of a network under random load: all nodes except the first send single-packet
     messages to the first, each as a Poisson process; all packets are received at the same level, 54 dB
-    above the noise. Raises ValueError. Releases the GIL.
+    above the noise. loss: probability that a packet is lost regardless. relays: the relay of each node, 0 for
+    none. Raises ValueError. Releases the GIL.
     """
 
 def packet_error(
@@ -4312,7 +4360,7 @@ def seabed_backscatter_db(
     and [0, pi/2].
     """
 
-def seabeds() -> dict[str, tuple]:
+def seabeds() -> dict[str, tuple[float, float, float]]:
     """
     Return the seabeds of APL-UW TR 9407, table 2, by name: density and speed of sound relative to water, and the
     attenuation [dB per wavelength].

@@ -62,6 +62,8 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
     "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
+    "exercise": (["hover"], {"pilot": "mission.py", "out": "out"}),
+    "identify": (["run.mcap"], {"vehicle": "rov", "out": "out"}),
     "fleet": (["pool.yaml"], {"tile": "100", "out": "out", "workers": "0"}),
     "serve": (["pool.yaml"], {"port": "0"}),
     "station": (["pool.yaml"], {"port": "0"}),
@@ -138,7 +140,7 @@ class Line:
     @property
     def is_server(self) -> bool:
         """Return whether it may run until it is stopped."""
-        return self.command in SERVER or "--as-topics" in self.words
+        return self.command in SERVER or not {"--as-topics", "--serve"}.isdisjoint(self.words)
 
 
 def commands() -> dict[str, list[Parameter]]:

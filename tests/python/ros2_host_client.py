@@ -52,4 +52,4 @@ def by_zenoh(domain: int) -> bool:
 
 if __name__ == "__main__":
     load_service_types()
-    sys.stdout.write(str({"dds": by_dds, "zenoh": by_zenoh}[sys.argv[1]](int(sys.argv[2]))))
+    sys.stdout.write(f"{ {'dds': by_dds, 'zenoh': by_zenoh}[sys.argv[1]](int(sys.argv[2])) }\n")

@@ -220,15 +220,10 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
 
     cases: dict[str, Callable[[], float]] = {"ping": Pings(sim, heads), "batch_1": batch(1), "batch_2": batch(2)}
     first = sim.scenario.vehicles[0]
-    for name, more in {
-        "physics": {},
-        "physics_bent": {"bending": True},
-        "physics_multipath": {"multipath": True},
-        "physics_water_column": {"water_column": True},
-    }.items():
+    modes = {"physics": {}, "physics_bent": {"bending": True}, "physics_multipath": {"multipath": True}}
+    for name, more in (modes | {"physics_water_column": {"water_column": True}}).items():
         sonar = first.sonar.model_copy(update={"mode": "physics", **more})
-        vehicles = (first.model_copy(update={"sonar": sonar}),)
-        acoustic = Simulator(sim.scenario.model_copy(update={"vehicles": vehicles}))
+        acoustic = Simulator(sim.scenario.model_copy(update={"vehicles": (first.model_copy(update={"sonar": sonar}),)}))
         acoustic.rov.release()
         cases[name] = Pings(acoustic, heads)
     return cases
@@ -304,7 +299,7 @@ class NativePeer:
 
 
 def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
-    """Return a peer that casts the same rays by pybullet's rayTestBatch, from arrays to ranges, on one thread."""
+    """Return a peer that casts the same rays with pybullet's rayTestBatch on one thread, converting arrays as well."""
     import pybullet as p
 
     mesh = folder / "surface.obj"
@@ -365,9 +360,8 @@ def _table(figures: dict[str, float]) -> Table:
         "limit_scattered": "bare Embree packets, scattered places",
     }
     table = Table(title="Pings of 1,025 beams to 95 m over the lake: medians", title_justify="left")
-    table.add_column("case")
-    for column in ("pings/s", "us per ping", "goal", "met"):
-        table.add_column(column, justify="right")
+    for column in ("case", "pings/s", "us per ping", "goal", "met"):
+        table.add_column(column, justify="left" if column == "case" else "right")
     for key, label in labels.items():
         if key in figures:
             table.add_row(label, f"{figures[key]:,.0f}", f"{1e6 / figures[key]:,.1f}", "", "")
@@ -376,8 +370,8 @@ def _table(figures: dict[str, float]) -> Table:
         if name in figures:
             at_most = name.startswith(("ping/physics", "physics/"))
             met = figures[name] <= goal if at_most else figures[name] >= goal
-            limit = f"{'at most' if at_most else 'at least'} {goal:g}"
-            table.add_row(name, f"{figures[name]:,.2f}", "", limit, "[green]yes[/]" if met else "[red]no[/]")
+            limit, answer = f"at {'most' if at_most else 'least'} {goal:g}", "[green]yes[/]" if met else "[red]no[/]"
+            table.add_row(name, f"{figures[name]:,.2f}", "", limit, answer)
     return table
 
 
@@ -394,9 +388,7 @@ def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
         rows = ", ".join(f"{size:,}: {cost:.0f}" for size, cost in zip(SIZES, cost_us, strict=True))
         console.print(f"us per ping {label}, by triangles: {rows}; {slope:.1f} us per decade; drawn in {path}")
         slopes[f"us_a_decade{suffix}"] = float(slope)
-    panel.set(
-        xlabel="triangles", ylabel="us per ping of 1,025 beams", ylim=(0, None), title="Cost over number of triangles"
-    )
+    panel.set(xlabel="triangles", ylabel="us per ping of 1,025 beams", ylim=(0, None), title="Cost by size")
     panel.legend()
     save_figure(figure, path)
     return slopes

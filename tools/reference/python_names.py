@@ -19,6 +19,7 @@ PUBLIC = {
         "uwsim.flight.record.FlightRecord",
         "uwsim.flight.remote.fly_remote()",
         "uwsim.flight.survey.run_survey()",
+        "uwsim.flight.exercise.fly_exercise()",
     ],
     "Planners": [
         f"uwsim.missions.planners.{name}()"

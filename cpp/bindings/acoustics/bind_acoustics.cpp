@@ -27,6 +27,8 @@ namespace py = pybind11;
 
 namespace {
 
+using MaterialState = py::typing::Tuple<py::float_, py::float_, py::object, py::object>;
+
 std::span<const double> values_of(const DoubleArray& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
@@ -133,16 +135,16 @@ void bind_sonar_equation(py::module_& m) {
                              "density and speed of sound relative to water, attenuation [dB per wavelength]")
       .def(py::pickle(
           [seabed_name, fluid](const BottomMaterial& bottom) {
-            return py::make_tuple(bottom.strength_db, bottom.relief, seabed_name(bottom), fluid(bottom));
+            return MaterialState(py::make_tuple(bottom.strength_db, bottom.relief, seabed_name(bottom), fluid(bottom)));
           },
-          [make](const py::tuple& state) {
+          [make](const MaterialState& state) {
             return make(state[0].cast<double>(), state[1].cast<double>(), state[2].cast<std::optional<std::string>>(),
                         state[3].cast<std::array<double, 3>>());
           }));
   m.def(
       "seabeds",
       [] {
-        py::typing::Dict<py::str, py::tuple> all;
+        py::typing::Dict<py::str, py::typing::Tuple<py::float_, py::float_, py::float_>> all;
         for (const Seabed& s : seabeds()) {
           all[py::str(std::string(s.name))] =
               py::make_tuple(s.density_ratio, s.speed_ratio, s.attenuation_db_wavelength());

@@ -63,7 +63,8 @@ struct RayBand {
 /// x = s / (p |g|) and dx / dp = -1 / (p^2 |g| s).
 class RayFan {
  public:
-  /// Replaces the water and the ends. Allocates nothing once it has had as many layers.
+  /// Replaces the sound speed profile and the ends of the rays. Allocates only if the profile has more layers than any
+  /// before.
   void set(const SoundSpeedProfile& profile, const RayEnds& ends);
 
   const std::vector<RayBand>& bands() const { return bands_; }

@@ -17,7 +17,7 @@ constexpr double kLeastForceDensity = 2e-4;  // (m/s)/sqrt(s)
 // that is stopped or thrown back.
 constexpr double kShockVelocity_m_s = 1;
 constexpr double kShockTurn_rad = 0.05;
-// Noise densities that are used while there are no IMU samples; assumed, of the order of an ROV's manoeuvres.
+// Noise densities used without IMU samples; assumed, comparable to the accelerations and turns of an ROV.
 constexpr double kCoastForceDensity = 0.3;                 // (m/s)/sqrt(s)
 const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are stabilised by buoyancy
 

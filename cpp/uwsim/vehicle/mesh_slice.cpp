@@ -35,8 +35,8 @@ Polygon clipped(const Polygon& polygon, Eigen::Index axis, double level_m, doubl
 
 }  // namespace
 
-/// The edges on a plane that clipped polygons leave open form closed curves. A fan from any point of the plane to the
-/// reversed edges closes them; edges shared by two polygons add two triangles that cancel.
+/// Clipping leaves open edges on a plane, which form closed curves. A fan from any point of the plane to the reversed
+/// edges closes them; edges shared by two polygons add two triangles that cancel.
 TriangleMesh slice_between(const TriangleMesh& mesh, Eigen::Index axis, double low_m, double high_m) {
   TriangleMesh slice;
   for (const Triangle& t : mesh.triangles) {

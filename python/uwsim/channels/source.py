@@ -43,7 +43,7 @@ class Source:
         return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
     def command_timeout_s(self, sim: Simulator) -> float:
-        """Return the time after which a silent publisher's commands end; 0: never."""
+        """Return the time after which a silent publisher's commands expire; 0: never."""
         entries = sim.parameters.scenario.vehicles
         return next(entry.command_timeout_s for entry in entries if entry.name == self.name)
 

@@ -157,10 +157,10 @@ class _Sheet:
         axes.set_position((0.0, -height_in / WIDTH_IN, 1.0, height_in / WIDTH_IN))
         label_axes(axes, "Water column", "to starboard [m]", "along the sonar's axis [m]")
         beams, samples = np.shape(ping.water_column)
-        self._summary.append(f"water column: {sonar.model.name}: {beams} beams x {samples} samples")
+        self._summary.append(f"water-column: {sonar.model.name}: {beams} beams x {samples} samples")
 
     def _profile(self, top_in: float) -> float:
-        """Draw a pencil beam's profile across the track, on both sides of straight down."""
+        """Draw a pencil beam's profile across the track, on both sides of nadir."""
         model = SingleBeam(range_max_m=PROFILE_REACH_M, range_bins=round(PROFILE_REACH_M / PROFILE_BIN_M))
         body, head = self._rov.pose.world_from_body, self._rov.sonar.ping().world_from_sonar[:3, 3]
         pose = imaging.pose_matrix(head, yaw_rad=np.arctan2(body[1, 0], body[0, 0]), pitch_rad=np.pi / 2)

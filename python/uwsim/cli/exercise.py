@@ -47,9 +47,10 @@ def exercise(
     instructor_token: InstructorToken = None,
     threads: Threads = None,
 ) -> None:
-    """Fly an exercise: goals, limits and events, judged by the truth.
+    """Fly an exercise with goals, limits and events.
 
-    Writes score.json and sheet.html, the debriefing. Exits with 4 if the points do not suffice.
+    It is judged by the vehicle's true state. Writes score.json and sheet.html, the debriefing. Exits with 4 if the
+    points do not suffice.
     """
     from uwsim.exercises import exercise_names, load_exercise
 

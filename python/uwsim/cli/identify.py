@@ -44,10 +44,10 @@ def identify(
     ] = 1000.0,
     threads: Threads = None,
 ) -> None:
-    """Identify a vehicle's coefficients from a log of its motion, with 95 % intervals.
+    """Identify a vehicle's coefficients from a log.
 
-    Mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, and the current; the
-    report states what the log does not determine. The log must be from under water, well below the surface.
+    Mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, and the current,
+    with 95 % intervals; the report states what the log does not determine. The log must be from well below the surface.
     """
     from uwsim.identification import identify as identified
     from uwsim.identification import read_log

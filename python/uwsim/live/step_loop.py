@@ -128,9 +128,9 @@ class StepLoop:
             self.lock.notify_all()
 
     def step_when_paused(self, steps: int) -> Future[None]:
-        """Make steps; return a future that resolves after the last one.
+        """Run a number of steps; return a future that resolves after the last one.
 
-        Raises ValueError unless paused, and the same errors as `alarm`.
+        Raises ValueError if the simulator is not paused, and otherwise the same errors as `alarm`.
         """
         with self.lock:
             self._require_open()

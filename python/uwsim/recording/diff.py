@@ -70,7 +70,7 @@ def diff(first: Recording, second: Recording) -> Comparison:
 
 
 def _in_turn(first: Recording, second: Recording) -> Iterator[tuple[int, Recorded]]:
-    """Yield messages from both alternately, with the recording's number (0 or 1), keeping the two close together."""
+    """Yield the messages of both with the recording's number (0 or 1), so that neither gets far ahead of the other."""
     sides = [iter(first.messages()), iter(second.messages())]
     open_sides = {0, 1}
     while open_sides:

@@ -92,12 +92,9 @@ class Simulator(Sealed):
         threads: int | None = None,
     ) -> None:
         self._scenario = load(scenario).with_changes(
-            seed=seed,
-            mission_time_s=mission_time_s,
-            sonar_model=sonar_model,
-            sonar_frequency_khz=sonar_frequency_khz,
+            seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_khz=sonar_frequency_khz,
             modem=link,
-        )
+        )  # fmt: skip
         self._digest: tuple[Scenario, str] | None = None
         self.threads = checked_threads(threads)
         self.events = EventLog(self.scenario.step_s)
@@ -205,15 +202,14 @@ class Simulator(Sealed):
     @property
     def strengths_db(self) -> Named[float]:
         """The backscatter strength of each surface for imaging sonars, keyed by the names in label_names."""
-        surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
-        strengths = {name: surface.strength_db for name, surface in surfaces}
-        return Named(strengths, "strengths_db", "the sonar model's strengths_db")
+        strengths = [surface.strength_db for surface in backscatter_by_label(self.scenario)]
+        found = dict(zip(self.label_names, strengths, strict=True))
+        return Named(found, "strengths_db", "the sonar model's strengths_db")
 
     @property
     def materials(self) -> Named[_core.BottomMaterial]:
         """How each surface scatters and reflects sound, keyed by the names in label_names."""
-        surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
-        found = {name: bottom_material(surface) for name, surface in surfaces}
+        found = dict(zip(self.label_names, map(bottom_material, backscatter_by_label(self.scenario)), strict=True))
         return Named(found, "materials", "the scenario's ground and materials")
 
     @property
@@ -231,8 +227,7 @@ class Simulator(Sealed):
         if vehicle is not None and vehicle not in names:
             raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
         scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
-        around = self.strengths_db, self.seed, self.threads, self.time_ns, self.materials
-        return Surroundings(scene, self.world, *around)
+        return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns, self.materials)
 
     @property
     def seed(self) -> int:

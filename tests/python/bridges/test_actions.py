@@ -6,6 +6,7 @@ import uuid
 import numpy as np
 import pytest
 import roslibpy
+from rosbags.typesys import Stores, get_typestore
 
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges import RosbridgeServer
@@ -98,7 +99,8 @@ def near(live, offset):
 
 def test_type_hashes_of_actions_are_the_published_ones():
     load_action_types()
-    store = typestore()
+    store = get_typestore(Stores.EMPTY)
+    store.register(dict(typestore().fielddefs))
     store.register(parsed(action_texts(FIBONACCI, "int64 number\n", "int64[] sequence\n", "int64 progress\n")))
     assert {name: type_hash(store, name) for name in PUBLISHED} == {
         name: f"RIHS01_{digest}" for name, digest in PUBLISHED.items()

@@ -14,6 +14,8 @@ from uwsim.cli.pose_option import parsed_pose
 from uwsim.figures.sonar_image import write_grey_png
 from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage
 from uwsim.instruments.sonars.imaging.pixels import fan_pixels, shown_range
+from uwsim.scenario import load
+from uwsim.scenario.dump import write_scenario
 
 
 def image_of(row: int, column: int, *, beams: int = 91, bins: int = 200, field_of_view_deg: float = 90.0) -> SonarImage:
@@ -80,9 +82,15 @@ def test_a_pose_is_read_in_degrees_nose_down() -> None:
 
 
 def test_each_kind_is_drawn_and_repeatable(tmp_path: Path) -> None:
+    pool, physics = load("pool"), tmp_path / "physics.yaml"
+    (rov,) = pool.vehicles
+    sonar = rov.sonar.model_copy(update={"mode": "physics"})
+    write_scenario(physics, pool.model_copy(update={"vehicles": (rov.model_copy(update={"sonar": sonar}),)}))
+
     def draw(name: str, kind: str, seed: int = 0) -> tuple[Path, list[str]]:
         out = tmp_path / f"{name}.png"
-        return out, run_sonar(Request("pool", out, "-3,0.5,-2.5,0,0,0", kind, track_m=3.0, seed=seed))
+        scenario = str(physics) if kind == "water-column" else "pool"
+        return out, run_sonar(Request(scenario, out, "-3,0.5,-2.5,0,0,0", kind, track_m=3.0, seed=seed))
 
     for kind in KINDS:
         out, summary = draw(kind, kind)

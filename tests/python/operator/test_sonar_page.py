@@ -49,7 +49,8 @@ def test_the_box_is_where_rings_and_cursor_say(here, page, tmp_path: Path):
     while page.evaluate(f"{screen}.shown.shown_m") > 6:
         page.click(".view.is-large button[aria-label='Less range']")
     page.mouse.move(5, 5)
-    page.wait_for_timeout(600)
+    drawn = page.evaluate("station.views.largeView.picture.drawn")
+    when(page, f"station.views.largeView.picture.drawn > {drawn + 2}")
     strongest_m = page.evaluate(f"""() => {{
       const {{ canvas, shown }} = {screen};
       const ratio = canvas.width / canvas.clientWidth;
@@ -60,7 +61,7 @@ def test_the_box_is_where_rings_and_cursor_say(here, page, tmp_path: Path):
       }};
       const ranges = Array.from({{ length: 200 }}, (_, k) => 2.0 + 0.0145 * k);
       const levels = ranges.map((range) => at(range, 0.02) + at(range, -0.03) + at(range, 0.04));
-      return ranges[levels.findIndex((level) => level > 0.8 * Math.max(...levels))];
+      return ranges[levels.findIndex((level) => level > 0.95 * Math.max(...levels))];
     }}""")
     expected_m = (
         here.station.present().live.read(lambda sim: FACE_M - EYE_M - float(sim.rov.pose.position_world_m[0])).result()

@@ -23,6 +23,7 @@ ELSEWHERE = {
     "add-a-sonar": "needs the sonar that it adds, in C++: see test_docs_cpp.py",
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }
+NOT_MADE_HERE = {"octovis.png": "a window of Debian 13's octovis"}
 HIDDEN = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)
 """Warning categories that Python hides by default."""
 PAGES = sorted(
@@ -89,4 +90,5 @@ def test_every_picture_is_shown_and_made_by_a_command() -> None:
     commands = (DOCS.parent / "tools" / "pictures").read_text()
     assert docs_pages.PICTURES
     for name in [path.name for path in docs_pages.PICTURES]:
-        assert name in commands and name in texts, name
+        assert name in texts, name
+        assert name in commands or name in NOT_MADE_HERE, name

@@ -1,8 +1,9 @@
-"""A small RTPS participant beside that of Cyclone DDS, for calls by peers with rmw_fastrtps or rmw_cyclonedds.
+"""A small RTPS participant that serves calls from peers using rmw_fastrtps or rmw_cyclonedds.
 
-The former match a response to its request by an inline QoS, the related sample identity, which the Cyclone DDS library
-cannot write; the latter by a header before the message. This participant has what services need: discovery (RTPS 2.5,
-sections 8.5.3 and 8.5.4) and, for each service, a reliable reader of requests and a reliable writer of responses.
+It runs alongside that of the Cyclone DDS library, which cannot write the inline QoS parameter by which rmw_fastrtps
+matches a response to its request (the related sample identity); rmw_cyclonedds uses a header in front of the message.
+This participant has what services need: discovery (RTPS 2.5, sections 8.5.3 and 8.5.4) and, for each
+service, a reliable reader of requests and a reliable writer of responses.
 """
 
 from __future__ import annotations

@@ -38,9 +38,9 @@ def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
 
 
 def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
-    """Decode the object in a client's frame; return it with a meter for further work on it. Raises ValueError.
+    """Decode the object in a client's frame; return it with a meter that charges its further processing.
 
-    pause: passed to the meter.
+    pause: passed to the meter. Raises ValueError for an invalid or oversized frame.
     """
     weight = weigh(frame, limits)
     meter = Meter(limits.cost_of(len(frame)), weight.bytes, limits.objects, pause)

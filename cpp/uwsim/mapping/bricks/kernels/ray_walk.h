@@ -20,8 +20,8 @@ inline std::uint64_t mirror_of(const WalkInput& walk, std::uint32_t negative) {
          (negative & 4 ? walk.axis_mask[2] : 0);
 }
 
-/// Marks the voxels of a ray, from the voxel of the origin to the last one before the voxel of the end. The bits of one
-/// word are collected before they are written.
+/// Marks the voxels along a ray, from the one that contains its origin up to, but not including, the one that contains
+/// its end. The bits of a word are combined before they are written.
 inline void walk_one(const WalkInput& walk, std::uint32_t ray) {
   const Rays& rays = *walk.rays;
   double tx = rays.next[0][ray], ty = rays.next[1][ray], tz = rays.next[2][ray];

@@ -53,7 +53,7 @@ class Value:
 
     @property
     def is_determined(self) -> bool:
-        """Whether the log, and not the prior, determines the value."""
+        """True if the log determines the value, rather than the prior."""
         return self.left < DETERMINED
 
 
