@@ -55,7 +55,7 @@ class Parameters:
         return {name: own[name] for name in list(names) or list(own) if name in own}
 
     def set(self, changes: Mapping[str, Any], done: Callable[[str | None], object]) -> None:
-        """Set all or none of the parameters; UNSET is the scenario's value. `done` receives the error, if any.
+        """Set all or none of the parameters; UNSET restores the scenario's value. `done` receives the error, if any.
 
         Raises ValueError for an unknown name without a value, and NotRunningError.
         """

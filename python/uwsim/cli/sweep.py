@@ -51,8 +51,9 @@ def sweep(
     """Fly a survey or a mission many times with varying values.
 
     Varies parameters, faults, missions or seeds. Writes a table of all runs, a report of the important factors, and
-    recordings of the worst runs. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
-    run that fails becomes a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
+    recordings of the worst runs. If it is interrupted or killed, only the runs in progress are lost; --resume
+    continues. A run that fails becomes a row with its error. Exits with 1 if a run failed
+    or violates the sweep's requirements.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.sweeps import fly_again, run_sweep

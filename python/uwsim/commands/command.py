@@ -1,4 +1,4 @@
-"""Command: an entry of the table. Argument: one of its parameters, with unit and bounds."""
+"""Command: an entry in the table of commands. Argument: a parameter of a command, with unit and bounds."""
 
 from __future__ import annotations
 

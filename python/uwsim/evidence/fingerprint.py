@@ -56,7 +56,7 @@ class Fingerprint:
 def fingerprint(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Fingerprint:
-    """Fly the scenario, and digest poses, samples, pings in both modes, pictures and maps.
+    """Fly the scenario, and hash poses, samples, pings in both modes, pictures and maps.
 
     Raises ScenarioError or ValueError if the scenario or an argument is invalid.
     """

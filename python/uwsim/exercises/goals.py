@@ -62,7 +62,7 @@ class GoalModel(Model):
 
 
 class Reach(GoalModel):
-    """Be at a place.
+    """Reach a position.
 
     position_m: in the world. within_m: how close.
     """

@@ -1,4 +1,4 @@
-"""Vector environments for Stable-Baselines3, each on one batch: `pip install 'uwsim[rl]'`, which installs torch."""
+"""Vector environments for Stable-Baselines3, each backed by one batch. They need `pip install 'uwsim[rl]'` (torch)."""
 
 from __future__ import annotations
 

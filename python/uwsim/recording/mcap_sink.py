@@ -122,7 +122,7 @@ class McapSink:
         os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
-        """Return the information that `ros2 bag info` shows, as in a bag folder's metadata.yaml."""
+        """Return what `ros2 bag info` shows: the content of a bag folder's metadata.yaml."""
         count = sum(self._counts.values())
         times = {
             "starting_time": {"nanoseconds_since_epoch": self._first_ns if count else 0},

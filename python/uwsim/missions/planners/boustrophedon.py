@@ -124,7 +124,8 @@ def _direction(area: Floats) -> Floats:
 def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float, list[Span]]]:
     """Return parallel lines at most spacing_m apart, each with its intervals inside the polygon.
 
-    The outermost lines are at most spacing_m / 2 from the polygon's ends and from its inner corners, where cells meet.
+    The outermost lines are at most spacing_m / 2 from the polygon's outermost corners, and from the reflex
+    corners at which cells meet.
     """
     sweeps = []
     for low, high in pairwise(_ends_and_inner_corners(along, across)):

@@ -1,7 +1,7 @@
 """The connection between the pilot's terminal and a vehicle: a plain rosbridge client for the published topics.
 
-One thread listens, another sends the current efforts, so that they end in time even if the screen hangs. They are sent
-repeatedly while the pilot has the helm, which shows the vehicle that the pilot is present.
+One thread listens and another sends the current efforts, so that they expire in time even if the screen hangs. Efforts
+are sent repeatedly while the pilot has the helm, which shows the vehicle that the pilot is present.
 """
 
 from __future__ import annotations

@@ -11,10 +11,10 @@ Path = tuple[Key, ...]
 
 
 class Remainder:
-    """A copy of values without the parts left out; it maps places in the copy to places in the file.
+    """A copy of values from which parts were removed; it maps positions in the copy to positions in the file.
 
-    values: dicts and lists are copied, models and plain values are not. left_out: places in the file, in the order of
-    removal.
+    values: dicts and lists are copied, models and plain values are not. left_out: positions in the file, in the
+    order of removal.
     """
 
     def __init__(self, values: Any) -> None:

@@ -27,7 +27,7 @@ Key = str | int
 
 
 def dotted(path: Sequence[Key]) -> str:
-    """Return a key path in the notation of messages: vehicles[0].sonar.model."""
+    """Return a key path as error messages show it: vehicles[0].sonar.model."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return text.removeprefix(".")
 
