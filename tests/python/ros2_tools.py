@@ -27,10 +27,16 @@ from uwsim.channels.service_types import request_type, response_type
 PATIENCE_S = 30.0
 
 
+DOMAINS_PER_WORKER = 20
+"""Neighbours would meet: a module's domain is chosen when it is imported, but is in use only while its tests run."""
+
+
 def free_domain() -> int:
-    """Return a DDS domain that is unused on this machine; each calling process gets a different one."""
+    """Return a DDS domain that is unused on this machine; each process of a test run has a range of its own."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "").removeprefix("gw")
+    first = DOMAINS_PER_WORKER * int(worker) if worker else os.getpid()
     for attempt in range(SAFE_DOMAIN_MAX):
-        domain = 1 + (os.getpid() + attempt) % SAFE_DOMAIN_MAX
+        domain = 1 + (first + attempt) % SAFE_DOMAIN_MAX
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
                 probe.bind(("127.0.0.1", unicast_port(domain, 0)))
