@@ -168,10 +168,9 @@ def _printable(text: str) -> str:
 
 def _exit_on_signal(number: int, frame: object) -> NoReturn:
     """End the process immediately: an exception during an import could be swallowed or leave a module half imported."""
-    if (files := sys.modules.get("uwsim.base.atomic_file")) is not None:
-        files.remove_unfinished()
-    if (core := sys.modules.get("uwsim._core")) is not None:
-        core.remove_unfinished_files()  # written by other threads
+    for module, function in (("uwsim.base.atomic_file", "remove_unfinished"), ("uwsim._core", "remove_unfinished_files")):
+        if remove := getattr(sys.modules.get(module), function, None):  # None while the module is being imported
+            remove()  # those of all threads
     os.write(2, b"uwsim: interrupted\n")
     os._exit(INTERRUPTED)
 

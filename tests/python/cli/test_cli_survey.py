@@ -3,6 +3,7 @@
 import shlex
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -68,6 +69,17 @@ def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_p
     _, errors = process.communicate(timeout=300)
     if process.returncode != -signal.SIGINT and "init_import_site" not in errors:  # else Python itself had not started
         assert process.returncode == 130 and "Traceback" not in errors, errors
+
+
+def test_ctrl_c_while_a_module_is_half_imported_ends_the_program() -> None:
+    code = (
+        "import os, signal, sys, types, uwsim.cli.main as m\n"
+        "for name in ('uwsim._core', 'uwsim.base.atomic_file'): sys.modules[name] = types.ModuleType(name)\n"
+        "m.app = lambda **_: os.kill(os.getpid(), signal.SIGINT)\n"
+        "m.main()"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stderr) == (130, "uwsim: interrupted\n")
 
 
 def test_a_reader_that_stops_reading_does_not_prevent_the_report(tmp_path: Path) -> None:
