@@ -168,7 +168,10 @@ def _printable(text: str) -> str:
 
 def _exit_on_signal(number: int, frame: object) -> NoReturn:
     """End the process immediately: an exception during an import could be swallowed or leave a module half imported."""
-    for module, function in (("uwsim.base.atomic_file", "remove_unfinished"), ("uwsim._core", "remove_unfinished_files")):
+    for module, function in (
+        ("uwsim.base.atomic_file", "remove_unfinished"),
+        ("uwsim._core", "remove_unfinished_files"),
+    ):
         if remove := getattr(sys.modules.get(module), function, None):  # None while the module is being imported
             remove()  # those of all threads
     os.write(2, b"uwsim: interrupted\n")

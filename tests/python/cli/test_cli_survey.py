@@ -73,7 +73,7 @@ def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_p
 
 def test_ctrl_c_while_a_module_is_half_imported_ends_the_program() -> None:
     code = (
-        "import os, signal, sys, types, uwsim.cli.main as m\n"
+        "import os, signal, sys, types; from uwsim.cli import main; m = sys.modules[main.__module__]\n"
         "for name in ('uwsim._core', 'uwsim.base.atomic_file'): sys.modules[name] = types.ModuleType(name)\n"
         "m.app = lambda **_: os.kill(os.getpid(), signal.SIGINT)\n"
         "m.main()"
