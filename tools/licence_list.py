@@ -15,7 +15,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
-HEADERS = ("libeigen3-dev", "liboctomap-dev", "libpcl-dev", "libbullet-dev")
+HEADERS = ("libeigen3-dev", "liboctomap-dev", "libdynamicedt3d-dev", "libpcl-dev", "libbullet-dev")
 """Debian packages whose headers or archives are compiled into the native module."""
 WHOLE_LICENCES = {
     "libc6": "LGPL-2.1-or-later",

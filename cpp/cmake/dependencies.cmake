@@ -13,6 +13,11 @@ find_package(octomap 1.9 CONFIG REQUIRED)
 add_library(uwsim_octomap INTERFACE)
 target_include_directories(uwsim_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
 target_link_libraries(uwsim_octomap INTERFACE octomap-static octomath-static)
+# dynamicEDT3D's own CMake target does not name its headers.
+find_package(dynamicEDT3D 1.9 CONFIG REQUIRED)
+add_library(uwsim_distance_transform INTERFACE)
+target_include_directories(uwsim_distance_transform SYSTEM INTERFACE ${DYNAMICEDT3D_INCLUDE_DIRS})
+target_link_libraries(uwsim_distance_transform INTERFACE dynamicedt3d-static)
 
 find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common filters)
 # The registration consists of templates that we compile: without its library a wheel is half a megabyte smaller.

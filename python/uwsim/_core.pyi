@@ -32,6 +32,7 @@ __all__: list[str] = [
     "Current",
     "DepthCamera",
     "Detection",
+    "DistanceField",
     "DynamicsEngine",
     "FinParameters",
     "FixedWater",
@@ -2510,6 +2511,17 @@ class OccupancyMap:
     def __init__(
         self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any, options: MapOptions
     ) -> None: ...
+    def bodies_blocked(
+        self,
+        points_body_m: typing.Any,
+        positions_world_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        unknown_blocks: bool,
+    ) -> numpy.ndarray:
+        """
+        Return whether a body's points, (k, 3), are in occupied (or unknown) voxels in each pose, (n,) bool.
+        positions_world_m: (n, 3). orientations_xyzw: (n, 4). Raises ValueError. Releases the GIL.
+        """
     def cast_rays(
         self,
         origins_world_m: typing.Any,
@@ -2607,10 +2619,24 @@ class OccupancyMap:
         """
         Set the probabilities for later scans. Raises ValueError. Releases the GIL.
         """
+    def spheres_blocked(
+        self, centres_world_m: typing.Any, radius_m: typing.SupportsFloat | typing.SupportsIndex, unknown_blocks: bool
+    ) -> numpy.ndarray:
+        """
+        Return whether spheres touch occupied (or unknown) voxels, (n,) bool. Raises ValueError. Releases the
+        GIL.
+        """
     def state_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.int8]:
         """
         Return the state at points_world_m, (n, 3) float64, finite: (n,) int8, 1 occupied, 0 free, -1 unknown.
         Releases the GIL.
+        """
+    def states_in(
+        self, low_world_m: typing.Any, high_world_m: typing.Any
+    ) -> tuple[numpy.typing.NDArray[numpy.int8], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
+        """
+        Return the states of the voxels whose centres are in a box, (nx, ny, nz) int8: 1 occupied, 0 free, -1
+        unknown; and the centre of the first, (3,). Raises ValueError. Releases the GIL.
         """
     def statistics(self) -> tuple[int, int, int, int, int, int]:
         """
@@ -2620,6 +2646,18 @@ class OccupancyMap:
     def to_bytes(self, format: str) -> bytes:
         """
         Return the bytes of a 'bt' or 'ot' file. Releases the GIL.
+        """
+    def unknown_in_view_m3(
+        self,
+        positions_world_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        horizontal_rad: typing.SupportsFloat | typing.SupportsIndex,
+        vertical_rad: typing.SupportsFloat | typing.SupportsIndex,
+        range_m: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the volume of unknown voxels that a sensor in each pose would see, (n,) float64. Raises
+        ValueError. Releases the GIL.
         """
     def voxels_in(
         self, low_world_m: typing.Any, high_world_m: typing.Any
@@ -2640,6 +2678,37 @@ class OccupancyMap:
     def origin_world_m(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def resolution_m(self) -> float: ...
+
+class DistanceField:
+    """
+    Distances to the nearest occupied voxel in a box of a map, by dynamicEDT3D.
+    """
+    def __init__(
+        self,
+        map: OccupancyMap,
+        low_world_m: typing.Any,
+        high_world_m: typing.Any,
+        *,
+        max_distance_m: typing.SupportsFloat | typing.SupportsIndex,
+        unknown_is_occupied: bool,
+    ) -> None: ...
+    def distance_m(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Return the distances at points (n, 3): (n,) float32. Releases the GIL.
+        """
+    def gradient(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the gradients at points (n, 3): (n, 3) float64. Releases the GIL.
+        """
+    def grid(self) -> numpy.typing.NDArray[numpy.float32]: ...
+    def update(self, map: OccupancyMap) -> int:
+        """
+        Read the map again. Returns the number of voxels that changed. Releases the GIL.
+        """
+    @property
+    def low_centre_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def shape(self) -> typing.Annotated[list[int], "FixedSize(3)"]: ...
 
 class BiasModel:
     """

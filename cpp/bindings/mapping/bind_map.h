@@ -3,7 +3,7 @@
 #include "bindings/core/arrays.h"
 #include "uwsim/mapping/occupancy_map.h"
 
-/// The class OccupancyMap is bound in two files: bind_occupancy_map.cpp and bind_map_queries.cpp.
+/// The class OccupancyMap is bound in three files: bind_occupancy_map.cpp, bind_map_queries.cpp and bind_planning.cpp.
 namespace uwsim::bindings {
 
 using MapClass = py::class_<OccupancyMap>;
@@ -12,5 +12,7 @@ using FloatOut = py::array_t<float>;
 
 /// Binds queries, changes, merging and the sensor model.
 void bind_map_queries(MapClass& map);
+/// Binds queries for planners.
+void bind_map_planning(MapClass& map);
 
 }  // namespace uwsim::bindings

@@ -152,6 +152,7 @@ void bind_map(py::module_& m) {
           py::arg("path"), py::arg("format"),
           "Write a 'bt' or 'ot' file atomically. Raises OSError. Releases the GIL.");
   bind_map_queries(map);
+  bind_map_planning(map);
 }
 
 }  // namespace

@@ -77,4 +77,11 @@ MapRayHit cast_map_ray(const MapEngine& engine, double resolution_m, const Eigen
   }
 }
 
+void follow_map_ray(double resolution_m, const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction,
+                    double max_range_m, const std::function<bool(const VoxelKey&)>& visit) {
+  MapRay ray(resolution_m, origin_m, direction);
+  while (visit(ray.key()) && ray.step() && !(max_range_m > 0 && ray.is_beyond(max_range_m))) {
+  }
+}
+
 }  // namespace uwsim

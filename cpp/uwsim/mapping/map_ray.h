@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 
 #include "uwsim/mapping/map_engine.h"
 
@@ -22,5 +23,9 @@ struct MapRayHit {
 /// measured to a voxel's centre; 0 for no limit. The origin must lie in the cube, and the direction must not be zero.
 MapRayHit cast_map_ray(const MapEngine& engine, double resolution_m, const Eigen::Vector3f& origin_m,
                        const Eigen::Vector3f& direction, bool ignore_unknown, double max_range_m);
+
+/// Calls visit(voxel) for each voxel along such a ray, until it returns false.
+void follow_map_ray(double resolution_m, const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction,
+                    double max_range_m, const std::function<bool(const VoxelKey&)>& visit);
 
 }  // namespace uwsim

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -58,6 +60,25 @@ struct MapCubes {
   std::vector<double> centres_world_m;  ///< rows of x, y, z
   std::vector<double> edges_m;
   std::vector<float> log_odds;
+};
+
+/// The states of all voxels of a box: 1 occupied, 0 free, -1 unknown; z is the innermost index.
+struct StateGrid {
+  std::vector<std::int8_t> states;
+  std::array<int, 3> shape{};
+  Eigen::Vector3d low_centre_world_m = Eigen::Vector3d::Zero();  ///< the centre of the voxel with the lowest indices
+};
+
+/// A pose of a body: where its origin is, and its rotation to the world.
+struct BodyPose {
+  Eigen::Vector3d position_world_m;
+  Eigen::Quaterniond world_from_body;
+};
+
+/// A pyramid with its tip at a sensor, which looks along x, with y to port and z up.
+struct ViewPyramid {
+  double horizontal_rad, vertical_rad;  ///< the whole angles of view, in (0, pi)
+  double range_m;                       ///< from the tip
 };
 
 /// A probabilistic occupancy map: OctoMap's octree (Hornung et al. 2013, Autonomous Robots 34(3)) with OctoMap's sensor
@@ -139,6 +160,25 @@ class OccupancyMap {
   /// zero.
   Casts cast_rays(std::span<const double> origins_world_m, std::span<const double> directions_world,
                   bool ignore_unknown, double max_range_m) const;
+
+  // For planners, defined in occupancy_map_planning.cpp:
+
+  /// The states of the voxels whose centres lie in a box, including its faces. Throws InvalidValue if there are more
+  /// than `voxels_max`.
+  StateGrid states_in(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
+                      std::size_t voxels_max) const;
+  /// Returns 1 for each sphere that touches voxels that are occupied or, with `unknown_blocks`, unknown.
+  /// centres_world_m: rows of x, y, z. radius_m: at most 256 voxels. Throws InvalidValue.
+  std::vector<std::uint8_t> spheres_blocked(std::span<const double> centres_world_m, double radius_m,
+                                            bool unknown_blocks) const;
+  /// Returns 1 for each pose in which a body has points in such voxels. points_body_m: rows of x, y, z. Throws
+  /// InvalidValue.
+  std::vector<std::uint8_t> bodies_blocked(std::span<const double> points_body_m, std::span<const BodyPose> poses,
+                                           bool unknown_blocks) const;
+  /// The volume [m^3] of the unknown voxels that a sensor in each pose would see: those that lie on a ray within the
+  /// pyramid before the first occupied voxel. Adjacent rays are at most a voxel apart at the pyramid's range, which is
+  /// at most 400 voxels. Throws InvalidValue, also for a position outside the cube.
+  std::vector<double> unknown_in_view_m3(std::span<const BodyPose> poses, const ViewPyramid& view) const;
 
   struct Changes {
     std::vector<double> voxel_centres_world_m;

@@ -54,6 +54,8 @@ struct OccupancyMap::Impl {
 
   /// The key of the voxel that contains a point; nullopt if the point is outside the cube.
   std::optional<VoxelKey> key_at(const double* point_world_m) const;
+  /// The voxels whose centres lie in a box, including its faces; nullopt if there are none. Throws InvalidValue.
+  std::optional<KeyBox> keys_in(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const;
   /// The centre, along one axis, of a cube with an edge of 2^levels voxels.
   double centre_world_m(const VoxelKey& corner, int levels, std::size_t axis) const {
     return (corner[axis] - kHalfExtent + 0.5 * (1 << levels)) * resolution_m + origin_world_m[Eigen::Index(axis)];

@@ -40,6 +40,28 @@ std::optional<VoxelKey> OccupancyMap::Impl::key_at(const double* point_world_m) 
   return key;
 }
 
+std::optional<KeyBox> OccupancyMap::Impl::keys_in(const Eigen::Vector3d& low_world_m,
+                                                  const Eigen::Vector3d& high_world_m) const {
+  KeyBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low = low_world_m[Eigen::Index(axis)], high = high_world_m[Eigen::Index(axis)];
+    require(!std::isnan(low) && !std::isnan(high) && low <= high, "box", low,
+            "the low corner must not be above the high one, nor NaN");
+    const auto key = [&](double at) {
+      const double voxels = cell(at - origin_world_m[Eigen::Index(axis)]);
+      return static_cast<int>(std::clamp(voxels, -kHalfExtent - 1.0, kHalfExtent + 1.0)) + kHalfExtent;
+    };
+    const auto centre = [&](int k) { return centre_world_m({k, k, k}, 0, axis); };
+    int first = std::max(key(low) - 1, 0), last = std::min(key(high) + 1, 2 * kHalfExtent - 1);
+    while (first <= last && centre(first) < low) ++first;
+    while (first <= last && centre(last) > high) --last;
+    if (first > last) return std::nullopt;
+    box.low[axis] = first;
+    box.high[axis] = last;
+  }
+  return box;
+}
+
 MapStatistics OccupancyMap::statistics() const {
   const std::scoped_lock lock(impl_->mutex);
   const VoxelCounts voxels = impl_->engine->count();
@@ -107,34 +129,11 @@ MapCubes OccupancyMap::cells(int depth) const {
 }
 
 MapCubes OccupancyMap::voxels_in(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const {
-  KeyBox box;
-  bool empty = false;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const double low = low_world_m[axis], high = high_world_m[axis], origin = impl_->origin_world_m[axis];
-    require(!std::isnan(low) && !std::isnan(high) && low <= high, "box", low,
-            "the low corner must not be above the high one, nor NaN");
-    // Includes one extra voxel at either end, to allow for rounding; the test below decides which centres lie in the
-    // box.
-    const auto key = [&](double at) {
-      return std::clamp(impl_->cell(at - origin), -kHalfExtent - 1.0, kHalfExtent + 1.0);
-    };
-    const int first = static_cast<int>(key(low)) + kHalfExtent - 1,
-              last = static_cast<int>(key(high)) + kHalfExtent + 1;
-    box.low[std::size_t(axis)] = std::max(first, 0);
-    box.high[std::size_t(axis)] = std::min(last, 2 * kHalfExtent - 1);
-    empty = empty || box.low[std::size_t(axis)] > box.high[std::size_t(axis)];
-  }
+  const std::optional<KeyBox> box = impl_->keys_in(low_world_m, high_world_m);
   MapCubes found;
-  if (empty) return found;
+  if (!box) return found;
   const std::scoped_lock lock(impl_->mutex);
-  const auto append = appender(found, *impl_);
-  for_each_voxel_in(*impl_->engine, box, [&](const MapCube& voxel) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double centre = impl_->centre_world_m(voxel.corner, 0, axis);
-      if (centre < low_world_m[Eigen::Index(axis)] || centre > high_world_m[Eigen::Index(axis)]) return;
-    }
-    append(voxel);
-  });
+  for_each_voxel_in(*impl_->engine, *box, appender(found, *impl_));
   return found;
 }
 

@@ -148,6 +148,14 @@ def score(
         Path | None, typer.Option(help="The figure of the errors to write. Default: beside the map.")
     ] = None,
     json: Annotated[Path | None, typer.Option(help="A JSON file to write the score to.")] = None,
+    area: Annotated[
+        tuple[float, float, float, float] | None,
+        typer.Option(
+            help="Score this box only: west south east north [m]. Default: the survey's area, or where the map is.",
+            metavar="W S E N",
+            callback=within(-1e7, 1e7, "m"),
+        ),
+    ] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
     """Compare a map with the true world.
@@ -159,7 +167,7 @@ def score(
     from uwsim.figures.map_errors import draw_map_errors
     from uwsim.scoring.score_map_file import score_map_file, score_table, write_score_json
 
-    scored = score_map_file(source, scenario, track, origin)
+    scored = score_map_file(source, scenario, track, origin, area)
     Console().print(score_table(scored, f"{source.name} against {scenario}"), highlight=False)
     if not scored.path_known:
         typer.echo("no track of the survey (--track): coverage and recall need it and are unknown")

@@ -6,6 +6,9 @@ world.write("lake.bt")
 world = OccupancyMap.read("lake.bt")
 """
 
+from uwsim.mapping.body import body_points, poses_along
+from uwsim.mapping.distance_field import DistanceField
+from uwsim.mapping.frontiers import Frontier, frontiers
 from uwsim.mapping.occupancy_map import (
     ENGINES,
     INSTRUCTION_SETS,
@@ -16,12 +19,22 @@ from uwsim.mapping.occupancy_map import (
     OnOutside,
 )
 from uwsim.mapping.occupancy_model import OccupancyModel
-from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts, VoxelCounts
+from uwsim.mapping.query_results import (
+    Cubes,
+    MapChanges,
+    MapStatistics,
+    OccupancyChanges,
+    RayCasts,
+    StateGrid,
+    VoxelCounts,
+)
 
 __all__ = [
     "ENGINES",
     "INSTRUCTION_SETS",
     "Cubes",
+    "DistanceField",
+    "Frontier",
     "InstructionSet",
     "MapChanges",
     "MapEngine",
@@ -32,5 +45,9 @@ __all__ = [
     "OccupancyModel",
     "OnOutside",
     "RayCasts",
+    "StateGrid",
     "VoxelCounts",
+    "body_points",
+    "frontiers",
+    "poses_along",
 ]

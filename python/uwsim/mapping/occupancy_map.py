@@ -13,7 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from uwsim import _core
 from uwsim.base.sealed import Sealed
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
-from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts, VoxelCounts
+from uwsim.mapping.query_results import (
+    Cubes,
+    MapChanges,
+    MapStatistics,
+    OccupancyChanges,
+    RayCasts,
+    StateGrid,
+    VoxelCounts,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -214,6 +222,59 @@ class OccupancyMap(Sealed):
         occupied voxel ends there. Raises ValueError for an origin outside the cube.
         """
         return RayCasts(*self._map.cast_rays(origins_world_m, directions_world, ignore_unknown, max_range_m))
+
+    def states_in(self, low_world_m: ArrayLike, high_world_m: ArrayLike) -> StateGrid:
+        """Return the states of all voxels whose centres are in the closed box with these corners (3,).
+
+        Raises ValueError if there are more than a billion.
+        """
+        return StateGrid(*self._map.states_in(low_world_m, high_world_m))
+
+    def spheres_blocked(
+        self, centres_world_m: ArrayLike, radius_m: float, *, unknown_blocks: bool = True
+    ) -> NDArray[np.bool_]:
+        """Return whether spheres at centres_world_m (n, 3) touch an occupied voxel, (n,) bool.
+
+        radius_m: up to 256 voxels. unknown_blocks: whether unknown voxels, and all outside the cube, count as occupied.
+        """
+        return self._map.spheres_blocked(centres_world_m, radius_m, unknown_blocks)
+
+    def bodies_blocked(
+        self,
+        points_body_m: ArrayLike,
+        positions_world_m: ArrayLike,
+        orientations_xyzw: ArrayLike,
+        *,
+        unknown_blocks: bool = True,
+    ) -> NDArray[np.bool_]:
+        """Return whether a body has points in occupied voxels, for each of n poses, (n,) bool.
+
+        points_body_m: (k, 3), body frame, as from `body_points`. positions_world_m: (n, 3). orientations_xyzw: (n, 4).
+        unknown_blocks: as in `spheres_blocked`. For a path, pass the poses of `poses_along`.
+        """
+        return self._map.bodies_blocked(points_body_m, positions_world_m, orientations_xyzw, unknown_blocks)
+
+    def unknown_in_view_m3(
+        self,
+        positions_world_m: ArrayLike,
+        orientations_xyzw: ArrayLike,
+        horizontal_fov_deg: float,
+        vertical_fov_deg: float,
+        range_m: float,
+    ) -> NDArray[np.float64]:
+        """Return the volume of unknown voxels that a sensor would see from each of n poses, (n,) [m^3].
+
+        The view is a pyramid about the pose's x axis, with y to port and z up. A voxel counts once, if a ray within
+        range_m reaches it before any occupied voxel; adjacent rays are at most a voxel apart. range_m: up to 400
+        voxels. positions_world_m: (n, 3). orientations_xyzw: (n, 4).
+        """
+        return self._map.unknown_in_view_m3(
+            positions_world_m,
+            orientations_xyzw,
+            math.radians(horizontal_fov_deg),
+            math.radians(vertical_fov_deg),
+            range_m,
+        )
 
     def changed_voxels(self) -> MapChanges:
         """Return the voxels whose state (unknown, free, occupied) has changed since the last call. For live views.

@@ -66,6 +66,17 @@ class Cubes:
 
 
 @dataclass(frozen=True, eq=False)
+class StateGrid:
+    """The states of all voxels of a box.
+
+    states: (nx, ny, nz) int8, 1 occupied, 0 free, -1 unknown. low_centre_world_m: (3,), the centre of states[0, 0, 0].
+    """
+
+    states: NDArray[np.int8]
+    low_centre_world_m: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class MapChanges:
     """Voxels of the finest level that changed, and their current states.
 

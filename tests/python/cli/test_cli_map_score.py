@@ -4,8 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
+import yaml
 
-from pool_maps import VOXEL_M, read_figure, uwsim_map, write_pool_maps
+from pool_maps import VOXEL_M, error_of, read_figure, uwsim_map, write_pool_maps
+from uwsim.mapping import OccupancyMap
 from uwsim.mapping.files import write_cloud
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scoring.survey_track import SurveyTrack
@@ -59,6 +61,24 @@ def test_without_a_track_coverage_is_unknown(folder, tmp_path):
         "score", tmp_path / "map.bt", "--scenario", "pool", "--track", tmp_path / "flown.xyz", "--json", tmp_path / "j"
     )
     assert json.loads((tmp_path / "j").read_text())["coverage"] > 0.98
+
+
+def test_a_box_is_scored_by_itself_also_in_a_scenario_without_a_survey(folder, tmp_path):
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    bare = {key: value for key, value in yaml.safe_load(text).items() if key != "survey"}
+    (tmp_path / "bare.yaml").write_text(yaml.safe_dump({**bare, "name": "pool"}))
+    options = ("--scenario", tmp_path / "bare.yaml", "--json", tmp_path / "s.json", "--out", tmp_path / "s.png")
+    west, south = SurveyTrack.read(folder / "track.npz").area_world_m.min(axis=0)
+    east, north = SurveyTrack.read(folder / "track.npz").area_world_m.max(axis=0)
+    seen = (west, south, 0.7 * west + 0.3 * east, north)  # part.bt ends at a third
+    uwsim_map("score", folder / "part.bt", *options, "--area", *seen)
+    scored = json.loads((tmp_path / "s.json").read_text())
+    assert scored["coverage"] > 0.95
+    assert 0 < scored["occupied_voxels"] < len(OccupancyMap.read(folder / "part.bt").occupied_voxels())
+    (tmp_path / "map.bt").write_bytes((folder / "part.bt").read_bytes())
+    uwsim_map("score", tmp_path / "map.bt", *options)  # without a track either: where the map is
+    assert json.loads((tmp_path / "s.json").read_text())["precision"] > 0.99
+    assert "west must be less than east" in error_of("score", folder / "part.bt", *options, "--area", 1, 0, -1, 2)
 
 
 def test_an_empty_map_is_scored_too(folder, tmp_path):

@@ -42,6 +42,7 @@ LIBRARIES: dict[str, tuple[str, str]] = {
         r"cpp/uwsim/dynamics/(bullet_engine|bullet_ground|bullet_memory|convex_contact|polytope|solid_triangles)\.cpp",
     ),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
+    "dynamicEDT3D": (r"dynamicEDT3D/", r"cpp/uwsim/mapping/distance_field\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),
 }
