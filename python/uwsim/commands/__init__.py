@@ -7,13 +7,18 @@ new command is one entry in `table.py`; if callers need a method for it, add the
 from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command
 from uwsim.commands.commandable import Commandable, Placeable, Steerable
 from uwsim.commands.holds import HOLDS
+from uwsim.commands.notes import CATEGORIES, NOTE, NOTES_MAX, TEXT_MAX, require_note
 from uwsim.commands.table import ALL_STOP, COMMANDS, bound_command, command_named
 
 __all__ = [
     "ALL_STOP",
+    "CATEGORIES",
     "COMMANDS",
     "HOLDS",
+    "NOTE",
+    "NOTES_MAX",
     "SET_BOOL",
+    "TEXT_MAX",
     "TRIGGER",
     "Argument",
     "Command",
@@ -22,4 +27,5 @@ __all__ = [
     "Steerable",
     "bound_command",
     "command_named",
+    "require_note",
 ]

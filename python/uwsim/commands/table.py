@@ -9,6 +9,7 @@ from typing import Any
 from uwsim.base.axes import AXES
 from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
 from uwsim.commands.holds import HOLDS
+from uwsim.commands.notes import NOTE
 
 ALL_STOP = "all_stop"
 RIGHT_ANGLE_RAD = 0.5 * math.pi
@@ -30,6 +31,10 @@ def _aim_camera(carrier: Any, camera: str, pan_rad: float | None = None, tilt_ra
 
 def _hold(vehicle: Any, **on: bool) -> None:
     vehicle.gate.holds.set(**on)
+
+
+def _note(vehicle: Any, **values: Any) -> None:
+    vehicle.gate.note(**values)
 
 
 def _start_navigation(vehicle: Any) -> None:
@@ -153,6 +158,18 @@ PARAMETERS = [
         of="simulator", notes_itself=True,
     ),
 ]  # fmt: skip
+ASHORE = [
+    Command(
+        NOTE, "write a note into the run's log, with the place that it is about, by the vehicle's own estimate",
+        (
+            Argument("text", "text"),
+            Argument("category", "text", default="observation"),
+            Argument("position_world_m", "numbers", "m", length=3, default=None),
+            Argument("picture", "text", default=""),
+        ),
+        _note, is_piloted=False, is_ashore=True,
+    ),
+]  # fmt: skip
 LINK = [
     Command(
         "link_send", "give the link a message",
@@ -171,7 +188,7 @@ LINK = [
 ]  # fmt: skip
 
 COMMANDS: dict[str, Command] = {
-    command.name: command for command in (*DOCKING, *SAFETY, *STEERING, *INSTRUMENTS, *PARAMETERS, *LINK)
+    command.name: command for command in (*DOCKING, *SAFETY, *STEERING, *INSTRUMENTS, *PARAMETERS, *ASHORE, *LINK)
 }
 """All commands by name, except `reset` and `restore_state`, which belong to the simulator itself."""
 

@@ -17,6 +17,7 @@ from uwsim.scenario.spec.fields import Degrees, InRange, Metres, Model, Name, Po
 Duration = Annotated[float, InRange(0.1, 1e5, "s")]
 Within = Annotated[float, InRange(0.01, 1000, "m")]
 Points = Annotated[float, InRange(0, 1000)]
+NoteCategory = Literal["observation", "defect", "leak", "debris", "growth"]
 STATIONS_M = 0.5  # interval of the points of a path that must be passed
 PASSED = 0.95  # share of a path or an area that counts as all of it
 
@@ -170,7 +171,23 @@ class MapArea(GoalModel):
         return _Mapping(self)
 
 
-Goal = Annotated[Reach | Pass | Follow | LookAt | Hold | MapArea, Field(discriminator="kind")]
+class Report(GoalModel):
+    """Report what is at a place by a note, as at the station or by the command `note`.
+
+    position_m: in the world. within_m: how close to it the note must be placed. category: of the note.
+    """
+
+    kind: Literal["report"]
+    position_m: Point3
+    within_m: Within = 3.0
+    category: NoteCategory = "defect"
+
+    def begun(self) -> Progress:
+        """See GoalModel."""
+        return _Reporting(self)
+
+
+Goal = Annotated[Reach | Pass | Follow | LookAt | Hold | MapArea | Report, Field(discriminator="kind")]
 
 
 class _Reaching(Progress):
@@ -281,6 +298,22 @@ class _Holding(Progress):
         if self._goal.heading_deg is None:
             return 0.0
         return abs((math.degrees(moment.yaw_rad) - self._goal.heading_deg + 180.0) % 360.0 - 180.0)
+
+
+class _Reporting(Progress):
+    def __init__(self, goal: Report) -> None:
+        super().__init__()
+        self._goal = goal
+
+    def judge(self, moment: Moment, period_s: float) -> None:
+        away_m = [
+            math.dist(place, self._goal.position_m)
+            for note in moment.notes(self._goal.category)
+            if (place := note.values["position_world_m"]) is not None
+        ]
+        if away_m and min(away_m) <= self._goal.within_m:
+            self.note(moment.time_s, min(away_m))
+            self.share = 1.0
 
 
 class _Mapping(Progress):

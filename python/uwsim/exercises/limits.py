@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from uwsim.exercises.goals import Points, inside
+from uwsim.exercises.goals import NoteCategory, Points, inside
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Point2
 
@@ -125,4 +125,24 @@ class Area(LimitModel):
         return "Stay within the area"
 
 
-Limit = Annotated[Collisions | Deepest | Lowest | Fastest | Area, Field(discriminator="kind")]
+class Reports(LimitModel):
+    """Not more notes of a category than this, so that a pilot does not report what is not there.
+
+    category: of the notes. most: their number.
+    """
+
+    kind: Literal["reports"]
+    category: NoteCategory = "defect"
+    most: Annotated[int, InRange(1, 500)]
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        return len(moment.notes(self.category)) > self.most
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        return f"At most {self.most} notes: {self.category}"
+
+
+Limit = Annotated[Collisions | Deepest | Lowest | Fastest | Area | Reports, Field(discriminator="kind")]

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.commands import NOTE
+from uwsim.simulator.failures import Event
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
@@ -40,6 +42,11 @@ class Moment:
     def altitude_m(self) -> float:
         """The height over the bed or over whatever stands below."""
         return float(self.vehicle.telemetry().distance_to_seabed_m)
+
+    def notes(self, category: str) -> list[Event]:
+        """Return the notes of a category that have been written about the vehicle."""
+        found = (event for event in self.sim.events if event.name == NOTE and event.vehicle == self.vehicle.name)
+        return [event for event in found if event.values["category"] == category]
 
     def distance_m(self, point_world_m: tuple[float, float, float]) -> float:
         """Return the distance to a point."""

@@ -171,7 +171,7 @@ class OwnVehicle(Sealed, Commandable):
 
     def _method(self, name: str) -> Callable[..., Any]:
         """Return the hull's method for a command. Raises ValueError if missions may not issue that command."""
-        if not command_named(name).crosses_link:
+        if not (command_named(name).crosses_link or command_named(name).is_ashore):
             raise ValueError(f"vehicle '{self.name}': {name}: not available to missions: real vehicles do not have it")
         found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
         return cast("Callable[..., Any]", found)

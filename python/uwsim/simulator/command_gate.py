@@ -77,7 +77,7 @@ class CommandGate:
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
     move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; programs that command
-    periodically stop when this changes. changed: called when all stop is set or released.
+    periodically stop when this changes. changed: called when all stop is set or released. note: logs an operator's note.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
@@ -87,6 +87,7 @@ class CommandGate:
         self.all_stopped = False
         self.stops = 0
         self.changed: Callable[[bool], object] = lambda on: None
+        self.note: Callable[..., object] = lambda **values: None
         self._vehicle = vehicle
         self._halt = halt
         self._warned: set[type[Warning]] = set()

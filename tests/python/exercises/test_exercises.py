@@ -56,6 +56,7 @@ def pipeline(vehicle):
         yield from goto(vehicle, (*place, -6.5), within_m=0.3)
         if place in ((-13, -7.75), (-2, -7.5), (10, -8)):
             yield from hold(vehicle, 6.0)
+            vehicle.command("note", text="Corrosion", category="defect", position_world_m=(*place, -8.0))
 
 
 def pipeline_in_a_hurry(vehicle):
@@ -189,6 +190,31 @@ def test_mistakes_are_reported_before_the_flight(tmp_path, change, expected):
     with pytest.raises((ScenarioError, ValueError)) as raised:
         fly_exercise(path, hover)
     assert expected in str(raised.value)
+
+
+def test_a_report_counts_by_its_place_and_its_category_and_many_cost():
+    values = {
+        "title": "Report", "brief": "Report it.", "scenario": "pool", "time_s": 5, "pass_points": 5,
+        "start": {"position_m": [0, 0, -2.5]},
+        "goals": [
+            {"kind": "report", "name": name, "title": name, "position_m": [x, 0, -3], "within_m": 1}
+            for name, x in (("near", 1), ("far", 4))
+        ],
+        "limits": [{"kind": "reports", "most": 2, "cost": 3}],
+    }  # fmt: skip
+    exercise = Exercise.model_validate(values)
+
+    def reporting(*notes):
+        def pilot(vehicle):
+            for category, place in notes:
+                vehicle.command("note", text="", category=category, position_world_m=place)
+                yield wait(1.0)
+
+        return fly_exercise(exercise, pilot).course.score
+
+    assert reporting(("defect", (1.2, 0.5, -3.0))) == 10.0
+    assert reporting(("debris", (1.0, 0.0, -3.0)), ("defect", None), ("defect", (2.1, 0.0, -3.0))) == 0.0
+    assert reporting(*[("defect", (x, 0.0, -3.0)) for x in (-1.0, 0.0, 1.0)]) == 10.0 - 3.0
 
 
 def test_a_path_counts_in_order_and_a_ring_in_its_direction():

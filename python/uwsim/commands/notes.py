@@ -1,0 +1,19 @@
+"""Notes of an operator: what was seen, where, by the vehicle's own estimate."""
+
+from __future__ import annotations
+
+CATEGORIES = ("observation", "defect", "leak", "debris", "growth", "comment")
+"""What a note is about. The newest `comment` stands in pictures, until another replaces it; an empty one ends it."""
+TEXT_MAX = 200
+PICTURE_MAX = 100
+NOTES_MAX = 500
+NOTE = "note"
+
+
+def require_note(text: str, category: str, picture: str) -> None:
+    """Raise ValueError for a note that cannot be kept."""
+    for name, value, longest in (("text", text, TEXT_MAX), ("picture", picture, PICTURE_MAX)):
+        if len(value) > longest or not all(char.isprintable() for char in value):
+            raise ValueError(f"command 'note': {name} = {value[:40]!r}: must be at most {longest} printable characters")
+    if category not in CATEGORIES:
+        raise ValueError(f"command 'note': category = {category[:40]!r}: must be one of {', '.join(CATEGORIES)}")
