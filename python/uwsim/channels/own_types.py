@@ -126,5 +126,7 @@ string driver                  # kind of client, other than the pilot, whose com
 string lost_by                 # name of the pilot whose connection was lost, until control is taken; empty: none
 string rosbridge               # address of the user's rosbridge that the simulator has joined; empty: none
 string rosbridge_trouble       # why it is not connected to it; empty: it is
+string comment                 # stands in pictures; empty: none
+uint32 notes                   # written so far in this run, comments included
 """,
 }

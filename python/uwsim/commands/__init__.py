@@ -7,13 +7,14 @@ new command is one entry in `table.py`; if callers need a method for it, add the
 from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command
 from uwsim.commands.commandable import Commandable, Placeable, Steerable
 from uwsim.commands.holds import HOLDS
-from uwsim.commands.notes import CATEGORIES, NOTE, NOTES_MAX, TEXT_MAX, require_note
+from uwsim.commands.notes import CATEGORIES, COMMENT, NOTE, NOTES_MAX, TEXT_MAX, require_note
 from uwsim.commands.table import ALL_STOP, COMMANDS, bound_command, command_named
 
 __all__ = [
     "ALL_STOP",
     "CATEGORIES",
     "COMMANDS",
+    "COMMENT",
     "HOLDS",
     "NOTE",
     "NOTES_MAX",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-CATEGORIES = ("observation", "defect", "leak", "debris", "growth", "comment")
+COMMENT = "comment"
+CATEGORIES = ("observation", "defect", "leak", "debris", "growth", COMMENT)
 """What a note is about. The newest `comment` stands in pictures, until another replaces it; an empty one ends it."""
 TEXT_MAX = 200
 PICTURE_MAX = 100

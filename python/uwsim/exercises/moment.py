@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.commands import NOTE
 from uwsim.simulator.failures import Event
+from uwsim.simulator.notes import notes_of
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
@@ -45,8 +45,8 @@ class Moment:
 
     def notes(self, category: str) -> list[Event]:
         """Return the notes of a category that have been written about the vehicle."""
-        found = (event for event in self.sim.events if event.name == NOTE and event.vehicle == self.vehicle.name)
-        return [event for event in found if event.values["category"] == category]
+        found = (note for note in notes_of(self.sim.events) if note.vehicle == self.vehicle.name)
+        return [note for note in found if note.values["category"] == category]
 
     def distance_m(self, point_world_m: tuple[float, float, float]) -> float:
         """Return the distance to a point."""

@@ -77,7 +77,8 @@ class CommandGate:
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
     move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; programs that command
-    periodically stop when this changes. changed: called when all stop is set or released. note: logs an operator's note.
+    periodically stop when this changes. changed: called when all stop is set or released. note: logs a
+    note.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:

@@ -67,7 +67,7 @@ def test_the_map_goes_home_in_every_format(tmp_path):
         assert "must have" in ada.call("control", action="save", name="../dive")["message"]
         status, body, _ = get(server, "/snapshot/front.png")
         assert status == 200 and Image.open(io.BytesIO(body)).size == (640, 360)
-        assert json.loads(get(server, "/snapshot/front.json")[1])["released"] is False
+        assert json.loads(Image.open(io.BytesIO(body)).text["uwsim"])["panel"]["released"] is False
         assert get(server, "/snapshot/none.png")[0] == 404
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,12 +20,18 @@ def check_suffix(name: str, path: Path) -> None:
         raise ValueError(f"{name} = {path}: must end in .png, .jpg or .jpeg")
 
 
-def encode_png(rgb: NDArray[np.uint8], *, optimize: bool = False) -> bytes:
-    """Return a PNG file. rgb: (H, W, 3). optimize: whether to take longer for a smaller file."""
-    from PIL import Image
+def encode_png(rgb: NDArray[np.uint8], *, optimize: bool = False, text: Mapping[str, str] | None = None) -> bytes:
+    """Return a PNG file. rgb: (H, W, 3). optimize: whether to take longer for a smaller file.
 
+    text: by keyword, for the file's iTXt chunks (UTF-8).
+    """
+    from PIL import Image, PngImagePlugin
+
+    chunks = PngImagePlugin.PngInfo()
+    for keyword, content in (text or {}).items():
+        chunks.add_itxt(keyword, content)
     stream = io.BytesIO()
-    Image.fromarray(rgb).save(stream, "PNG", optimize=optimize)
+    Image.fromarray(rgb).save(stream, "PNG", optimize=optimize, pnginfo=chunks)
     return stream.getvalue()
 
 

@@ -6,6 +6,9 @@ import io
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim.channels import Channel
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.messages import to_plain
@@ -72,17 +75,22 @@ class Arrivals:
         period_s = None if rate_hz is None else 1.0 / rate_hz
         return {"modem": self._carrier.modem, "period_s": period_s, "large_only": self._large_only}
 
-    def snapshot(self, view: str) -> tuple[bytes, Values]:
-        """Return the newest picture as PNG, and the panel at that time. Raises ValueError if none has arrived."""
+    def snapshot(self, view: str) -> tuple[NDArray[np.uint8], Values]:
+        """Return the newest picture, (H, W, 3), and the newest panel. Raises ValueError if either has not arrived."""
         from PIL import Image
 
         if view not in self._newest:
             raise ValueError(f"no picture of '{view}' has come over {self._carrier.modem} yet")
-        png = io.BytesIO()
-        Image.open(io.BytesIO(bytes(self._newest[view].data))).save(png, "PNG")
-        panels = [name for name, owner in self._panels.items() if owner == self._vehicles[view]]
+        picture = Image.open(io.BytesIO(bytes(self._newest[view].data))).convert("RGB")
+        return np.asarray(picture), self.panel(self._vehicles[view])
+
+    def panel(self, vehicle: str) -> Values:
+        """Return a vehicle's newest panel. Raises ValueError if none has arrived."""
+        panels = [name for name, owner in self._panels.items() if owner == vehicle]
         said = [panel for name in panels if (panel := self._carrier.newest(name)) is not None]
-        return png.getvalue(), to_plain(said[0]) if said else {}
+        if not said:
+            raise ValueError(f"no telemetry of '{vehicle}' has come over {self._carrier.modem} yet")
+        return dict(to_plain(said[0]))
 
     def _reader(self, name: str, channel: str) -> Any:
         """Return a function that requests pictures from the vehicle while any page needs them, and reads the newest."""

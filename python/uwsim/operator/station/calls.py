@@ -26,6 +26,8 @@ from uwsim.operator.station.wire import (
 from uwsim.operator.station.wire_training import (
     ExerciseState,
     Instruct,
+    NotesRequest,
+    NotesState,
     Overview,
     ParameterList,
     PlanRequest,
@@ -81,6 +83,7 @@ _CALLS = (
     Call("overview", "report the truth; for the instructor only", answer=Overview, is_brief=False),
     Call("parameters", "describe all parameters; for the instructor only", answer=ParameterList, is_brief=False),
     Call("plan", "save, fly or stop waypoints drawn on the chart, or report", PlanRequest, PlanState, is_brief=False),
+    Call("notes", "list inspection notes, add one, or set the comment", NotesRequest, NotesState, is_brief=False),
     Call("set_view", "change the rate, width and quality of a view", SetView),
     Call("catalog", "list the options of the start screen", answer=Catalog, is_brief=False, is_start_screen=True),
     Call("check", "report the errors of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),

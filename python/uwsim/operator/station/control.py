@@ -57,6 +57,7 @@ def _save(station: Station, request: Values) -> str:
 def _record(station: Station, request: Values) -> str:
     path = new_path(station, request, "flight", ".mcap")
     station.present().record(path)
+    station.present().inspection.export(station.present())
     return f"recording {path}"
 
 

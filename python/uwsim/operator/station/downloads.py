@@ -1,4 +1,4 @@
-"""Files that pilots can download: the map in several formats, and snapshots with panel values."""
+"""Files that pilots can download: the map in several formats, and the score sheet."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from uwsim.channels import telemetry
 from uwsim.channels.map import PingMap
-from uwsim.channels.messages import to_plain
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
 from uwsim.mapping.files.geotiff import write_depth_tiff
@@ -33,30 +31,6 @@ def depth_tiff(running: Running, vehicle: str) -> bytes:
     grid = depth_grid(points_m - running.table.sources[0].origin_m, edge_m)
     place = georeference(running.live.simulator.scenario)
     return _written("map.tif", lambda path: write_depth_tiff(path, grid, place))
-
-
-def snapshot_png(running: Running, view: str) -> bytes:
-    """Return a lossless picture of a view, and store the panel values at that time. Raises ValueError.
-
-    For a view received over a link, these are the last picture and the last panel that arrived.
-    """
-    shown = running.views.view(view)
-    if running.arrivals is not None and view in running.arrivals:
-        png, running.snapshots[view] = running.arrivals.snapshot(view)
-        return png
-    source = next((s for s in running.table.sources if s.name == shown.vehicle), running.table.sources[0])
-    frame, panel = running.views.capture(shown, lambda sim: telemetry.read(sim, source, truth=running.truth))
-    running.snapshots[view] = to_plain(panel)
-    return frame.png()
-
-
-def snapshot_json(running: Running, view: str) -> bytes:
-    """Return the panel values at the time of a view's last snapshot. Raises ValueError if there is none."""
-    if running.views.view(view).name not in running.snapshots:
-        raise ValueError(f"there is no snapshot of '{view}' yet")
-    import orjson
-
-    return orjson.dumps(running.snapshots[view], option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_INDENT_2)
 
 
 def _map(running: Running, vehicle: str) -> PingMap:

@@ -182,7 +182,9 @@ class Station:
             origin = self._origin
             if origin is None:
                 origin = "world" if rosbridge is None else default_origin(live.simulator.scenario)
-            running = Running(live, self.node, self._pulse.stir, feed=feed, origin=origin, **self._options)
+            running = Running(
+                live, self.node, self._pulse.stir, feed=feed, origin=origin, folder=self.folder, **self._options
+            )
             if self.instructor is not None:
                 running.hide_the_simulation()
                 self.instructor.begin()

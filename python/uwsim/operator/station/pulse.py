@@ -13,6 +13,7 @@ from uwsim.channels.guest import Values
 from uwsim.channels.own_types import STATION_STATE
 from uwsim.live import NotRunningError
 from uwsim.operator.station.running import Running
+from uwsim.simulator.notes import comment_of, notes_of
 
 if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
@@ -112,6 +113,8 @@ def _progress(running: Running) -> Values:
     return {
         "scenario": live.simulator.scenario.name,
         "error": str(live.error or ""),
+        "comment": comment_of(live.simulator.events),
+        "notes": len(notes_of(live.simulator.events)),
         "time": 1e-9 * live.time_ns,
         "paused": live.paused,
         "speed": 0.0 if live.speed == "max" else live.speed,

@@ -22,6 +22,7 @@ from uwsim.link.ashore import with_scans
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.arrivals import Arrivals
 from uwsim.operator.station.helm import Helm
+from uwsim.operator.station.inspection import Inspection
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.plan import PlanFlight
 from uwsim.operator.station.scene import Scene
@@ -42,9 +43,9 @@ def piloted_commands() -> list[str]:
 class Running:
     """A live simulator, from `start` to `stop`.
 
-    Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
-    whether the true position may be shown. edition: a number that increases when a parameter, and thus the result of
-    `describe`, changes; see `notice_changes`.
+    Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due.
+    truth: whether the true position may be shown. folder: where notes are written. edition: a number that increases
+    when a parameter, and thus the result of `describe`, changes; see `notice_changes`.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class Running:
         origin: str | Sequence[float],
         truth: bool,
         feed: Feed | None = None,
+        folder: Path | None = None,
     ) -> None:
         sim = live.simulator
         self.live = live
@@ -82,7 +84,7 @@ class Running:
         self.rosbridge: RosbridgeClient | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
-        self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of each view
+        self.inspection = Inspection(folder or Path.cwd())
 
     @property
     def driver(self) -> str:

@@ -20,6 +20,7 @@ from uwsim.operator.station.instructor import Instructor, parameters
 from uwsim.operator.station.plan import Plan, PlanFlight
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import saved_names
+from uwsim.simulator.notes import comment_of
 
 if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
@@ -164,6 +165,19 @@ class Services:
         if judged is None:
             raise ValueError("no exercise is flown")
         return {"success": True, **judged.state()}
+
+    def _notes(self, caller: str, request: Values) -> Values:
+        running, action, message = self._station.present(), request.get("action"), ""
+        own = running.inspection
+        acts = {"list": lambda *_: "", "add": own.add, "comment": own.set_comment}
+        if not isinstance(action, str) or action not in acts:
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(acts)}")
+        if action != "list":
+            self._station.lease.require_pilot(caller)
+            message = acts[action](running, request)
+            self._station.tell()
+        comment = comment_of(running.live.simulator.events)
+        return {"success": True, "message": message, "comment": comment, "notes": own.listed(running)}
 
     def _set_view(self, caller: str, request: Values) -> Values:
         self._station.present().views.set_size(request)

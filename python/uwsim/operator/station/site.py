@@ -17,17 +17,20 @@ from urllib.parse import parse_qs, unquote, urlsplit
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file, snapshot_json, snapshot_png
+from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.hub import Station
+from uwsim.operator.station.inspection import notes_file
+from uwsim.operator.station.snapshots import snapshot_png
 
 PAGE = Path(__file__).resolve().with_name("page")
 TYPES = {
     ".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
     ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
+    ".csv": "text/csv", ".geojson": "application/geo+json",
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
-DATA = re.compile(r"/(scene|map|snapshot|preview|exercise)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
@@ -102,7 +105,8 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/map/([^/]+)\.(ply|pcd)", lambda running, name, suffix: (cloud(running, name, suffix), f"{name}.{suffix}")),
     (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), f"{name}.tif")),
     (r"/snapshot/(.+)\.png", lambda running, view: (snapshot_png(running, view), f"{view.replace('/', '-')}.png")),
-    (r"/snapshot/(.+)\.json", lambda running, view: (snapshot_json(running, view), f"{view.replace('/', '-')}.json")),
+    (r"/notes/notes\.(csv|geojson)", lambda running, suffix: (notes_file(running, suffix), f"notes.{suffix}")),
+    (r"/notes/(.+\.png)", lambda running, name: (running.inspection.picture(running, name), "")),
 ]
 
 

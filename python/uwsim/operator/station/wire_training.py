@@ -1,4 +1,4 @@
-"""Requests and responses of the station's services for exercises, the instructor and plans; see `wire`."""
+"""Requests and responses of the station's services for exercises, the instructor, plans and notes; see `wire`."""
 
 from __future__ import annotations
 
@@ -130,3 +130,38 @@ class PlanState(Message):
     is_flying: bool
     reached: int
     ended_because: str
+
+
+# Inspection
+
+
+class NotesRequest(Message):
+    """A request about notes. action: list, add or comment. view: of a camera, for a picture. place: view or vehicle."""
+
+    action: str
+    vehicle: str | None = None
+    text: str | None = None
+    category: str | None = None
+    place: str | None = None
+    view: str | None = None
+
+
+class NoteState(Message):
+    """A note. position_m: in odom, null if unknown. picture: file name, or ""."""
+
+    number: int
+    time_s: float
+    vehicle: str
+    category: str
+    text: str
+    position_m: list[float] | None
+    picture: str
+
+
+class NotesState(Message):
+    """The notes of the run so far, and the comment that stands in pictures."""
+
+    success: Literal[True]
+    message: str
+    comment: str
+    notes: list[NoteState]

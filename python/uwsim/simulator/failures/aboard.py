@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, ClassVar
 
@@ -11,7 +11,6 @@ from pydantic import ConfigDict, Field
 from uwsim.base.agenda import Agenda, Rank
 from uwsim.base.named import require_names
 from uwsim.base.saved_state import State
-from uwsim.commands import NOTE, NOTES_MAX, require_note
 from uwsim.scenario import Scenario
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures.events import EventLog
@@ -19,6 +18,7 @@ from uwsim.simulator.failures.failsafe import Failsafe, FailsafeState
 from uwsim.simulator.failures.faults import Faults, FaultsState
 from uwsim.simulator.holds import Holds, HoldsState
 from uwsim.simulator.network import Network
+from uwsim.simulator.notes import write_note
 from uwsim.simulator.vehicle import Vehicle
 
 FAILSAFE_OF = "failsafe of "
@@ -59,7 +59,7 @@ class Aboard:
         self._vehicles = vehicles
         for name, vehicle in vehicles.items():
             vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
-            vehicle.gate.note = partial(_note, events, agenda, name)
+            vehicle.gate.note = partial(write_note, events, agenda, name)
             self._holds[name] = vehicle.gate.holds = Holds(
                 vehicle, agenda=agenda, events=events, step_s=scenario.step_s
             )
@@ -114,21 +114,3 @@ class Aboard:
 
 def _note_all_stop(events: EventLog, agenda: Agenda, vehicle: str, on: bool) -> None:
     events.add(agenda.tick, vehicle, "all_stop" if on else "all_stop_ends")
-
-
-def _note(
-    events: EventLog,
-    agenda: Agenda,
-    vehicle: str,
-    *,
-    text: str,
-    category: str = "observation",
-    position_world_m: Sequence[float] | None = None,
-    picture: str = "",
-) -> None:
-    """Log a note. Raises ValueError, also if there are NOTES_MAX."""
-    require_note(text, category, picture)
-    if sum(event.name == NOTE for event in events) >= NOTES_MAX:
-        raise ValueError(f"command 'note': there are {NOTES_MAX} notes already")
-    place = None if position_world_m is None else [float(value) for value in position_world_m]
-    events.add(agenda.tick, vehicle, NOTE, text=text, category=category, position_world_m=place, picture=picture)

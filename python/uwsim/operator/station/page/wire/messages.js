@@ -54,6 +54,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} lost_by
  * @property {string} rosbridge
  * @property {string} rosbridge_trouble
+ * @property {string} comment
+ * @property {number} notes
  */
 
 /** @typedef {object} Telemetry
@@ -361,6 +363,25 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} ended_because
  */
 
+/** A note. position_m: in odom, null if unknown. picture: file name, or "".
+ * @typedef {object} NoteState
+ * @property {number} number
+ * @property {number} time_s
+ * @property {string} vehicle
+ * @property {string} category
+ * @property {string} text
+ * @property {number[] | null} position_m
+ * @property {string} picture
+ */
+
+/** The notes of the run so far, and the comment that stands in pictures.
+ * @typedef {object} NotesState
+ * @property {true} success
+ * @property {string} message
+ * @property {string} comment
+ * @property {NoteState[]} notes
+ */
+
 /** A vehicle of an offered scenario.
  * @typedef {object} OfferedVehicle
  * @property {string} name
@@ -486,6 +507,11 @@ export const parameters = (bridge) => bridge.call('/station/parameters');
 /** @returns {Promise<PlanState | Refused>} */
 export const plan = (bridge, { action, vehicle, points_m, speed_m_s, name }) =>
   bridge.call('/station/plan', { action, vehicle, points_m, speed_m_s, name });
+
+// List inspection notes, add one, or set the comment.
+/** @returns {Promise<NotesState | Refused>} */
+export const notes = (bridge, { action, vehicle, text, category, place, view }) =>
+  bridge.call('/station/notes', { action, vehicle, text, category, place, view });
 
 // Change the rate, width and quality of a view.
 /** @returns {Promise<Done | Refused>} */

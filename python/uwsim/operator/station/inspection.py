@@ -1,0 +1,264 @@
+"""Inspection notes and the comment in pictures: written as commands into the run, and exported beside its recording."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import re
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.quaternions import matrix, product
+from uwsim.channels.guest import Values
+from uwsim.commands import COMMENT, NOTE, require_note
+from uwsim.instruments.cameras.image_file import encode_png
+from uwsim.operator.station.snapshots import described, panel_of, taken
+from uwsim.scenario.georeference import georeference
+from uwsim.simulator.failures import Event
+from uwsim.simulator.notes import comment_of, notes_of
+from uwsim.simulator.simulator import Simulator
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.running import Running
+
+PLACES = ("view", "vehicle")
+TIMEOUT_S = 10.0
+FAR_M = 20.0  # from the vehicle, beyond which the height of the bed below says nothing about that in the picture
+STEEP = math.sin(math.radians(10.0))  # the least angle at which a camera's axis must meet the bed
+COLUMNS = (
+    "number", "time_s", "vehicle", "category", "text", "east_m", "north_m", "depth_m", "longitude_deg", "latitude_deg",
+    "picture",
+)  # fmt: skip
+PICTURE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.png")
+FORMULA = ("=", "+", "-", "@")  # with which a spreadsheet would begin a formula
+
+
+class Inspection:
+    """The notes of a running simulator. folder: where their files are written.
+
+    Their files are NAME-notes.csv, NAME-notes.geojson and NAME-note-1.png and so on, where NAME is that of the
+    recording that is being written, or else the scenario's. They contain all notes since, also those that a restart has
+    removed from the run.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._lock = threading.Lock()
+        self._kept: dict[str, tuple[str, list[Event]]] = {}  # by recording: NAME, and the notes of its files
+
+    def listed(self, running: Running) -> list[Values]:
+        """Return the notes in the page's terms: positions in odom; comments are left out."""
+        origin_m = running.table.sources[0].origin_m
+        found = [event for event in notes_of(running.live.simulator.events) if event.values["category"] != COMMENT]
+        return [
+            {
+                "number": k, "time_s": event.time_s, "vehicle": event.vehicle, "category": event.values["category"],
+                "text": event.values["text"], "picture": event.values["picture"],
+                "position_m": None if (place := event.values["position_world_m"]) is None
+                else (np.asarray(place) + origin_m).tolist(),
+            }
+            for k, event in enumerate(found, 1)
+        ]  # fmt: skip
+
+    def set_comment(self, running: Running, request: Values) -> str:
+        """Let another comment stand in pictures from now on. Raises ValueError."""
+        text, category = _text(request), COMMENT
+        require_note(text, category, "")
+        with self._lock:
+            self._write(running, _vehicle(running, request), text=text, category=category)
+        return ""
+
+    def add(self, running: Running, request: Values) -> str:
+        """Write a note, with a picture if a camera's view is named; return where it is placed. Raises ValueError."""
+        text, category = _text(request), str(request.get("category"))
+        require_note(text, category, "")
+        if category == COMMENT:
+            raise ValueError("category = 'comment': set a comment instead")
+        place = request.get("place") or "vehicle"
+        if place not in PLACES:
+            raise ValueError(f"place = {str(place)[:40]!r}: must be one of {', '.join(PLACES)}")
+        vehicle, view = _vehicle(running, request), request.get("view") or ""
+        with self._lock:
+            rgb, panel = taken(running, view) if view else (None, panel_of(running, vehicle))
+            position_world_m, where = _placed(running, vehicle, str(view), panel, place == "view")
+            picture = ""
+            if rgb is not None:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                picture = self._picture_name(running)
+                text_of = described(running, str(view), panel, comment_of(running.live.simulator.events), note=text)
+                write_atomically(self.folder / picture, encode_png(rgb, text=text_of))
+            try:
+                self._write(
+                    running, vehicle, text=text, category=category, picture=picture,
+                    position_world_m=None if position_world_m is None else position_world_m.tolist(),
+                )  # fmt: skip
+            except BaseException:
+                if picture:
+                    (self.folder / picture).unlink(missing_ok=True)
+                raise
+        return where
+
+    def picture(self, running: Running, name: str) -> bytes:
+        """Return a note's picture. Raises ValueError or OSError."""
+        known = {event.values["picture"] for event in notes_of(running.live.simulator.events)}
+        if name not in known or not PICTURE_NAME.fullmatch(name):
+            raise ValueError(f"'{name[:60]}' is no note's picture")
+        return (self.folder / name).read_bytes()
+
+    def export(self, running: Running) -> None:
+        """Write the files. Raises OSError."""
+        name, notes = self._files(running)
+        notes += [event for event in notes_of(running.live.simulator.events) if event not in notes]
+        if not notes:
+            return
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for suffix, make in FORMATS.items():
+            write_atomically(self.folder / f"{name}-notes.{suffix}", make(running.live.simulator, notes))
+
+    def _write(self, running: Running, vehicle: str, **values: Any) -> None:
+        running.live.command(NOTE, vehicle=vehicle, **values).result(TIMEOUT_S)
+        self.export(running)
+
+    def _files(self, running: Running) -> tuple[str, list[Event]]:
+        recorder = running.recorder
+        key = "" if recorder is None else str(recorder.path)
+        if key not in self._kept:
+            stem = running.live.simulator.scenario.name if recorder is None else recorder.path.stem
+            stem = re.sub(r"[^A-Za-z0-9_.-]", "_", stem)[:60] or "run"
+            names = [stem, *(f"{stem}-{k}" for k in range(2, 10_000))]
+            taken_names = {name for name, _ in self._kept.values()}
+            free = (n for n in names if n not in taken_names and not (self.folder / f"{n}-notes.csv").exists())
+            self._kept[key] = (next(free), [])
+        return self._kept[key]
+
+    def _picture_name(self, running: Running) -> str:
+        name, notes = self._files(running)
+        numbers = range(len(notes) + 1, len(notes) + 100_000)
+        free = (f"{name}-note-{k}.png" for k in numbers if not (self.folder / f"{name}-note-{k}.png").exists())
+        return next(free)
+
+
+def notes_csv(sim: Simulator, notes: list[Event]) -> bytes:
+    """Return notes as CSV: positions in the world frame, degrees of WGS 84 for a world with a place on Earth."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for row in _rows(sim, notes):
+        if str(row["text"]).startswith(FORMULA):
+            row["text"] = f"'{row['text']}"
+        writer.writerow({key: "" if value is None else value for key, value in row.items()})
+    return text.getvalue().encode()
+
+
+def notes_geojson(sim: Simulator, notes: list[Event]) -> bytes:
+    """Return notes as GeoJSON (RFC 7946): points of WGS 84, or no geometry in a world without a place on Earth."""
+    features = [
+        {
+            "type": "Feature",
+            "geometry": None
+            if row["longitude_deg"] is None
+            else {"type": "Point", "coordinates": [row["longitude_deg"], row["latitude_deg"], -row["depth_m"]]},
+            "properties": {key: value for key, value in row.items() if not key.endswith("itude_deg")},
+        }
+        for row in _rows(sim, notes)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features}, indent=1).encode() + b"\n"
+
+
+FORMATS = {"csv": notes_csv, "geojson": notes_geojson}
+
+
+def notes_file(running: Running, suffix: str) -> bytes:
+    """Return the notes of the run so far in one of FORMATS."""
+    sim = running.live.simulator
+    return FORMATS[suffix](sim, notes_of(sim.events))
+
+
+def _rows(sim: Simulator, notes: list[Event]) -> list[dict[str, Any]]:
+    places = [event.values["position_world_m"] for event in notes]
+    degrees = _degrees(sim, places)
+    rows = []
+    for k, (event, place, (longitude, latitude)) in enumerate(zip(notes, places, degrees, strict=True), 1):
+        east, north, up = (None, None, None) if place is None else (round(value, 3) for value in place)
+        values = (
+            k, event.time_s, event.vehicle, event.values["category"], event.values["text"], east, north,
+            None if up is None else 0.0 - up, longitude, latitude, event.values["picture"],
+        )  # fmt: skip
+        rows.append(dict(zip(COLUMNS, values, strict=True)))
+    return rows
+
+
+def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, float | None]]:
+    """Return the longitudes and latitudes of WGS 84 of places, None where there are none."""
+    earth = georeference(sim.scenario)
+    found: list[tuple[float | None, float | None]] = [(None, None)] * len(places)
+    known = [k for k, place in enumerate(places) if place is not None]
+    if earth.crs is None or not known:
+        return found
+    from rasterio.warp import transform  # such a world's terrain was read by rasterio
+
+    xs = [earth.origin[0] + earth.units_per_m * places[k][0] for k in known]
+    ys = [earth.origin[1] + earth.units_per_m * places[k][1] for k in known]
+    longitudes, latitudes = transform(earth.crs, "EPSG:4326", xs, ys)
+    for k, longitude, latitude in zip(known, longitudes, latitudes, strict=True):
+        found[k] = (round(longitude, 8), round(latitude, 8))
+    return found
+
+
+def _placed(
+    running: Running, vehicle: str, view: str, panel: Values, wants_view: bool
+) -> tuple[NDArray[np.float64] | None, str]:
+    """Return the place of a note in the world (3,), None if unknown, and a sentence about it."""
+    own_m = np.asarray(panel["position"], np.float64) - running.table.sources[0].origin_m
+    if not np.isfinite(own_m).all():
+        return None, "Noted without a place: the vehicle does not know its own"
+    if not wants_view:
+        return own_m, "Noted at the vehicle's place"
+    shown = running.views.views.get(view)
+    if shown is None or shown.vehicle != vehicle or shown.kind != "camera":
+        return own_m, "Noted at the vehicle's place: the large view is not of a camera aboard"
+    body_from_camera = shown.camera.mounting_xyzw()
+    offset_m = looked_at(
+        panel["orientation"], body_from_camera, shown.camera.mount.position_m, panel["distance_to_seabed"]
+    )
+    if offset_m is None:
+        return own_m, "Noted at the vehicle's place: where its camera looks, the bed is not known"
+    return own_m + offset_m, f"Noted {float(np.linalg.norm(offset_m)):.1f} m from the vehicle, where its camera looks"
+
+
+def looked_at(
+    world_from_body_xyzw: Any, body_from_camera_xyzw: Any, mount_m: Any, altitude_m: float
+) -> NDArray[np.float64] | None:
+    """Return where a camera's axis meets the bed, relative to the vehicle (3,), world axes.
+
+    mount_m: (3,), of the camera on the body. altitude_m: over the bed, which is taken as flat and level. Returns None
+    if the altitude is unknown, or the axis is flatter than 10 degrees or meets the bed farther than 20 m away.
+    """
+    axis = matrix(product(world_from_body_xyzw, body_from_camera_xyzw))[:, 0]
+    mount = matrix(world_from_body_xyzw) @ np.asarray(mount_m, np.float64)
+    height_m = altitude_m + float(mount[2])
+    if not (math.isfinite(height_m) and height_m > 0.0 and -axis[2] > STEEP):
+        return None
+    found: NDArray[np.float64] = mount + axis * (height_m / -float(axis[2]))
+    return found if float(np.linalg.norm(found)) <= FAR_M else None
+
+
+def _text(request: Values) -> str:
+    text = request.get("text") or ""
+    if not isinstance(text, str):
+        raise ValueError(f"text = {text!r:.40}: must be text")
+    return " ".join(text.split())
+
+
+def _vehicle(running: Running, request: Values) -> str:
+    name = request.get("vehicle")
+    if name not in running.live.vehicles:
+        raise ValueError(f"vehicle = {str(name)[:40]!r}: must be one of {', '.join(running.live.vehicles)}")
+    return str(name)

@@ -1,0 +1,100 @@
+"""Pictures of the views at full size, with the instruments' values in their own metadata."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels import telemetry
+from uwsim.channels.guest import Values
+from uwsim.channels.messages import to_plain
+from uwsim.channels.source import Source
+from uwsim.instruments.cameras.image_file import encode_png
+from uwsim.simulator.notes import comment_of
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.running import Running
+
+OF_THE_TRUTH = ("true_position", "is_truth")
+"""Fields of /telemetry that no picture carries."""
+
+
+def snapshot_png(running: Running, view: str) -> bytes:
+    """Return a lossless picture of a camera's view. Raises ValueError.
+
+    For a view received over a link, these are the last picture and the last panel that arrived.
+    """
+    rgb, panel = taken(running, view)
+    return encode_png(rgb, text=described(running, view, panel, comment_of(running.live.simulator.events)))
+
+
+def taken(running: Running, view: object) -> tuple[NDArray[np.uint8], Values]:
+    """Return a picture of a camera's view, (H, W, 3), and the panel at the same time. Raises ValueError."""
+    shown = running.views.view(view)
+    if running.arrivals is not None and shown.name in running.arrivals:
+        return running.arrivals.snapshot(shown.name)
+    source = next((each for each in running.table.sources if each.name == shown.vehicle), running.table.sources[0])
+    frame, panel = running.views.capture(shown, lambda sim: telemetry.read(sim, source, truth=False))
+    return frame.rgb, to_plain(panel)
+
+
+def panel_of(running: Running, vehicle: str) -> Values:
+    """Return a vehicle's panel now or, over a link, the last that arrived. Raises ValueError if none has."""
+    if running.arrivals is not None:
+        return running.arrivals.panel(vehicle)
+    source = _source(running, vehicle)
+    return dict(to_plain(running.live.read(lambda sim: telemetry.read(sim, source, truth=False)).result()))
+
+
+def _source(running: Running, vehicle: str) -> Source:
+    return next(each for each in running.table.sources if each.name == vehicle)
+
+
+def described(running: Running, view: str, panel: Values, comment: str, *, note: str = "") -> dict[str, str]:
+    """Return the text chunks of a picture: PNG's own keywords, and "uwsim" with all values as JSON."""
+    scenario = running.live.simulator.scenario.name
+    values = instruments(panel)
+    line = " ".join(f"{key}={value}" for key, value in values.items() if value is not None)
+    hidden = OF_THE_TRUTH if values["position_m"] is not None else (*OF_THE_TRUTH, "orientation")
+    rest = {key: _json(value) for key, value in panel.items() if key not in hidden}
+    every = {"scenario": scenario, "view": view, "comment": comment, "note": note, **values, "panel": rest}
+    texts = {"Title": f"{scenario}: {view}", "Description": line, "Comment": note or comment, "Software": "uwsim"}
+    return {**{key: text for key, text in texts.items() if text}, "uwsim": json.dumps(every)}
+
+
+def instruments(panel: Values) -> Values:
+    """Return what stands in pictures, in SI units and degrees: None for what no instrument aboard measures.
+
+    position_m: east, north and up in odom, by the vehicle's own estimate, like heading_deg, clockwise from north.
+    """
+    header = panel["header"]["stamp"]
+    position = np.asarray(panel["position"], np.float64)
+    is_known = bool(np.isfinite(position).all())  # without an estimate, the orientation is not measured either
+    x, y, z, w = np.asarray(panel["orientation"], np.float64).tolist()
+    yaw_rad = math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
+    return {
+        "time_s": round(header["sec"] + 1e-9 * header["nanosec"], 3),
+        "depth_m": _known(panel["depth"], 2),
+        "altitude_m": _known(panel["distance_to_seabed"], 2),
+        "heading_deg": round((90.0 - math.degrees(yaw_rad)) % 360.0, 1) % 360.0 if is_known else None,
+        "position_m": [round(value, 2) for value in position.tolist()] if is_known else None,
+    }
+
+
+def _known(value: Any, digits: int) -> float | None:
+    return round(float(value), digits) if value is not None and math.isfinite(value) else None
+
+
+def _json(value: Any) -> Any:
+    """Return a panel's value as JSON has it, where what is unknown is null."""
+    if isinstance(value, dict):
+        return {key: _json(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_json(item) for item in value]
+    if isinstance(value, np.generic):
+        return _json(value.item())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
