@@ -12,6 +12,7 @@ import { HoldButtons } from './drive/holds.js';
 import { Inspector } from './inspector.js';
 import { Lease } from './drive/lease.js';
 import { Pilot } from './drive/pilot.js';
+import { Inspection } from './panel/inspection.js';
 import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
 import { SceneView } from './map3d/scene.js';
@@ -42,9 +43,11 @@ const aim = new CameraAim(station, views);
 views.setTools(aim.element);
 const topbar = new TopBar(station, telemetry, pilot, views);
 const holds = new HoldButtons(station, telemetry, pilot, (action) => bindings.keysOf(action).map(keyName)[0]);
-const panel = new Panel(byId('panel'), station, telemetry, pilot);
+const inspection = new Inspection(station, views);
+const panel = new Panel(byId('panel'), station, telemetry, pilot, inspection);
 panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
-const recorder = new Recorder(station, telemetry, views);
+const recorder = new Recorder(station, telemetry, views, () => inspection.shownComment);
+inspection.addEventListener('notes', () => showNotes());
 const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
@@ -105,6 +108,7 @@ function describe() {
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
   holds.begin(vehicle);
+  inspection.begin(vehicle);
   byId('inspect').hidden = Boolean(description.is_supervised);
 }
 
@@ -122,6 +126,7 @@ function begin() {
   );
   scene
     .begin(load, description.vehicles, description.scene)
+    .then(showNotes)
     .catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
@@ -195,7 +200,8 @@ function act(action, isPressed) {
     downOff: () => topbar.light('down', false),
     gainUp: () => pilot.changeGain(1),
     gainDown: () => pilot.changeGain(-1),
-    mark: () => mark(),
+    note: () => inspection.add(),
+    comment: () => inspection.focus(),
     pause: () => topbar.pauseOrResume(),
     step: () => topbar.step(),
     snapshot: () => recorder.snapshot(),
@@ -205,15 +211,11 @@ function act(action, isPressed) {
   actions[action]?.();
 }
 
-function mark() {
-  const at = scene.mark(vehicle.name);
-  if (at)
-    toast(
-      `Mark ${scene.marks.count}: ${at
-        .toArray()
-        .map((value) => value.toFixed(1))
-        .join(', ')} m`,
-    );
+// Notes stand at their places in the 3D view and on the chart.
+function showNotes() {
+  const placed = inspection.notes.filter(({ position_m }) => position_m);
+  scene.showNotes(placed);
+  chart.showNotes(placed);
 }
 
 function openKeys() {
@@ -248,4 +250,16 @@ function showBanner() {
   byId('banner').dataset.kind = isBlind || state.error ? '' : 'silence';
 }
 
-globalThis.station = { chart, station, telemetry, pilot, views, scene, panel, bindings, recorder, inspector }; // for the browser's console and tests
+globalThis.station = {
+  chart,
+  station,
+  telemetry,
+  pilot,
+  views,
+  scene,
+  panel,
+  bindings,
+  recorder,
+  inspector,
+  inspection,
+}; // for the browser's console and tests

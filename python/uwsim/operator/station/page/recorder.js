@@ -1,7 +1,16 @@
-// Snapshots, and recordings of the large view together with the telemetry.
+// Snapshots with the instruments' values in their metadata, and recordings of the large view with these values below the
+// picture, beside a table of the telemetry.
 import { byId, toast } from './dom.js';
+import { BAND_PX, burn, instruments, overlayLines } from './overlay.js';
+import { withText } from './png_text.js';
+import { STRINGS } from './strings.js';
 
+const WORDS = STRINGS.recorder;
 const FRAMES_PER_S = 10;
+const SIZE = [960, 540]; // of the picture
+const BITS_PER_S = 2.5e6;
+const FILE_BYTES = 2e8; // then another file is begun, since the browser keeps it in memory
+const FILE_ROWS = 2e5; // of the telemetry, some 8 h
 const KINDS = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
 const COLUMNS = {
   time_s: (m, t) => t,
@@ -36,10 +45,12 @@ const COLUMNS = {
 const COLUMN_NAMES = Object.keys(COLUMNS);
 
 export class Recorder {
-  #running = null; // { recorder, chunks, rows, canvas, timer }
+  #running = null; // { recorder, chunks, bytes, rows, timer, type, stem }
+  shown = []; // the lines below the last recorded picture
 
-  constructor(station, telemetry, views) {
-    [this.station, this.telemetry, this.views] = [station, telemetry, views];
+  // comment(): what the pilot lets stand in pictures now.
+  constructor(station, telemetry, views, comment) {
+    [this.station, this.telemetry, this.views, this.comment] = [station, telemetry, views, comment];
     byId('snapshot').addEventListener('click', () => this.snapshot());
     byId('record').addEventListener('click', () => this.toggle());
     telemetry.addEventListener('change', () => this.#note());
@@ -49,36 +60,52 @@ export class Recorder {
     return this.#running !== null;
   }
 
-  // Save the large view as the server renders it, without loss, and the panel's values; the 3D view as it is shown.
+  // Save the large view: a camera's as the server renders it, without loss; any other as it is shown.
   async snapshot() {
-    const { large } = this.views;
-    const stem = this.#stem(large);
-    const own = this.views.drawn.find(({ name }) => name === large);
-    if (own) {
-      taken(own, (canvas) => canvas.toBlob((blob) => save(blob, `${stem}.png`)));
-      save(
-        new Blob([JSON.stringify(plain(this.telemetry.message), null, 2)], { type: 'application/json' }),
-        `${stem}.json`,
-      );
-      return;
-    }
+    const { large, largeView } = this.views;
+    const name = `${this.#stem(large.replaceAll('/', '-'))}.png`;
     try {
-      for (const kind of ['png', 'json']) {
-        const answer = await fetch(this.station.href(`/snapshot/${encodeURIComponent(large)}.${kind}`));
+      if (largeView.isCamera && !this.station.isPlain) {
+        const answer = await fetch(this.station.href(`/snapshot/${encodeURIComponent(large)}.png`));
         if (!answer.ok) throw new Error(`${answer.status} ${await answer.text()}`.trim());
-        save(await answer.blob(), `${stem}.${kind}`);
-      }
-      toast(`Saved ${stem}.png and .json`);
+        save(await answer.blob(), name);
+      } else save(await this.#drawn(), name);
+      toast(WORDS.saved(name));
     } catch (error) {
-      toast(`No snapshot: ${error.message}`, 'error');
+      toast(WORDS.noSnapshot(error.message), 'error');
     }
+  }
+
+  // A picture of what the page draws itself, with the keywords of the server's pictures.
+  async #drawn() {
+    const { message, stamp_s } = this.telemetry;
+    const values = { ...this.#about, comment: this.comment(), ...instruments(message, stamp_s) };
+    const texts = { Title: `${values.scenario}: ${values.view}`, Comment: values.comment, Software: 'uwsim' };
+    const blob = await new Promise((resolve) => {
+      this.#shownCanvas((canvas) => canvas.toBlob(resolve));
+    });
+    const png = new Uint8Array(await blob.arrayBuffer());
+    return new Blob([withText(png, { ...texts, uwsim: JSON.stringify(values) })], { type: 'image/png' });
+  }
+
+  get #about() {
+    const { description } = this.station;
+    return { scenario: description?.scenario ?? '', vehicle: this.telemetry.vehicle, view: this.views.large };
+  }
+
+  // Pass on the large view's canvas while it holds its picture.
+  #shownCanvas(take) {
+    const { large, largeView } = this.views;
+    const own = this.views.drawn.find(({ name }) => name === large);
+    if (own?.picture) own.picture(take);
+    else take(own?.canvas ?? largeView.element.querySelector('canvas'));
   }
 
   toggle() {
     if (this.isRunning) this.#stop();
     else this.#start();
     byId('record').setAttribute('aria-pressed', String(this.isRunning));
-    byId('record').textContent = this.isRunning ? 'Stop recording' : 'Record';
+    byId('record').textContent = this.isRunning ? WORDS.stop : WORDS.record;
   }
 
   #start() {
@@ -86,17 +113,33 @@ export class Recorder {
     const rows = [COLUMN_NAMES.join()];
     if (!type) {
       this.#running = { rows, chunks: [], stem: this.#stem('run') };
-      toast('Recording the telemetry: this browser cannot record pictures');
+      toast(WORDS.noPictures);
       return;
     }
     const canvas = document.createElement('canvas');
-    [canvas.width, canvas.height] = [960, 540];
-    const recorder = new MediaRecorder(canvas.captureStream(FRAMES_PER_S), { mimeType: type });
+    [canvas.width, canvas.height] = [SIZE[0], SIZE[1] + BAND_PX];
+    const recorder = new MediaRecorder(canvas.captureStream(FRAMES_PER_S), {
+      mimeType: type,
+      videoBitsPerSecond: BITS_PER_S,
+    });
     const chunks = [];
-    recorder.ondataavailable = ({ data }) => chunks.push(data);
+    const running = { recorder, chunks, bytes: 0, rows, type, stem: this.#stem('run') };
+    recorder.ondataavailable = ({ data }) => {
+      chunks.push(data);
+      running.bytes += data.size;
+      if (running === this.#running && running.bytes > FILE_BYTES) this.#goOn();
+    };
     recorder.start(1000);
-    const timer = setInterval(() => this.#compose(canvas), 1000 / FRAMES_PER_S);
-    this.#running = { recorder, chunks, rows, timer, type, stem: this.#stem('run') };
+    running.timer = setInterval(() => this.#compose(canvas), 1000 / FRAMES_PER_S);
+    this.#running = running;
+  }
+
+  // Save what there is, and record into another file.
+  #goOn() {
+    const { stem } = this.#running;
+    this.#stop();
+    this.#start();
+    toast(WORDS.more(stem));
   }
 
   #stop() {
@@ -107,28 +150,28 @@ export class Recorder {
     if (!recorder) return;
     recorder.onstop = () => save(new Blob(chunks, { type }), `${stem}.${type.includes('mp4') ? 'mp4' : 'webm'}`);
     recorder.stop();
-    toast(`Saved ${stem}: video and telemetry`);
+    toast(WORDS.savedVideo(stem));
   }
 
-  // The large view with its overlays.
+  // The large view with its overlays, and the values below it.
   #compose(target) {
     const context = target.getContext('2d');
     context.fillStyle = '#05080a';
     context.fillRect(0, 0, target.width, target.height);
-    const own = this.views.drawn.find(({ name }) => name === this.views.large);
-    if (own) {
-      taken(own, (drawn) => paste(context, drawn));
-      return;
-    }
-    for (const canvas of this.views.largeView?.element.querySelectorAll('canvas') ?? []) {
-      paste(context, canvas);
-    }
+    this.#shownCanvas((canvas) => paste(context, canvas));
+    const hud = this.views.largeView?.element.querySelector('canvas.hud');
+    if (hud) paste(context, hud);
+    const { message, stamp_s, isStale, lag_s } = this.telemetry;
+    const lines = overlayLines(this.#about, instruments(message, stamp_s), isStale ? Math.max(lag_s, 1) : 0);
+    this.shown = [...lines, this.comment()];
+    burn(context, lines, this.comment());
   }
 
   #note() {
     if (!this.#running) return;
     const { message, stamp_s } = this.telemetry;
     this.#running.rows.push(COLUMN_NAMES.map((name) => COLUMNS[name](message, stamp_s)).join());
+    if (this.#running.rows.length > FILE_ROWS) this.#goOn();
   }
 
   #stem(what) {
@@ -136,19 +179,12 @@ export class Recorder {
   }
 }
 
-// Pass on the canvas of a view that this page draws, while it holds its picture.
-function taken(view, take) {
-  if (view.picture) view.picture(take);
-  else take(view.canvas);
-}
-
-// Draw it as large as it fits, in the middle.
+// Draw a canvas as large as it fits, in the middle.
 function paste(context, canvas) {
-  const { canvas: target } = context;
   if (!canvas.width || !canvas.height) return;
-  const fit = Math.min(target.width / canvas.width, target.height / canvas.height);
+  const fit = Math.min(SIZE[0] / canvas.width, SIZE[1] / canvas.height);
   const [w, h] = [canvas.width * fit, canvas.height * fit];
-  context.drawImage(canvas, (target.width - w) / 2, (target.height - h) / 2, w, h);
+  context.drawImage(canvas, (SIZE[0] - w) / 2, (SIZE[1] - h) / 2, w, h);
 }
 
 function save(blob, name) {
@@ -157,13 +193,4 @@ function save(blob, name) {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-}
-
-function plain(value) {
-  if (ArrayBuffer.isView(value)) return [...value];
-  if (value && typeof value === 'object')
-    return Object.fromEntries(
-      Object.entries(value).map(([key, item]) => [key, Array.isArray(item) ? item : plain(item)]),
-    );
-  return value;
 }

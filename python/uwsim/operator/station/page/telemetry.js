@@ -10,6 +10,7 @@ export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
   message = null;
+  vehicle = ''; // its name
   joints = new Map(); // the angles [rad] of the vehicle's motors, by name
   #heardMs = -Infinity;
 
@@ -20,9 +21,9 @@ export class Telemetry extends EventTarget {
 
   // joints: the topic of the motors' angles. proximities: { name, topic } of the sensors that look around. Either may be
   // missing, for example over a modem.
-  watch({ telemetry: topic, joints = null, proximities = [] }) {
+  watch({ name: vehicle, telemetry: topic, joints = null, proximities = [] }) {
     for (const end of this.#ends) end();
-    this.message = null;
+    [this.message, this.vehicle] = [null, vehicle];
     this.joints = new Map();
     this.#closings = new Map();
     this.#heardMs = -Infinity;

@@ -34,7 +34,7 @@ export const VEHICLE = {
   'hold.altitude': 'Hold altitude',
   'hold.position': 'Hold position',
   'hold.speed': 'Hold speed',
-  mark: 'Mark this place',
+  note: 'Add a note',
   camUp: 'Camera up',
   camDown: 'Camera down',
   camLeft: 'Camera to port',
@@ -45,6 +45,7 @@ export const SCREEN = {
   step: 'One step',
   snapshot: 'Snapshot',
   record: 'Record',
+  comment: 'Comment in pictures',
   mute: 'Sound on or off',
 };
 export const ACTIONS = { ...DRIVING, ...VEHICLE, ...SCREEN };
@@ -68,11 +69,12 @@ const SHARED = {
   'hold.altitude': ['KeyT'],
   'hold.position': ['KeyO'],
   'hold.speed': ['KeyF'],
-  mark: ['KeyM'],
+  note: ['KeyM'],
   pause: ['KeyP'],
   step: ['KeyN'],
   snapshot: ['KeyV'],
   record: ['KeyG'],
+  comment: ['Backquote'],
   mute: ['KeyU'],
 };
 // Those of the paper's keyboard node.

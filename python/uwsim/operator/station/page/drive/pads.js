@@ -17,7 +17,7 @@ const STANDARD = {
   },
   buttons: {
     0: 'stop',
-    1: 'mark',
+    1: 'note',
     2: 'frontOn',
     3: 'frontOff',
     4: 'gainDown',

@@ -55,13 +55,13 @@ export class Track {
   }
 }
 
-// Poles at marked places.
+// Poles at the places of notes.
 export class Marks {
   group = new Group();
   count = 0;
   #material = new LineBasicMaterial({ color: 0xff6ad5 });
 
-  add({ x, y, z }) {
+  add([x, y, z]) {
     const geometry = new BufferGeometry();
     const lines = [x, y, z - 4, x, y, z + 4, x - 1, y, z, x + 1, y, z, x, y - 1, z, x, y + 1, z];
     geometry.setAttribute('position', new BufferAttribute(new Float32Array(lines), 3));

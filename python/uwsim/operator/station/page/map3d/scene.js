@@ -128,12 +128,11 @@ export class SceneView {
     this.#isDue = true;
   }
 
-  // Leave a pole at a vehicle's place; return its position.
-  mark(name) {
-    const at = this.vessels.get(name)?.group.position.clone();
-    if (at) this.marks.add(at);
+  // Set a pole at each note's place.
+  showNotes(notes) {
+    this.marks.clear();
+    for (const { position_m } of notes) this.marks.add(position_m);
     this.#isDue = true;
-    return at;
   }
 
   // Return the view as it is now, since a WebGL canvas keeps its picture for no longer than a frame.

@@ -110,7 +110,8 @@ export class Panel {
   thrusters = new Bars();
   efforts = new Bars();
 
-  constructor(container, station, telemetry, pilot) {
+  // inspection: see Inspection.
+  constructor(container, station, telemetry, pilot, inspection) {
     [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
     this.allStop = new AllStop(station, pilot);
     this.failsafe = new Failsafe(station);
@@ -144,6 +145,7 @@ export class Panel {
       this.exercise.element,
       this.alarms.element,
       this.timed,
+      inspection.element,
       this.link.element,
       this.#section('Controls', el('small', {}, '%'), this.efforts.element),
       this.#section('Map', this.mapNote, this.downloads),

@@ -17,6 +17,9 @@ const CLICK_PX = 5; // a press that moves less is a click
 const INK = '#06121c';
 const FLOWN = '#c2410c';
 const PLANNED = '#6b1580';
+const NOTED = '#e8c22e';
+const NOTED_WRONG = '#ff7a66';
+const SHORT = 24; // letters of a note on the chart
 
 const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
 const number = (title, value, min, max, step) =>
@@ -29,6 +32,7 @@ export class ChartView {
   frame = new ChartFrame();
   points = []; // waypoints [x, y, z], in odom
   flown = []; // [x, y]
+  #notes = []; // with position_m
   #isLarge = false;
   #bed = null; // { canvas, heights, grid, surface_m }
   #meshes = [];
@@ -87,6 +91,11 @@ export class ChartView {
     const heights = new Float32Array(await (await load(found.terrain.url)).arrayBuffer());
     this.#meshes = found.meshes.filter(({ outline_m }) => outline_m?.length > 1);
     this.#bed = coloured(heights, found.terrain, found.surface_m ?? 0);
+    this.draw();
+  }
+
+  showNotes(notes) {
+    this.#notes = notes;
     this.draw();
   }
 
@@ -234,6 +243,7 @@ export class ChartView {
     for (const { name, outline_m } of this.#meshes) this.#drawObstacle(c, name, outline_m);
     this.#drawLine(c, this.flown, FLOWN, []);
     this.#drawPlan(c);
+    for (const note of this.#notes) this.#drawNote(c, note);
     this.#drawRuler(c);
     this.#drawVehicle(c);
     if (this.#isLarge) this.#drawScale(c);
@@ -287,6 +297,23 @@ export class ChartView {
       c.stroke();
       if (this.#isLarge) label(c, String(k + 1), x + 12, y - 8);
     });
+  }
+
+  // A pin with its number, and with its text where there is room.
+  #drawNote(c, { number: index, category, text, position_m }) {
+    const [x, y] = this.frame.at(position_m);
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x - 7, y - 13);
+    c.arc(x, y - 16, 8, Math.PI - 0.4, 0.4);
+    c.closePath();
+    c.fillStyle = category === 'defect' || category === 'leak' ? NOTED_WRONG : NOTED;
+    c.fill();
+    c.strokeStyle = INK;
+    c.lineWidth = 1.2;
+    c.stroke();
+    label(c, String(index), x, y - 17);
+    if (this.#isLarge && text) label(c, text.length > SHORT ? `${text.slice(0, SHORT)}…` : text, x, y - 33);
   }
 
   #drawRuler(c) {

@@ -1,0 +1,162 @@
+// Inspection: the comment that stands in pictures, and notes with category, picture and place.
+import { attempt, clockText, el, toast, write } from '../dom.js';
+import { STRINGS } from '../strings.js';
+import { notes as request } from '../wire/messages.js';
+
+const WORDS = STRINGS.inspection;
+const CATEGORIES = ['observation', 'defect', 'leak', 'debris', 'growth'];
+const PLACES = ['view', 'vehicle'];
+const TEXT_MOST = 200;
+
+const choice = (label, values, words) =>
+  el('select', { 'aria-label': label, title: label }, ...values.map((value) => el('option', { value }, words[value])));
+const line = (label, id) =>
+  el('input', {
+    type: 'text',
+    id,
+    'aria-label': label,
+    placeholder: label,
+    maxLength: TEXT_MOST,
+    autocomplete: 'off',
+    spellcheck: false,
+  });
+
+// Events: 'notes', when there are others than before.
+export class Inspection extends EventTarget {
+  notes = []; // as the server lists them
+  #vehicle = '';
+  #shown = ''; // of which run and how many notes
+  #own = ''; // the comment of a page whose server keeps none
+
+  constructor(station, views) {
+    super();
+    [this.station, this.views] = [station, views];
+    this.comment = line(WORDS.comment, 'comment');
+    this.text = line(WORDS.text, 'note-text');
+    this.category = choice(WORDS.category, CATEGORIES, WORDS.categories);
+    this.place = choice(WORDS.place, PLACES, WORDS.places);
+    this.set = el('button', { type: 'submit' }, WORDS.set);
+    this.button = el('button', { type: 'submit', id: 'add-note' }, WORDS.add);
+    this.list = el('ol', { className: 'notes', tabIndex: 0, 'aria-label': WORDS.list });
+    this.links = el('div', { className: 'downloads', role: 'group', 'aria-label': WORDS.download });
+    this.count = el('small');
+    this.form = el(
+      'form',
+      { onsubmit: (event) => this.#submit(event, () => this.add()) },
+      el('div', { className: 'row' }, this.category, this.place),
+      el('div', { className: 'row' }, this.text, this.button),
+    );
+    this.element = el(
+      'section',
+      { id: 'inspection', className: 'inspection' },
+      el('h2', {}, WORDS.heading, this.count),
+      el(
+        'form',
+        { className: 'row', onsubmit: (event) => this.#submit(event, () => this.#setComment()) },
+        this.comment,
+        this.set,
+      ),
+      this.form,
+      this.list,
+      this.links,
+    );
+    station.addEventListener('state', () => this.#look());
+  }
+
+  begin(vehicle) {
+    this.#vehicle = vehicle.name;
+    this.form.hidden = this.list.hidden = this.links.hidden = this.station.isPlain;
+    this.links.replaceChildren(
+      ...['csv', 'geojson'].map((kind) =>
+        el(
+          'a',
+          { href: this.station.href(`/notes/notes.${kind}`), download: `notes.${kind}`, 'aria-label': WORDS.as(kind) },
+          `.${kind}`,
+        ),
+      ),
+    );
+    this.#shown = '';
+    this.#look();
+  }
+
+  // What stands in pictures now.
+  get shownComment() {
+    return this.station.isPlain ? this.#own : (this.station.state.comment ?? '');
+  }
+
+  // Let the pilot type.
+  focus() {
+    this.comment.focus();
+    this.comment.select();
+  }
+
+  // Write a note of what the form says, with a picture of the large view if a camera's is.
+  async add() {
+    const { largeView } = this.views;
+    const answer = await attempt(
+      request(this.station.bridge, {
+        action: 'add',
+        vehicle: this.#vehicle,
+        text: this.text.value,
+        category: this.category.value,
+        place: this.place.value,
+        view: largeView?.isCamera ? this.views.large : '',
+      }),
+    );
+    if (!answer) return;
+    this.text.value = '';
+    this.#show(answer);
+    toast(answer.message);
+  }
+
+  async #setComment() {
+    if (this.station.isPlain) this.#own = this.comment.value;
+    else {
+      const { value: text } = this.comment;
+      const answer = await attempt(
+        request(this.station.bridge, { action: 'comment', vehicle: this.#vehicle, text }),
+        WORDS.commented,
+      );
+      if (answer) this.#show(answer);
+    }
+  }
+
+  #submit(event, act) {
+    event.preventDefault();
+    document.activeElement?.blur(); // the keys drive again
+    act();
+  }
+
+  // Follow the state: the comment, and how many notes there are.
+  async #look() {
+    const { state, isPilot, isPlain, isRunning } = this.station;
+    if (document.activeElement !== this.comment && this.comment.value !== this.shownComment)
+      this.comment.value = this.shownComment;
+    for (const part of [this.text, this.category, this.place, this.button]) part.disabled = !isPilot;
+    this.comment.disabled = this.set.disabled = !isPilot;
+    const wanted = `${state.session} ${state.notes}`;
+    if (isPlain || !isRunning || state.notes === undefined || wanted === this.#shown) return;
+    this.#shown = wanted;
+    try {
+      this.#show(await request(this.station.bridge, { action: 'list' }));
+    } catch {
+      this.#shown = ''; // the banner reports a lost connection
+    }
+  }
+
+  #show({ success, notes }) {
+    if (!success) return;
+    this.notes = notes;
+    write(this.count, notes.length ? String(notes.length) : '');
+    this.list.replaceChildren(
+      ...notes.toReversed().map(({ number, time_s, category, text, picture }) => {
+        const said = `${number}. ${WORDS.categories[category] ?? category}${text ? `: ${text}` : ''} `;
+        const link = picture
+          ? el('a', { href: this.station.href(`/notes/${picture}`), target: '_blank', rel: 'noopener' }, WORDS.picture)
+          : null;
+        return el('li', {}, el('time', {}, clockText(time_s)), ` ${said}`, link);
+      }),
+    );
+    this.dispatchEvent(new Event('notes'));
+  }
+}

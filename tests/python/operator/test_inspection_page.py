@@ -1,0 +1,144 @@
+"""Inspection in a real browser: a comment burnt into the video, snapshots that carry their values, notes on the chart."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from browser import chromium, desk, until, when
+from test_station_page import judge
+
+BAND = slice(540, 600)
+COMMENT_INK = (255, 209, 102)
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    with chromium() as browser, desk(browser, tmp_path_factory.mktemp("inspection"), "pool") as found:
+        live = found.station.present().live
+        live.rov.undock()
+        live.command("place", vehicle="rov", position_world_m=[2.0, 1.0, -2.0]).result()
+        yield found
+    assert not found.complaints
+
+
+@pytest.fixture(scope="module")
+def page(here):
+    page = here.fly(viewport={"width": 1440, "height": 1000})
+    when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
+    return page
+
+
+def inked(frame) -> int:
+    """Return how many pixels of a frame's band have the colour of comments."""
+    return int((np.abs(frame[BAND].astype(int) - COMMENT_INK).max(axis=2) < 60).sum())
+
+
+def frames(path):
+    video = cv2.VideoCapture(str(path))
+    while True:
+        is_read, frame = video.read()
+        if not is_read:
+            return
+        yield cv2.cvtColor(frame, cv2.COLOR_BGR2RGB)
+
+
+def snapshot(page):
+    with page.expect_download() as saved:
+        page.click("#snapshot")
+    picture = Image.open(io.BytesIO(Path(saved.value.path()).read_bytes()))
+    picture.load()
+    return picture.size, json.loads(picture.text["uwsim"]), picture.text
+
+
+def test_a_comment_stands_in_the_video_from_when_it_is_set(here, page, tmp_path: Path):
+    saved = []
+    page.on("download", lambda one: saved.append(one))
+    page.click("#record")
+    page.wait_for_timeout(700)
+    page.keyboard.press("Backquote")
+    page.keyboard.type("Weld 12, süd")
+    page.keyboard.press("Enter")
+    when(page, "station.recorder.shown[2] === 'Weld 12, süd'")
+    assert page.evaluate("document.activeElement === document.body")  # the keys drive again
+    page.wait_for_timeout(700)
+    lines = page.evaluate("station.recorder.shown")
+    message = page.evaluate("({depth: station.telemetry.message.depth, at: [...station.telemetry.message.position]})")
+    assert lines[0].startswith("pool · rov · front · 0:")
+    assert f"Depth {message['depth']:.1f} m" in lines[1] and f"East {message['at'][0]:.1f} m" in lines[1]
+    page.click("#record")
+    until(lambda: page.evaluate("1") and len(saved) == 2, "the video and its table")
+    path = next(each.path() for each in saved if each.suggested_filename.endswith((".webm", ".mp4")))
+    found = list(frames(path))
+    assert found[0].shape == (600, 960, 3) and len(found) > 3
+    assert inked(found[0]) == 0 and inked(found[-1]) > 200
+    assert found[-1][:540].std() > 5.0  # the picture is above the values
+    Image.fromarray(found[-1]).save(tmp_path / "video.png")
+
+
+def test_snapshots_carry_the_instruments_values(here, page):
+    when(page, "station.station.state.comment === 'Weld 12, süd'")
+    page.evaluate("station.views.enlarge('front')")
+    size, values, text = snapshot(page)
+    assert size == (640, 360) and values["comment"] == text["Comment"] == "Weld 12, süd"
+    depth_m = here.rov.sensors["depth"].read()
+    assert values["depth_m"] == pytest.approx(depth_m, abs=0.2)
+    np.testing.assert_allclose(values["position_m"], [2.0, 1.0, -2.0], atol=0.5)
+    page.evaluate("station.views.enlarge('chart')")
+    page.wait_for_timeout(100)
+    _, drawn, text = snapshot(page)  # by the page itself, with the same fields
+    assert {*drawn} == {*values} - {"panel", "note"} | {"vehicle"} and text["Comment"] == "Weld 12, süd"
+    assert drawn["depth_m"] == pytest.approx(values["depth_m"], abs=0.2)
+    off_deg = (drawn["heading_deg"] - values["heading_deg"] + 180.0) % 360.0 - 180.0
+    assert abs(off_deg) < 5.0
+
+
+def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
+    page.evaluate("station.views.enlarge('front')")
+    page.select_option("[aria-label='Category of the note']", "defect")
+    page.select_option("[aria-label='Place of the note']", "vehicle")
+    page.fill("#note-text", "Crack <b>in</b> the weld")
+    page.click("#add-note")
+    when(page, "station.inspection.notes.length === 1")
+    here.station.present().live.command("place", vehicle="rov", position_world_m=[-2.0, 1.0, -2.0]).result()
+    when(page, "station.telemetry.message.position[0] < -1")
+    page.select_option("[aria-label='Category of the note']", "debris")
+    page.click("body", position={"x": 700, "y": 5})
+    page.keyboard.press("m")
+    when(page, "station.inspection.notes.length === 2")
+    items = page.locator(".notes li").all_inner_texts()
+    assert "2. Debris" in items[0] and "1. Defect: Crack <b>in</b> the weld" in items[1]
+    first = page.evaluate("station.inspection.notes[0]")
+    np.testing.assert_allclose(first["position_m"], [2.0, 1.0, -2.0], atol=0.5)
+    assert (here.station.folder / first["picture"]).is_file()
+    assert page.evaluate("station.scene.marks.count") == 2
+    judge(page, "inspection")
+    page.screenshot(path=tmp_path / "panel.png")
+    page.evaluate("station.views.enlarge('chart')")
+    when(page, "station.chart.frame.scale > 5")
+    x, y = page.evaluate("station.chart.frame.at(station.inspection.notes[0].position_m)")
+    page.wait_for_timeout(200)
+    page.screenshot(path=tmp_path / "chart.png")
+    pin = page.evaluate(
+        """([x, y]) => { const canvas = station.chart.canvas, ratio = canvas.width / canvas.clientWidth;
+        return [...canvas.getContext('2d').getImageData((x + 6) * ratio, (y - 13) * ratio, 1, 1).data]; }""",
+        [x, y],
+    )
+    assert pin[:3] == [255, 122, 102]
+    with page.expect_download() as loaded:
+        page.click("[aria-label='Notes as .csv']")
+    rows = list(csv.DictReader(Path(loaded.value.path()).read_text().splitlines()))
+    assert [row["category"] for row in rows] == ["comment", "defect", "debris"]
+
+
+def test_a_watcher_sees_notes_and_writes_none(here, page):
+    watcher = here.fly()
+    when(watcher, "station.inspection.notes.length === 2")
+    assert watcher.input_value("#comment") == "Weld 12, süd"
+    assert watcher.is_disabled("#comment") and watcher.is_disabled("#add-note")
+    watcher.context.close()
