@@ -4,7 +4,7 @@ from __future__ import annotations
 
 COMMENT = "comment"
 CATEGORIES = ("observation", "defect", "leak", "debris", "growth", COMMENT)
-"""What a note is about. The newest `comment` stands in pictures, until another replaces it; an empty one ends it."""
+"""The subjects of notes. The newest `comment` stands in pictures, until another replaces it; an empty one ends it."""
 TEXT_MAX = 200
 PICTURE_MAX = 100
 NOTES_MAX = 500

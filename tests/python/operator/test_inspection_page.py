@@ -1,4 +1,4 @@
-"""Inspection in a real browser: a comment burnt into the video, snapshots that carry their values, notes on the chart."""
+"""Inspection in a real browser: a comment in the video, snapshots that carry their values, notes on the chart."""
 
 import csv
 import io

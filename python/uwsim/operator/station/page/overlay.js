@@ -1,4 +1,4 @@
-// What stands in recorded pictures and in the metadata of snapshots: by the vehicle's instruments, in SI units.
+// The values that stand in recorded pictures and in the metadata of snapshots: by the vehicle's instruments, in SI units.
 import { attitude } from './attitude.js';
 import { clockText, fixed } from './dom.js';
 import { STRINGS } from './strings.js';

@@ -79,7 +79,7 @@ export class Inspection extends EventTarget {
     this.#look();
   }
 
-  // What stands in pictures now.
+  // The comment that stands in pictures now.
   get shownComment() {
     return this.station.isPlain ? this.#own : (this.station.state.comment ?? '');
   }
