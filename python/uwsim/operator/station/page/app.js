@@ -1,4 +1,5 @@
 // The entry point: connects, shows the start screen or the station, and connects the parts.
+import './localize.js';
 import './theme.js';
 import { CameraAim } from './camera_aim.js';
 import { watchDialogs } from './dialogs/dialog.js';
@@ -25,6 +26,9 @@ import { Views } from './views/layout.js';
 import { TYPES } from './wire/messages.js';
 import { keptName } from './wire/name.js';
 import { bridgeUrl, Station } from './wire/station.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.app;
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 const MAP = { throttle_rate: 250, queue_length: 1 };
@@ -90,7 +94,7 @@ station.addEventListener('state', () => {
   byId('station').hidden = !isRunning;
   byId('start').hidden = isRunning || station.state.phase === '';
   if (station.state.phase === 'idle') start.show();
-  document.title = isRunning ? `${station.description.scenario} – uwsim station` : 'uwsim station';
+  document.title = isRunning ? WORDS.titleOf(station.description.scenario) : WORDS.title;
   if (isRunning) lease.takeOnce();
   showBanner();
 });
@@ -127,7 +131,7 @@ function begin() {
   scene
     .begin(load, description.vehicles, description.scene)
     .then(showNotes)
-    .catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
+    .catch((error) => toast(WORDS.noScene(error.message), 'error'));
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   panel.showMap(scene.store);
@@ -231,19 +235,19 @@ function openMenu() {
 
 function showBanner() {
   const { connected, state, isSilent, isBlind } = station;
-  const seconds = Number.isFinite(station.silence_s) ? ` for ${Math.floor(station.silence_s)} s` : '';
-  const left = station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.';
+  const seconds = Number.isFinite(station.silence_s) ? WORDS.seconds(Math.floor(station.silence_s)) : '';
+  const left = station.isPlain ? WORDS.goesOn : WORDS.stops;
   byId('station').classList.toggle('is-blind', isBlind);
   const text = !connected
-    ? `Not connected to ${new URL(station.bridge.url, location.href).host}${seconds}; trying again.${left}`
+    ? WORDS.notConnected(new URL(station.bridge.url, location.href).host, seconds, left)
     : isSilent
-      ? `Nothing has arrived${seconds}: what you see is old.${station.flew ? ' Your keys do nothing.' : ''}${left}`
+      ? WORDS.silent(seconds, station.flew, left)
       : state.error
-        ? `The simulation stopped: ${state.error}`
+        ? WORDS.stopped(state.error)
         : station.pilotSilence > 0
-          ? `${station.nameOf(state.pilot)} has been silent for ${Math.round(station.pilotSilence)} s: efforts are zero.`
+          ? WORDS.silentPilot(station.nameOf(state.pilot), Math.round(station.pilotSilence))
           : state.rosbridge_trouble
-            ? `Not connected to your rosbridge at ${state.rosbridge}: ${state.rosbridge_trouble}; trying again.`
+            ? WORDS.noRosbridge(state.rosbridge, state.rosbridge_trouble)
             : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';

@@ -1,4 +1,5 @@
 // The instructor's page: the truth, faults, water and light, saved moments, all parameters, and a log of what was done.
+import './localize.js';
 import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
 import { Inspector } from './inspector.js';
