@@ -1,7 +1,15 @@
 // A picture of the chosen scenario from above.
 import { el } from './dom.js';
+import { STRINGS } from './strings.js';
 
-const LEGEND = { station: 'Station', start: 'Vehicle at its start', obstacle: 'Obstacles', area: 'Area to survey' };
+const WORDS = STRINGS.preview;
+
+const LEGEND = {
+  station: WORDS.station,
+  start: WORDS.vehicleAtItsStart,
+  obstacle: WORDS.obstacles,
+  area: WORDS.areaToSurvey,
+};
 
 export class Preview {
   #shown = '';
@@ -19,7 +27,7 @@ export class Preview {
       'figure',
       { className: 'preview', hidden: true },
       this.image,
-      el('figcaption', {}, el('p', {}, 'From above, north up'), el('ul', {}, ...legend)),
+      el('figcaption', {}, el('p', {}, WORDS.fromAboveNorthUp), el('ul', {}, ...legend)),
     );
   }
 
@@ -31,7 +39,7 @@ export class Preview {
       this.#show(false);
       return;
     }
-    this.image.alt = `${scenario} from above: depths, obstacles, station and start`;
+    this.image.alt = WORDS.picture(scenario);
     this.image.src = url;
   }
 

@@ -2,11 +2,14 @@
 import { byId, el, write } from './dom.js';
 import { Preview } from './preview.js';
 import { number, options } from './start_inputs.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.start;
 
 const CHECK_MS = 250;
-const OWN = 'The scenario’s own';
+const OWN = WORDS.own;
 const SAVED = 'saved:';
-const SAVED_HINT = 'Saved here: all but the speed is as it was, and the map grows on.';
+const SAVED_HINT = WORDS.savedHint;
 const OF_SCENARIO = ['vehicle', 'sonar', 'mission_time_s', 'seed', 'link'];
 const ADDRESS = { type: 'text', autocomplete: 'off', spellcheck: false };
 
@@ -34,7 +37,7 @@ export class StartScreen {
   async show() {
     if (this.catalog && !this.#isOld) return;
     this.#isOld = false;
-    this.#say('Asking the simulator what it offers …');
+    this.#say(WORDS.asking);
     try {
       this.catalog = await this.station.catalog();
     } catch (error) {
@@ -49,15 +52,15 @@ export class StartScreen {
   #build() {
     const { scenarios, vehicles, sonars, links, speeds, defaults, saves = [] } = this.catalog;
     const before = [...this.#fields].map(([name, { input }]) => [name, input.value]);
-    const saved = saves.map((name) => ({ value: SAVED + name, text: `Go on with “${name}”`, hint: SAVED_HINT }));
+    const saved = saves.map((name) => ({ value: SAVED + name, text: WORDS.goOnWith(name), hint: SAVED_HINT }));
     const own = { value: '', text: OWN };
     byId('start-fields').replaceChildren(
-      this.#set('Simulator', this.#where()),
+      this.#set(WORDS.simulator, this.#where()),
       (this.ownSet = this.#set(
-        'Mission',
+        WORDS.mission,
         this.#field(
           'scenario',
-          'Scenario',
+          WORDS.scenario,
           options([
             ...scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description })),
             ...saved,
@@ -67,66 +70,66 @@ export class StartScreen {
         this.#preview.element,
         this.#field(
           'vehicle',
-          'Vehicle',
+          WORDS.vehicle,
           options([own, ...vehicles.map(({ name, description }) => ({ value: name, text: name, hint: description }))]),
         ),
         this.#field(
           'sonar',
-          'Sonar',
+          WORDS.sonar,
           options([
             own,
             ...sonars.map(({ name, title, description }) => ({ value: name, text: title ?? name, hint: description })),
           ]),
         ),
-        this.#field('mission_time_s', 'Mission time', number({ min: 1, step: 1 }), {
+        this.#field('mission_time_s', WORDS.missionTime, number({ min: 1, step: 1 }), {
           unit: 's',
-          hint: 'The battery lasts as long.',
+          hint: WORDS.timeHint,
         }),
-        this.#field('seed', 'Seed', number({ min: 0, step: 1 }), {
-          hint: 'The same seed and the same controls give the same run.',
+        this.#field('seed', WORDS.seed, number({ min: 0, step: 1 }), {
+          hint: WORDS.seedHint,
         }),
       )),
       (this.paceSet = this.#set(
-        'Time and link',
+        WORDS.timeAndLink,
         this.#field(
           'speed',
-          'Speed',
+          WORDS.speed,
           options(
             speeds.map((speed) => ({
               value: speed,
-              text: speed === 0 ? 'As fast as possible' : `${speed} × real time`,
+              text: speed === 0 ? WORDS.asFastAsPossible : WORDS.realTime(speed),
             })),
           ),
         ),
         this.#field(
           'link',
-          'Link to the vehicle',
+          WORDS.linkToTheVehicle,
           options(links.map(({ name, description }) => ({ value: name, text: name, hint: description }))),
         ),
       )),
       (this.rosSet = this.#set(
-        'Your rosbridge',
-        this.#field('rosbridge_host', 'Address', el('input', { ...ADDRESS, placeholder: 'none: fly without ROS' }), {
-          hint: 'The simulator joins the rosbridge_server there, as with uwsim connect, for your nodes to fly it.',
+        WORDS.yourRosbridge,
+        this.#field('rosbridge_host', WORDS.address, el('input', { ...ADDRESS, placeholder: WORDS.noRosbridge }), {
+          hint: WORDS.rosbridgeHint,
         }),
-        this.#field('rosbridge_port', 'Port', number({ min: 1, max: 65535, step: 1 }), {
-          hint: 'Empty: 9090, as rosbridge_server has it.',
+        this.#field('rosbridge_port', WORDS.port, number({ min: 1, max: 65535, step: 1 }), {
+          hint: WORDS.portHint,
         }),
         this.#field(
           'rosbridge_ros',
-          'Its ROS',
+          WORDS.itsRos,
           options([
-            { value: 1, text: 'ROS 1' },
-            { value: 2, text: 'ROS 2' },
+            { value: 1, text: WORDS.ros1 },
+            { value: 2, text: WORDS.ros2 },
           ]),
         ),
       )),
       (this.otherSet = this.#set(
-        'Address',
-        this.#field('host', 'Host', el('input', { ...ADDRESS, placeholder: '127.0.0.1' }), {
-          hint: 'A server of uwsim, such as uwsim serve lake --station.',
+        WORDS.address,
+        this.#field('host', WORDS.host, el('input', { ...ADDRESS, placeholder: '127.0.0.1' }), {
+          hint: WORDS.hostHint,
         }),
-        this.#field('port', 'Port', number({ min: 1, max: 65535, step: 1 }), { hint: '' }),
+        this.#field('port', WORDS.port, number({ min: 1, max: 65535, step: 1 }), { hint: '' }),
       )),
     );
     for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
@@ -158,9 +161,9 @@ export class StartScreen {
       );
     return el(
       'div',
-      { className: 'choice', role: 'radiogroup', 'aria-label': 'Simulator' },
-      choice('here', 'Start one here', 'In the process that serves this page'),
-      choice('there', 'Open another station', 'Shows and flies a simulator that runs elsewhere'),
+      { className: 'choice', role: 'radiogroup', 'aria-label': WORDS.simulator },
+      choice('here', WORDS.here, WORDS.hereHint),
+      choice('there', WORDS.there, WORDS.thereHint),
     );
   }
 
@@ -171,7 +174,7 @@ export class StartScreen {
   #showWhere() {
     this.ownSet.hidden = this.paceSet.hidden = this.rosSet.hidden = this.isElsewhere;
     this.otherSet.hidden = !this.isElsewhere;
-    write(this.button, this.isElsewhere ? 'Connect' : 'Start');
+    write(this.button, this.isElsewhere ? WORDS.connect : WORDS.start);
     this.#later();
   }
 
@@ -206,8 +209,8 @@ export class StartScreen {
     for (const name of OF_SCENARIO) this.#fields.get(name).input.disabled = this.savedName !== '';
     const scenario = this.catalog?.scenarios.find(({ name }) => name === this.#fields.get('scenario').input.value);
     if (!scenario) return;
-    this.#fields.get('mission_time_s').input.placeholder = `${scenario.mission_time_s} (the scenario’s own)`;
-    this.#fields.get('seed').input.placeholder = `${scenario.seed} (the scenario’s own)`;
+    this.#fields.get('mission_time_s').input.placeholder = WORDS.ownValue(scenario.mission_time_s);
+    this.#fields.get('seed').input.placeholder = WORDS.ownValue(scenario.seed);
     const [vehicle] = scenario.vehicles;
     if (this.#fields.get('vehicle').input.value === '' && vehicle)
       write(
@@ -269,8 +272,8 @@ export class StartScreen {
   #addressErrors() {
     const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
     const errors = {};
-    if (!/^[\w.:[\]-]+$/.test(host)) errors.host = `host = '${host}': must be a name or an address, such as 127.0.0.1`;
-    if (!/^\d+$/.test(port) || port < 1 || port > 65535) errors.port = `port = '${port}': must be in [1, 65535]`;
+    if (!/^[\w.:[\]-]+$/.test(host)) errors.host = WORDS.wrongHost(host);
+    if (!/^\d+$/.test(port) || port < 1 || port > 65535) errors.port = WORDS.wrongPort(port);
     return errors;
   }
 
