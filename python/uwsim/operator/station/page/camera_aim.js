@@ -1,14 +1,17 @@
 // Turns cameras that have a motor: the large view's if it has one, else the vehicle's first.
 import { attempt, el } from './dom.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.cameraAim;
 
 const STEP_RAD = (6 * Math.PI) / 180;
 const PERIOD_MS = 200; // while held: 30 degrees per second
 // Positive pan is to port, positive tilt is down.
 const TURNS = {
-  camUp: ['tilt', -1, '▲', 'up'],
-  camDown: ['tilt', 1, '▼', 'down'],
-  camLeft: ['pan', 1, '◀', 'to port'],
-  camRight: ['pan', -1, '▶', 'to starboard'],
+  camUp: ['tilt', -1, '▲', WORDS.up],
+  camDown: ['tilt', 1, '▼', WORDS.down],
+  camLeft: ['pan', 1, '◀', WORDS.toPort],
+  camRight: ['pan', -1, '▶', WORDS.toStarboard],
 };
 
 export class CameraAim {
@@ -19,11 +22,11 @@ export class CameraAim {
 
   constructor(station, views) {
     [this.station, this.views] = [station, views];
-    this.element = el('div', { className: 'aim', role: 'group', 'aria-label': 'Turn the camera' });
+    this.element = el('div', { className: 'aim', role: 'group', 'aria-label': WORDS.turnTheCamera });
     for (const [action, [, , sign, name]] of Object.entries(TURNS))
       this.element.append(this.#button(action, sign, name));
     this.element.append(
-      el('button', { type: 'button', 'aria-label': 'Camera straight', onclick: () => this.centre() }, '●'),
+      el('button', { type: 'button', 'aria-label': WORDS.cameraStraight, onclick: () => this.centre() }, '●'),
     );
     views.addEventListener('swap', () => this.#show());
   }
@@ -81,7 +84,7 @@ export class CameraAim {
   }
 
   #button(action, sign, name) {
-    const button = el('button', { type: 'button', 'aria-label': `Camera ${name}` }, sign);
+    const button = el('button', { type: 'button', 'aria-label': WORDS.camera(name) }, sign);
     button.addEventListener('pointerdown', () => this.act(action, true));
     for (const kind of ['pointerup', 'pointerleave', 'pointercancel']) button.addEventListener(kind, () => this.stop());
     button.addEventListener('click', (event) => {

@@ -1,4 +1,7 @@
 // Small helpers for the document.
+import { LANGUAGE, STRINGS } from './strings.js';
+
+const WORDS = STRINGS.common;
 
 export const byId = (id) => document.getElementById(id);
 
@@ -36,7 +39,7 @@ export async function attempt(promise, done = '') {
   try {
     const answer = await promise;
     if (answer?.success === false) {
-      toast(answer.message || 'The simulator refused.', 'error');
+      toast(answer.message || WORDS.refused, 'error');
       return null;
     }
     if (done) toast(answer?.message || done);
@@ -49,6 +52,9 @@ export async function attempt(promise, done = '') {
 
 // 'a rosbridge client' as the beginning of a sentence.
 export const capital = (text) => text.replace(/^./, (letter) => letter.toUpperCase());
+
+// A whole number with its thousands grouped.
+export const grouped = (value) => value.toLocaleString(LANGUAGE);
 
 export const fixed = (value, digits) =>
   Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1') : '–';

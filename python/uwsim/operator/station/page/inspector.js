@@ -1,5 +1,8 @@
 // The inspector: the simulator's live parameters by vehicle and topic, with unit, bounds and reset.
 import { attempt, byId, el, write } from './dom.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.inspector;
 
 const WORLD = 'world';
 // Parameters of the physics that have a slider.
@@ -20,33 +23,33 @@ export class Inspector {
     this.element = byId('inspector');
     this.search = el('input', {
       type: 'search',
-      placeholder: 'Search',
-      'aria-label': 'Search parameters',
+      placeholder: WORDS.search,
+      'aria-label': WORDS.searchParameters,
       autocomplete: 'off',
       spellcheck: false,
     });
-    this.owner = el('select', { 'aria-label': 'Owner of the parameters' });
+    this.owner = el('select', { 'aria-label': WORDS.owner });
     this.changed = el('input', { type: 'checkbox', id: 'inspector-changed' });
     this.count = el('p', { className: 'caption', role: 'status' });
-    this.list = el('div', { className: 'inspector-list', tabIndex: 0, role: 'group', 'aria-label': 'Parameters' });
+    this.list = el('div', { className: 'inspector-list', tabIndex: 0, role: 'group', 'aria-label': WORDS.parameters });
     this.resetAll = el(
       'button',
       { type: 'button', onclick: () => this.#send(station.resetParameters(null)) },
-      'Reset all',
+      WORDS.resetAll,
     );
     for (const input of [this.search, this.owner, this.changed]) input.addEventListener('input', () => this.#filter());
     this.element.append(
       el(
         'header',
         { className: 'inspector-head' },
-        el('h2', { id: 'inspector-title' }, 'Parameters'),
-        el('button', { type: 'button', 'aria-label': 'Close', onclick: () => this.toggle() }, '✕'),
+        el('h2', { id: 'inspector-title' }, WORDS.parameters),
+        el('button', { type: 'button', 'aria-label': WORDS.close, onclick: () => this.toggle() }, '✕'),
       ),
       el('div', { className: 'inspector-tools' }, this.search, this.owner),
       el(
         'div',
         { className: 'inspector-tools' },
-        el('label', { htmlFor: 'inspector-changed' }, this.changed, ' Changed only'),
+        el('label', { htmlFor: 'inspector-changed' }, this.changed, ' ', WORDS.changedOnly),
         this.resetAll,
       ),
       this.count,
@@ -129,7 +132,7 @@ export class Inspector {
     const owners = [...new Set(this.#topics.map(({ owner }) => owner))];
     const { value } = this.owner;
     this.owner.replaceChildren(
-      el('option', { value: '' }, 'All'),
+      el('option', { value: '' }, WORDS.all),
       ...owners.map((owner) => el('option', { value: owner }, owner)),
     );
     this.owner.value = owners.includes(value) ? value : '';
@@ -143,8 +146,8 @@ export class Inspector {
     const slider = sliderOf(parameter, input, set);
     const reset = el('button', {
       type: 'button',
-      'aria-label': `Reset ${name}`,
-      title: 'Back to the scenario’s value',
+      'aria-label': WORDS.reset(name),
+      title: WORDS.resetTip,
       onclick: () => this.#send(this.station.resetParameters(name)),
     });
     reset.textContent = '↺';
@@ -191,7 +194,7 @@ export class Inspector {
       write(badge, String(inTopic));
       if (words.length || this.changed.checked) box.open = true;
     }
-    write(this.count, `${shown} of ${this.#rows.size}, ${changed} changed`);
+    write(this.count, WORDS.count(shown, this.#rows.size, changed));
     this.#enable();
   }
 
@@ -253,8 +256,8 @@ function fill(input, value) {
 }
 
 function boundsText({ low, high, optional }) {
-  const text = low === null ? '' : `${low} to ${high}`;
-  return optional && text ? `${text}, or empty` : text;
+  const text = low === null ? '' : WORDS.bounds(low, high);
+  return optional && text ? WORDS.orEmpty(text) : text;
 }
 
 // A slider over the bounds or, where these are too wide, from zero to twice the scenario's value.
@@ -268,7 +271,7 @@ function sliderOf(parameter, input, set) {
     min: String(least),
     max: String(Math.min(high, most)),
     step: String((most - least) / SLIDER_STEPS),
-    'aria-label': `${name}, slider`,
+    'aria-label': WORDS.slider(name),
     oninput: ({ target }) => fill(input, Number(target.value)),
     onchange: ({ target }) => set(Number(target.value)),
   });

@@ -1,6 +1,7 @@
 // The newest telemetry of the displayed vehicle, and its age.
 import { TYPES } from './wire/messages.js';
 import { seconds } from './wire/rosbridge.js';
+import { STRINGS } from './strings.js';
 import { Closing, soonest } from './views/closing.js';
 
 const LATE_MS = 1500;
@@ -59,7 +60,7 @@ export class Telemetry extends EventTarget {
   #take(message) {
     this.message = message;
     this.#heardMs = performance.now();
-    this.#approach('bed', message.distance_to_seabed, message.header);
+    this.#approach(STRINGS.telemetry.bed, message.distance_to_seabed, message.header);
     this.dispatchEvent(new Event('change'));
   }
 

@@ -1,13 +1,16 @@
 // The top bar: vehicle, lights, tilt, gain, camera, time.
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.topbar;
 
 const TILT_STEP_RAD = Math.PI / 180;
 const TILT_HOLD_MS = 100;
 const QUALITIES = {
   // of the large picture
-  economy: { title: 'Economy', rate_hz: 5, width: 320, quality: 60 },
-  normal: { title: 'Normal', rate_hz: 10, width: 640, quality: 80 },
-  fine: { title: 'Fine', rate_hz: 10, width: 960, quality: 90 },
+  economy: { title: WORDS.economy, rate_hz: 5, width: 320, quality: 60 },
+  normal: { title: WORDS.normal, rate_hz: 10, width: 640, quality: 80 },
+  fine: { title: WORDS.fine, rate_hz: 10, width: 960, quality: 90 },
 };
 const LATE_SHARE = 0.95;
 
@@ -65,31 +68,34 @@ export class TopBar {
         {
           type: 'button',
           'aria-pressed': 'false',
-          'aria-label': `${name} light`,
+          'aria-label': WORDS.light(name),
           onclick: () => this.light(name, !this.#isLit(k)),
         },
         name.replace(/^./, (letter) => letter.toUpperCase()),
       ),
     );
     byId('lights').replaceChildren(
-      el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Lights'),
+      el('span', { className: 'caption', 'aria-hidden': 'true' }, WORDS.lights),
       ...this.#lights,
     );
     byId('lights').hidden = this.#lights.length === 0;
     byId('tilt').parentElement.hidden = !vehicle.tilt;
     byId('speed').replaceChildren(
-      ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? 'max' : `${speed}×`)),
+      ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? WORDS.max : `${speed}×`)),
     );
     this.showState();
   }
 
   releaseOrDock() {
     const isFree = this.telemetry.message?.released;
-    attempt(this.station.command(isFree ? 'dock' : 'release', this.#vehicle.name), isFree ? 'Docked' : 'Released');
+    attempt(
+      this.station.command(isFree ? 'dock' : 'release', this.#vehicle.name),
+      isFree ? WORDS.docked : WORDS.released,
+    );
   }
 
   undock() {
-    attempt(this.station.command('undock', this.#vehicle.name), 'Undocked');
+    attempt(this.station.command('undock', this.#vehicle.name), WORDS.undocked);
   }
 
   light(name, on) {
@@ -127,7 +133,7 @@ export class TopBar {
     const { state, isPilot, connected } = this.station;
     write(byId('clock'), clockText(state.time, 1));
     byId('rosbridge').hidden = !state.rosbridge;
-    write(byId('rosbridge'), state.rosbridge ? `ROS ${state.rosbridge.replace(/^wss?:\/\//, '')}` : '');
+    write(byId('rosbridge'), state.rosbridge ? WORDS.ros(state.rosbridge.replace(/^wss?:\/\//, '')) : '');
     byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble));
     const speed = byId('speed');
     if (document.activeElement !== speed) {
@@ -137,9 +143,9 @@ export class TopBar {
       speed.value = wanted;
     }
     const isLate = !state.paused && state.speed > 0 && state.factor < LATE_SHARE * state.speed;
-    write(byId('factor'), state.paused ? 'paused' : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`);
+    write(byId('factor'), state.paused ? WORDS.paused : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`);
     byId('factor').classList.toggle('is-late', isLate);
-    byId('pause').setAttribute('aria-label', state.paused ? 'Resume' : 'Pause');
+    byId('pause').setAttribute('aria-label', state.paused ? WORDS.resume : WORDS.pause);
     write(byId('pause'), state.paused ? '▶' : '❚❚');
     const mayNot = !isPilot || !connected;
     for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down']) byId(id).disabled = mayNot;
@@ -165,7 +171,7 @@ export class TopBar {
 
   #showVehicle() {
     const { message } = this.telemetry;
-    write(byId('dock'), message.released ? 'Dock' : 'Release');
+    write(byId('dock'), message.released ? WORDS.dock : WORDS.release);
     byId('undock').hidden = message.released;
     this.#lights.forEach((button, k) => button.setAttribute('aria-pressed', String(this.#isLit(k))));
     write(byId('tilt'), Number.isFinite(message.tilt) ? `${fixed((message.tilt * 180) / Math.PI, 0)}°` : '–');
@@ -179,7 +185,7 @@ export class TopBar {
   #makeCameraModes() {
     const select = el(
       'select',
-      { id: 'quality', 'aria-label': 'Quality of the large picture' },
+      { id: 'quality', 'aria-label': WORDS.quality },
       ...Object.entries(QUALITIES).map(([value, { title }]) =>
         el('option', { value, selected: value === 'normal' }, title),
       ),
