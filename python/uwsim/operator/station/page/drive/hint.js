@@ -1,7 +1,10 @@
 // States, where driving keys are pressed, why they move nothing.
 import { ALL_STOPPED } from '../wire/messages.js';
-import { byId, capital, write } from '../dom.js';
+import { byId, write } from '../dom.js';
 import { keyName } from './bindings.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.idleKeys;
 
 const LEAST_MS = 1500; // that a hint stays, so that a tapped key has one, too
 
@@ -28,15 +31,14 @@ function show(text) {
 // Why a driving key moves nothing; '' if it moves the vehicle.
 export function reason(station, message, bindings) {
   const { state } = station;
-  if (station.isBlind) return 'Your keys do nothing: nothing arrives from the simulator.';
+  if (station.isBlind) return WORDS.silence;
   if (!station.isPilot) {
-    if (state.pilot !== '') return `Your keys do nothing: ${station.nameOf(state.pilot)} flies.`;
-    return `Your keys do nothing: ${state.driver ? `${capital(state.driver)} drives` : 'you do not have the controls'}.`;
+    if (state.pilot !== '') return WORDS.otherFlies(station.nameOf(state.pilot));
+    return state.driver ? WORDS.driven(state.driver) : WORDS.noHelm;
   }
-  if (message?.alarms?.includes(ALL_STOPPED)) return 'Your keys do nothing: all stop is set.';
-  if (state.paused) return 'Your keys do nothing: time stands still.';
+  if (message?.alarms?.includes(ALL_STOPPED)) return WORDS.allStop;
+  if (state.paused) return WORDS.paused;
   const [key] = bindings.keysOf('release').map(keyName);
-  if (message?.released === false)
-    return `Docked, so the thrusters are off: release the vehicle first${key ? ` (${key})` : ''}.`;
-  return message?.battery === 0 ? 'The battery is empty: the thrusters are off.' : '';
+  if (message?.released === false) return WORDS.docked(key);
+  return message?.battery === 0 ? WORDS.empty : '';
 }

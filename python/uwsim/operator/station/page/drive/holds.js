@@ -2,16 +2,24 @@
 import { attempt, byId, el } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { HOLDS as ARGUMENTS } from '../wire/messages.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.holds;
 
 const length = (length_m) => `${inUnit(length_m).toFixed(1)} ${unitName()}`;
 
 // Each hold's title, its short name, the hold that it replaces, and the text of its target.
 export const HOLDS = {
-  heading: { title: 'Heading', short: 'HDG', text: (yaw_rad) => `${degrees(yaw_rad)}°` },
-  depth: { title: 'Depth', short: 'DEP', instead: 'altitude', text: length },
-  altitude: { title: 'Altitude', short: 'ALT', instead: 'depth', text: length },
-  position: { title: 'Position', short: 'POS', instead: 'speed', text: (off_m) => `${length(off_m)} off` },
-  speed: { title: 'Speed', short: 'SPD', instead: 'position', text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s` },
+  heading: { title: WORDS.heading, short: WORDS.hdg, text: (yaw_rad) => `${degrees(yaw_rad)}°` },
+  depth: { title: WORDS.depth, short: WORDS.dep, instead: 'altitude', text: length },
+  altitude: { title: WORDS.altitude, short: WORDS.alt, instead: 'depth', text: length },
+  position: { title: WORDS.position, short: WORDS.pos, instead: 'speed', text: (off_m) => WORDS.off(length(off_m)) },
+  speed: {
+    title: WORDS.speed,
+    short: WORDS.spd,
+    instead: 'position',
+    text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s`,
+  },
 };
 
 // The compass heading of a yaw, which is counter-clockwise from east: '045'.
@@ -56,9 +64,9 @@ export class HoldButtons {
         {
           type: 'button',
           id: `hold-${name}`,
-          'aria-label': `${short}: hold ${title.toLowerCase()}`,
+          'aria-label': WORDS.label(short, title),
           'aria-pressed': 'false',
-          title: `Hold ${title.toLowerCase()}${key ? ` (${key})` : ''}`,
+          title: WORDS.tip(title, key),
           onclick: () => this.press(name),
         },
         short,

@@ -1,6 +1,9 @@
 // Shows who drives, with a button that takes the controls, requests them or hands them over, and a chip for offers.
 import { attempt, byId, capital, el, write } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.lease;
 
 export class Lease {
   #tried = -1; // the session whose controls this page has tried to take by itself
@@ -44,15 +47,15 @@ export class Lease {
     const { station } = this;
     const { state } = station;
     const pilot = station.nameOf(state.pilot);
-    if (!station.connected) return 'Not connected';
-    if (station.isSilent) return station.flew ? 'Controls lost' : 'No data';
-    if (station.isPilot) return 'You fly';
+    if (!station.connected) return WORDS.notConnected;
+    if (station.isSilent) return station.flew ? WORDS.controlsLost : WORDS.noData;
+    if (station.isPilot) return WORDS.youFly;
     if (state.pilot === '') {
-      if (state.driver) return `${capital(state.driver)} drives: take the controls`;
-      return state.lost_by ? `${state.lost_by} lost the connection: take the controls` : 'Take the controls';
+      if (state.driver) return WORDS.driven(capital(state.driver));
+      return state.lost_by ? WORDS.lost(state.lost_by) : WORDS.takeTheControls;
     }
-    if (station.pilotSilence > 0) return `${pilot} is silent: take over`;
-    return state.asking.includes(station.id) ? `Asked ${pilot}` : `${pilot} flies`;
+    if (station.pilotSilence > 0) return WORDS.silent(pilot);
+    return state.asking.includes(station.id) ? WORDS.asked(pilot) : WORDS.flies(pilot);
   }
 
   // The offer to be shown: what is offered, and by which button. It takes no focus and releases no key.
@@ -63,13 +66,17 @@ export class Lease {
     if (!station.flew) this.#dismissed.delete('');
     const asks = asking.find((member) => member !== station.id && !this.#dismissed.has(member));
     if (station.isPilot && asks)
-      return { key: asks, text: `${station.nameOf(asks)} asks for the controls`, button: this.#to(asks, 'Hand over') };
+      return {
+        key: asks,
+        text: WORDS.asks(station.nameOf(asks)),
+        button: this.#to(asks, WORDS.handOver),
+      };
     if (!station.mayTakeBack || this.#dismissed.has('')) return null;
     const take = () => attempt(station.takeControl());
     return {
       key: '',
-      text: 'You had the controls',
-      button: el('button', { type: 'button', className: 'primary', onclick: take }, 'Take them back'),
+      text: WORDS.youHadTheControls,
+      button: el('button', { type: 'button', className: 'primary', onclick: take }, WORDS.takeThemBack),
     };
   }
 
@@ -90,7 +97,7 @@ export class Lease {
     this.offer.replaceChildren(
       el('span', {}, text),
       wanted.button,
-      el('button', { type: 'button', 'aria-label': 'Dismiss', onclick: dismiss }, '✕'),
+      el('button', { type: 'button', 'aria-label': WORDS.dismiss, onclick: dismiss }, '✕'),
     );
   }
 
@@ -103,14 +110,14 @@ export class Lease {
     const others = state.member_ids.filter((member) => member !== id);
     openDialog(
       byId('handover-dialog'),
-      'Hand over the controls',
-      el('p', {}, others.length ? 'To whom?' : 'Nobody else watches.'),
+      WORDS.handOverTheControls,
+      el('p', {}, others.length ? WORDS.toWhom : WORDS.noWatcher),
       el('hr'),
       el(
         'div',
         { className: 'stack' },
         ...others.map((member) => this.#to(member, this.station.nameOf(member))),
-        this.#to('', 'Nobody: let the vehicle rest'),
+        this.#to('', WORDS.toNone),
       ),
     );
   }

@@ -1,10 +1,13 @@
 // Two sticks for fingers: the left one climbs and turns, the right one goes ahead and sideways.
 import { el } from '../dom.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.touch;
 
 const REACH_PX = 44;
 const STICKS = {
-  left: { x: ['yaw', -1], y: ['heave', 1], name: 'Up, down and turn' },
-  right: { x: ['sway', -1], y: ['surge', 1], name: 'Ahead and sideways' },
+  left: { x: ['yaw', -1], y: ['heave', 1], name: WORDS.upDownAndTurn },
+  right: { x: ['sway', -1], y: ['surge', 1], name: WORDS.aheadAndSideways },
 };
 
 export class Touch {
