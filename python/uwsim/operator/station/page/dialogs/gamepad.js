@@ -5,14 +5,17 @@ import { connectedPads } from '../drive/gamepad.js';
 import { Calibration, DEAD_ZONES, readPad } from '../drive/pads.js';
 import { AXES } from '../wire/messages.js';
 import { openDialog } from './dialog.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.gamepadDialog;
 
 const NAMES = {
-  surge: 'Ahead',
-  sway: 'To port',
-  heave: 'Up',
-  roll: 'Roll to starboard',
-  pitch: 'Nose down',
-  yaw: 'Turn to port',
+  surge: WORDS.ahead,
+  sway: WORDS.toPort,
+  heave: WORDS.up,
+  roll: WORDS.rollToStarboard,
+  pitch: WORDS.noseDown,
+  yaw: WORDS.turnToPort,
 };
 const COMMANDS = Object.keys(ACTIONS).filter((action) => !(action in DRIVING));
 const button = (text, onclick, attributes = {}) => el('button', { type: 'button', onclick, ...attributes }, text);
@@ -38,7 +41,7 @@ export function showGamepads(gamepads) {
   };
 
   const assign = (effort) =>
-    listen(`Push the stick, or pull the trigger, for: ${NAMES[effort]}.`, (from) => {
+    listen(WORDS.push(NAMES[effort]), (from) => {
       const seen = new Calibration(from.axes);
       return (now) => {
         seen.take(now.axes);
@@ -51,7 +54,7 @@ export function showGamepads(gamepads) {
       };
     });
   const assignOpposite = (effort) =>
-    listen(`Pull the trigger for the opposite of: ${NAMES[effort]}.`, () => (now) => {
+    listen(WORDS.pull(NAMES[effort]), () => (now) => {
       const pulled = now.buttons.findIndex(({ value }) => value > 0.6);
       if (pulled < 0) return;
       const changed = profile();
@@ -61,22 +64,22 @@ export function showGamepads(gamepads) {
   const calibrate = () => {
     const seen = new Calibration(pad().axes);
     step = (now) => seen.take(now.axes);
-    write(status, 'Move every stick and trigger to all its ends, let go, then press Done.');
+    write(status, WORDS.moveAll);
     done.hidden = false;
     done.onclick = () => keep({ ...profile(), ranges: seen.ranges });
   };
-  const done = button('Done', null, { hidden: true });
+  const done = button(WORDS.done, null, { hidden: true });
 
   function row(effort) {
     const { sticks } = gamepads.profiles.of(pad());
     const { axis, sign, plus, minus } = sticks[effort] ?? {};
     const source =
       axis !== undefined
-        ? `axis ${axis}${sign < 0 ? ', reversed' : ''}`
+        ? WORDS.axis(axis, sign < 0)
         : plus !== undefined || minus !== undefined
-          ? `buttons ${plus ?? '–'} and ${minus ?? '–'}`
-          : 'none';
-    const meter = el('output', { className: 'reading', 'aria-label': `${NAMES[effort]} now` }, '0');
+          ? WORDS.buttonsAnd(plus ?? '–', minus ?? '–')
+          : WORDS.none;
+    const meter = el('output', { className: 'reading', 'aria-label': WORDS.now(NAMES[effort]) }, '0');
     outputs.push([effort, meter]);
     return el(
       'div',
@@ -86,9 +89,9 @@ export function showGamepads(gamepads) {
         'span',
         { className: 'row' },
         meter,
-        button('Assign', assign(effort), { 'aria-label': `Assign: ${NAMES[effort]}` }),
+        button(WORDS.assign, assign(effort), { 'aria-label': WORDS.assignTo(NAMES[effort]) }),
         axis === undefined && plus !== undefined
-          ? button('Opposite', assignOpposite(effort), { 'aria-label': `Opposite: ${NAMES[effort]}` })
+          ? button(WORDS.opposite, assignOpposite(effort), { 'aria-label': WORDS.oppositeOf(NAMES[effort]) })
           : null,
         sticks[effort] &&
           button(
@@ -98,7 +101,7 @@ export function showGamepads(gamepads) {
               delete changed.sticks[effort];
               keep(changed);
             },
-            { 'aria-label': `Remove: ${NAMES[effort]}` },
+            { 'aria-label': WORDS.remove(NAMES[effort]) },
           ),
       ),
     );
@@ -108,8 +111,8 @@ export function showGamepads(gamepads) {
     const chosen = gamepads.profiles.of(pad()).buttons[number] ?? '';
     const select = el(
       'select',
-      { 'aria-label': `Button ${number}` },
-      el('option', { value: '' }, 'nothing'),
+      { 'aria-label': WORDS.button(number) },
+      el('option', { value: '' }, WORDS.nothing),
       ...COMMANDS.map((action) => el('option', { value: action, selected: action === chosen }, ACTIONS[action])),
     );
     select.addEventListener('change', () => {
@@ -118,7 +121,7 @@ export function showGamepads(gamepads) {
       else delete changed.buttons[number];
       keep(changed);
     });
-    const lamp = el('span', {}, `Button ${number}`);
+    const lamp = el('span', {}, WORDS.button(number));
     outputs.push([number, lamp]);
     return el('div', { className: 'key-line' }, lamp, select);
   }
@@ -127,7 +130,7 @@ export function showGamepads(gamepads) {
     const now = pad();
     outputs = [];
     if (!now) {
-      openDialog(dialog, 'Gamepad', el('p', {}, 'Connect a gamepad, press one of its buttons, and open this again.'));
+      openDialog(dialog, WORDS.gamepad, el('p', {}, WORDS.connect));
       return;
     }
     const { dead_zone } = gamepads.profiles.of(now);
@@ -141,27 +144,24 @@ export function showGamepads(gamepads) {
     });
     zone.addEventListener('change', () => keep({ ...profile(), dead_zone: Number(zone.value) }));
     done.hidden = true;
-    write(
-      status,
-      now.mapping === 'standard' ? 'A standard layout.' : 'Its layout is not standard: calibrate, then assign.',
-    );
+    write(status, now.mapping === 'standard' ? WORDS.isStandard : WORDS.isOther);
     openDialog(
       dialog,
-      'Gamepad',
+      WORDS.gamepad,
       el('p', {}, now.id),
       status,
       el(
         'div',
         { className: 'row' },
-        button('Calibrate', calibrate),
+        button(WORDS.calibrate, calibrate),
         done,
-        button('Default', () => keep(null), { disabled: !gamepads.profiles.isOwn(now) }),
-        el('label', { htmlFor: 'dead-zone' }, 'Dead zone'),
+        button(WORDS.byDefault, () => keep(null), { disabled: !gamepads.profiles.isOwn(now) }),
+        el('label', { htmlFor: 'dead-zone' }, WORDS.deadZone),
         zone,
       ),
-      el('h3', {}, 'Sticks and triggers'),
+      el('h3', {}, WORDS.sticksAndTriggers),
       ...AXES.map(row),
-      el('details', {}, el('summary', {}, 'Buttons'), ...now.buttons.map((_, number) => buttonRow(number))),
+      el('details', {}, el('summary', {}, WORDS.buttons), ...now.buttons.map((_, number) => buttonRow(number))),
     );
   }
 

@@ -2,11 +2,14 @@
 import { byId, el } from '../dom.js';
 import { ACTIONS, DRIVING, keyName, PRESETS, SCREEN, VEHICLE } from '../drive/bindings.js';
 import { openDialog } from './dialog.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.keysDialog;
 
 const fixedLine = (key, text) => el('div', { className: 'key-line' }, el('span', {}, text), el('kbd', {}, key));
 
 export function showKeys(bindings, viewNames) {
-  const message = el('p', { role: 'status' }, 'Click an action, then press its new key.');
+  const message = el('p', { role: 'status' }, WORDS.how);
   let ending = null;
 
   const line = (action) => {
@@ -16,11 +19,11 @@ export function showKeys(bindings, viewNames) {
       {
         type: 'button',
         'aria-pressed': 'false',
-        'aria-label': `${ACTIONS[action]}: ${keys.map(keyName).join(' ') || 'none'}; change`,
+        'aria-label': WORDS.change(ACTIONS[action], keys.map(keyName).join(' ') || WORDS.none),
       },
       ...(keys.length
         ? keys.flatMap((code, k) => [k ? ' ' : null, el('kbd', {}, keyName(code))])
-        : [el('span', {}, 'none')]),
+        : [el('span', {}, WORDS.none)]),
     );
     button.addEventListener('click', () => listen(action, button));
     return el('div', { className: 'key-line' }, el('span', {}, ACTIONS[action]), button);
@@ -28,14 +31,14 @@ export function showKeys(bindings, viewNames) {
   const listen = (action, button) => {
     ending?.();
     button.setAttribute('aria-pressed', 'true');
-    button.replaceChildren('Press a key');
+    button.replaceChildren(WORDS.press);
     const take = (event) => {
       event.preventDefault();
       event.stopPropagation();
       ending();
       const refusal = event.code === 'Escape' ? '' : bindings.assign(action, event.code);
       render();
-      message.textContent = refusal || 'Click an action, then press its new key.';
+      message.textContent = refusal || WORDS.how;
     };
     ending = () => removeEventListener('keydown', take, true);
     addEventListener('keydown', take, true);
@@ -58,46 +61,46 @@ export function showKeys(bindings, viewNames) {
   function render() {
     openDialog(
       byId('keys-dialog'),
-      'Keys',
+      WORDS.keys,
       el(
         'div',
         { className: 'row apart' },
         el(
           'div',
-          { className: 'row', role: 'group', 'aria-label': 'Preset' },
+          { className: 'row', role: 'group', 'aria-label': WORDS.preset },
           ...Object.keys(PRESETS).map(choose),
-          bindings.isChanged ? el('span', { className: 'caption' }, 'changed') : null,
-          bindings.addsUp ? el('span', { className: 'caption' }, 'Presses add up until the opposite key.') : null,
+          bindings.isChanged ? el('span', { className: 'caption' }, WORDS.changed) : null,
+          bindings.addsUp ? el('span', { className: 'caption' }, WORDS.addUp) : null,
         ),
         message,
       ),
       el(
         'div',
         { className: 'key-columns' },
-        block('Driving', DRIVING),
-        block('Vehicle', VEHICLE),
-        block('Simulation', SCREEN),
+        block(WORDS.driving, DRIVING),
+        block(WORDS.vehicle, VEHICLE),
+        block(WORDS.simulation, SCREEN),
         el(
           'section',
           {},
-          el('h3', {}, 'Views'),
+          el('h3', {}, WORDS.views),
           ...viewNames.slice(0, 10).map((name, k) => fixedLine(String((k + 1) % 10), name)),
-          fixedLine('?', 'These keys'),
-          fixedLine('Esc', 'Menu'),
+          fixedLine('?', WORDS.theseKeys),
+          fixedLine(WORDS.esc, WORDS.menu),
         ),
         el(
           'section',
           {},
-          el('h3', {}, 'Gamepad'),
-          fixedLine('left stick', 'Up, down, turn'),
-          fixedLine('right stick', 'Ahead, sideways'),
-          fixedLine('A', 'All stop'),
-          fixedLine('LB RB', 'Gain'),
-          fixedLine('↑ ↓', 'Sonar tilt'),
-          fixedLine('X Y', 'Front light'),
-          fixedLine('Start', 'Release or dock'),
-          fixedLine('stick presses', 'Hold heading, depth'),
-          el('p', { className: 'caption' }, 'Of a standard pad; the menu changes it.'),
+          el('h3', {}, WORDS.gamepad),
+          fixedLine(WORDS.leftStick, WORDS.upDownTurn),
+          fixedLine(WORDS.rightStick, WORDS.aheadSideways),
+          fixedLine('A', WORDS.allStop),
+          fixedLine(WORDS.lbRb, WORDS.gain),
+          fixedLine('↑ ↓', WORDS.sonarTilt),
+          fixedLine('X Y', WORDS.frontLight),
+          fixedLine(WORDS.start, WORDS.releaseOrDock),
+          fixedLine(WORDS.stickPresses, WORDS.holdHeadingDepth),
+          el('p', { className: 'caption' }, WORDS.ofStandard),
         ),
       ),
     );

@@ -4,6 +4,10 @@ import { setTheme, theme, THEMES } from '../theme.js';
 import { setUnit, unit, UNITS } from '../units.js';
 import { keepName } from '../wire/name.js';
 import { openDialog } from './dialog.js';
+import { chosenLanguage, LANGUAGES, setLanguage, STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.menu;
+const SETTINGS = STRINGS.settings;
 
 export function showMenu(station, { keys, gamepad }) {
   const dialog = byId('menu-dialog');
@@ -15,6 +19,11 @@ export function showMenu(station, { keys, gamepad }) {
     if (staysPaused) resumes = false;
     dialog.close();
     act?.();
+  };
+  const speak = async (name) => {
+    if (resumes) await attempt(station.control('resume')); // the page is loaded again
+    resumes = false;
+    setLanguage(name);
   };
   const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
     el(
@@ -29,34 +38,35 @@ export function showMenu(station, { keys, gamepad }) {
       hint ? el('small', { className: 'caption' }, hint) : null,
     );
 
-  const quit = item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
+  const quit = item(WORDS.quitToTheStart, () => leave(() => attempt(station.control('quit')), true), {
     className: 'danger',
   });
 
   openDialog(
     dialog,
-    mayPause ? 'Paused' : 'Menu',
-    isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot changes the run.'),
+    mayPause ? WORDS.paused : WORDS.menu,
+    isPilot ? null : el('p', { className: 'caption' }, WORDS.onlyThePilotChanges),
     el(
       'div',
       { className: 'stack' },
-      item('Resume', () => {
+      item(WORDS.resume, () => {
         resumes = mayPause;
         leave();
       }),
-      item('Close, and stay paused', () => leave(null, true), { control: 'pause' }),
-      item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted')), {
+      item(WORDS.closeAndStayPaused, () => leave(null, true), { control: 'pause' }),
+      item(WORDS.restartFromTheBeginning, () => leave(() => attempt(station.control('restart'), WORDS.restarted)), {
         control: 'restart',
       }),
-      item('Keys', () => leave(keys), { forAll: true, hint: '?' }),
-      item('Gamepad', () => leave(gamepad), { forAll: true }),
+      item(WORDS.keys, () => leave(keys), { forAll: true, hint: '?' }),
+      item(WORDS.gamepad, () => leave(gamepad), { forAll: true }),
     ),
     el('hr'),
     nameForm(station),
     saveForm(station, isPilot && station.may('save'), leave),
     el('hr'),
-    choice('Colours', THEMES, theme, setTheme),
-    choice('Lengths', UNITS, unit, setUnit),
+    choice(SETTINGS.colours, THEMES, SETTINGS.themes, theme, setTheme),
+    choice(SETTINGS.lengths, UNITS, SETTINGS.units, unit, setUnit),
+    choice(SETTINGS.language, LANGUAGES, SETTINGS.languages, chosenLanguage, speak),
     ...(station.description?.is_fixed || !station.may('quit')
       ? []
       : [el('hr'), el('div', { className: 'stack' }, quit)]),
@@ -82,14 +92,14 @@ function nameForm(station) {
   });
   const rename = async (event) => {
     event.preventDefault();
-    if (await attempt(station.rename(name.value.trim()), 'You have another name now')) keepName(station.name);
+    if (await attempt(station.rename(name.value.trim()), WORDS.youHaveAnotherName)) keepName(station.name);
   };
   return el(
     'form',
     { className: 'row', onsubmit: rename },
-    el('label', { htmlFor: 'pilot-name' }, 'Your name'),
+    el('label', { htmlFor: 'pilot-name' }, WORDS.yourName),
     name,
-    el('button', { type: 'submit', disabled: station.isPlain }, 'Change'),
+    el('button', { type: 'submit', disabled: station.isPlain }, WORDS.change),
   );
 }
 
@@ -105,21 +115,21 @@ function saveForm(station, maySave, leave) {
     event.preventDefault();
     leave();
     const answer = await attempt(station.control('save', { name: name.value.trim() }));
-    if (answer) toast(answer.message || 'Saved');
+    if (answer) toast(answer.message || WORDS.saved);
   };
   return el(
     'form',
     { className: 'row', onsubmit: save },
-    el('label', { htmlFor: 'save-name' }, 'Save as'),
+    el('label', { htmlFor: 'save-name' }, WORDS.saveAs),
     name,
-    el('button', { type: 'submit', disabled: !maySave }, 'Save'),
+    el('button', { type: 'submit', disabled: !maySave }, WORDS.save),
   );
 }
 
 // A row of buttons, one for each value of a setting.
-function choice(title, values, current, choose) {
+function choice(title, values, names, current, choose) {
   const press = (event) => {
-    choose(event.target.textContent);
+    choose(event.target.value);
     for (const other of event.target.parentElement.children)
       other.setAttribute('aria-pressed', String(other === event.target));
   };
@@ -131,7 +141,11 @@ function choice(title, values, current, choose) {
       'div',
       { className: 'row', role: 'group', 'aria-label': title },
       ...values.map((value) =>
-        el('button', { type: 'button', 'aria-pressed': String(current() === value), onclick: press }, value),
+        el(
+          'button',
+          { type: 'button', value, 'aria-pressed': String(current() === value), onclick: press },
+          names[value],
+        ),
       ),
     ),
   );
