@@ -1,7 +1,10 @@
 // The alarms of this session with their times, and the collisions that have not been acknowledged yet.
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.alarms;
 
 const LONGEST = 200;
-const FLAGS = { range_warning: 'Range', proximity_warning: 'Proximity' };
+const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.proximity };
 
 export class AlarmLog {
   entries = []; // { time_s, text }, newest first
@@ -32,12 +35,12 @@ export class AlarmLog {
     };
     if (now.count > last.count) {
       this.collisions += now.count - last.count;
-      add('Collision');
+      add(WORDS.collision);
     }
-    if (now.contact && now.contact !== last.contact) add(`Contact ahead: ${now.contact}`);
+    if (now.contact && now.contact !== last.contact) add(WORDS.ahead(now.contact));
     for (const field of now.flags) if (!last.flags.includes(field)) add(FLAGS[field]);
     for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(alarm);
-    if (now.failsafe && now.failsafe !== last.failsafe) add(`Failsafe ${now.failsafe}`);
+    if (now.failsafe && now.failsafe !== last.failsafe) add(WORDS.failsafe(now.failsafe));
     if (now.note && now.note !== last.note) add(now.note);
     return this.entries[0] !== was;
   }

@@ -1,13 +1,16 @@
 // The three lamps of the paper's panel, their sound, which is off by default, and the log of alarms.
 import { clockText, el, write } from '../dom.js';
 import { AlarmLog } from './alarm_log.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.alarms;
 
 const STORED = 'uwsim.sound';
 // Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
 const LAMPS = {
-  range: { title: 'Range', level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
-  proximity: { title: 'Proximity', level: 'warn', field: 'proximity_warning', beep: [740, 0.1], period_ms: 1500 },
-  collision: { title: 'Collision', level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
+  range: { title: WORDS.range, level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
+  proximity: { title: WORDS.proximity, level: 'warn', field: 'proximity_warning', beep: [740, 0.1], period_ms: 1500 },
+  collision: { title: WORDS.collision, level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
 const SILENCE = { beep: [300, 0.4], period_ms: 1000 }; // nothing arrives from the simulator
@@ -21,7 +24,7 @@ export class Alarms {
 
   constructor() {
     for (const [name, { title }] of Object.entries(LAMPS)) {
-      const state = el('span', { className: 'visually-hidden' }, 'off');
+      const state = el('span', { className: 'visually-hidden' }, WORDS.off);
       this.#lamps[name] = {
         state,
         element: el(
@@ -37,17 +40,17 @@ export class Alarms {
     this.acknowledge = el(
       'button',
       { type: 'button', id: 'acknowledge', className: 'danger', hidden: true, onclick: () => this.#acknowledge() },
-      'Acknowledge',
+      WORDS.acknowledge,
     );
-    this.lines = el('ol', { className: 'alarm-log', tabIndex: 0, 'aria-label': 'Alarms, newest first' });
-    this.count = el('small', {}, 'none');
+    this.lines = el('ol', { className: 'alarm-log', tabIndex: 0, 'aria-label': WORDS.list });
+    this.count = el('small', {}, WORDS.none);
     this.element = el(
       'section',
       {},
-      el('h2', {}, 'Warnings', this.button),
+      el('h2', {}, WORDS.warnings, this.button),
       el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
       this.acknowledge,
-      el('details', { id: 'alarm-log' }, el('summary', {}, 'Alarm log ', this.count), this.lines),
+      el('details', { id: 'alarm-log' }, el('summary', {}, WORDS.alarmLog, ' ', this.count), this.lines),
     );
     this.isLoud = false;
     this.#showSound(localStorage.getItem(STORED));
@@ -67,7 +70,7 @@ export class Alarms {
     this.isLoud = stored === 'on';
     this.#isMuted = stored === 'off';
     this.button.setAttribute('aria-pressed', String(this.isLoud));
-    write(this.button, this.isLoud ? 'Sound on' : 'Sound off');
+    write(this.button, this.isLoud ? WORDS.soundOn : WORDS.soundOff);
   }
 
   #acknowledge() {
@@ -83,7 +86,7 @@ export class Alarms {
 
   #showLog() {
     const { entries } = this.log;
-    write(this.count, entries.length ? String(entries.length) : 'none');
+    write(this.count, entries.length ? String(entries.length) : WORDS.none);
     this.lines.replaceChildren(
       ...entries.map(({ time_s, text }) => el('li', {}, el('time', {}, clockText(time_s)), ` ${text}`)),
     );
@@ -93,13 +96,13 @@ export class Alarms {
     if (message && !isStale && this.log.take(message, time_s, contact)) this.#showLog();
     const { collisions } = this.log;
     this.acknowledge.hidden = collisions === 0;
-    write(this.acknowledge, `Acknowledge ${collisions} collision${collisions === 1 ? '' : 's'}`);
+    write(this.acknowledge, WORDS.acknowledgeAll(collisions));
     for (const [name, { level, beep, period_ms }] of Object.entries(LAMPS)) {
       const { element, state } = this.#lamps[name];
       const isOn = this.#isOn(name, message, contact);
       element.dataset.on = isOn ? level : 'off';
       element.classList.toggle('is-stale', isStale);
-      write(state, isOn ? 'on' : 'off');
+      write(state, isOn ? WORDS.on : WORDS.off);
       if (isOn && this.isLoud && !isStale) this.#beep(name, beep, period_ms);
     }
   }

@@ -1,6 +1,9 @@
 // All stop: a button and a key that send it from any page, and a button that releases it, for the pilot.
 import { attempt, byId, el, toast, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.allStop;
 
 export class AllStop {
   #vehicle = '';
@@ -13,7 +16,7 @@ export class AllStop {
     this.lamp = byId('all-stop');
     this.lamp.addEventListener('click', () => this.press());
     this.text = el('p', {});
-    this.button = el('button', { type: 'button', id: 'end-stop', onclick: () => this.#release() }, 'Release all stop');
+    this.button = el('button', { type: 'button', id: 'end-stop', onclick: () => this.#release() }, WORDS.release);
     this.element = el(
       'section',
       { id: 'stopped', className: 'failsafe', hidden: true },
@@ -45,10 +48,7 @@ export class AllStop {
     this.element.hidden = !isSet;
     this.element.classList.toggle('is-stale', isStale);
     this.lamp.setAttribute('aria-pressed', String(isSet));
-    write(
-      this.text,
-      `All stop: the thrusters are off, and nothing moves the vehicle.${this.station.isPilot ? '' : ' The pilot may release it.'}`,
-    );
+    write(this.text, WORDS.isSet(this.station.isPilot));
     this.button.disabled = !this.station.isPilot;
   }
 
@@ -59,7 +59,7 @@ export class AllStop {
       const { success, message } = await this.station.allStop(vehicle, true);
       if (success !== false) this.#wanted = '';
       toast(
-        message || (success === false ? 'The simulator refused.' : 'All stop'),
+        message || (success === false ? STRINGS.common.refused : WORDS.allStop),
         success === false ? 'error' : 'info',
       );
     } catch (error) {
@@ -72,6 +72,6 @@ export class AllStop {
 
   #release() {
     this.#wanted = '';
-    attempt(this.station.allStop(this.#vehicle, false), 'All stop is released: press a key anew.');
+    attempt(this.station.allStop(this.#vehicle, false), WORDS.released);
   }
 }

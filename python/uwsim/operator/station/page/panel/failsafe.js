@@ -1,19 +1,22 @@
 // The vehicle's failsafe: its action, the reason, its findings, and the button that takes control back.
 import { attempt, el, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.failsafe;
 
 const DOING = {
-  hold: 'holds its place by itself',
-  surface: 'surfaces by itself',
-  return: 'returns by itself',
-  go_on: 'goes on as last told',
+  hold: WORDS.hold,
+  surface: WORDS.surface,
+  return: WORDS.comesBack,
+  go_on: WORDS.goOn,
 };
 const CAUSES = {
-  silence: 'it hears nothing',
-  battery: 'the battery is low',
-  leak: 'water is inside',
-  thruster: 'a thruster does not obey',
-  sensor: 'a sensor fails',
+  silence: WORDS.silence,
+  battery: WORDS.battery,
+  leak: WORDS.leak,
+  thruster: WORDS.thruster,
+  sensor: WORDS.sensor,
 };
 
 export class Failsafe {
@@ -23,13 +26,9 @@ export class Failsafe {
     this.station = station;
     this.text = el('p', {});
     this.alarms = el('ul', {});
-    this.button = el(
-      'button',
-      { type: 'button', id: 'take-back', title: 'Override the failsafe: it acts no more for this cause' },
-      'Take back',
-    );
+    this.button = el('button', { type: 'button', id: 'take-back', title: WORDS.tip }, WORDS.takeBack);
     this.button.addEventListener('click', () =>
-      attempt(station.command('override_failsafe', this.#vehicle), 'The vehicle is asked to obey again.'),
+      attempt(station.command('override_failsafe', this.#vehicle), WORDS.asked),
     );
     this.element = el(
       'section',
@@ -50,12 +49,7 @@ export class Failsafe {
     this.element.hidden = !failsafe && alarms.length === 0;
     this.element.classList.toggle('is-stale', isStale);
     this.element.dataset.kind = failsafe && failsafe !== 'go_on' ? 'steers' : 'tells';
-    write(
-      this.text,
-      failsafe
-        ? `Failsafe: the vehicle ${DOING[failsafe] ?? failsafe}, because ${CAUSES[cause] ?? cause}.`
-        : 'The vehicle notices:',
-    );
+    write(this.text, failsafe ? WORDS.acts(DOING[failsafe] ?? failsafe, CAUSES[cause] ?? cause) : WORDS.notices);
     if (this.#listed !== alarms.join('\n')) this.alarms.replaceChildren(...alarms.map((alarm) => el('li', {}, alarm)));
     this.button.hidden = !failsafe;
     this.button.disabled = !this.station.isPilot;

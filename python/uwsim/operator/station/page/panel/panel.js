@@ -1,6 +1,6 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
 import { attitude } from '../attitude.js';
-import { clockText, el, fixed, write } from '../dom.js';
+import { clockText, el, fixed, grouped, write } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
@@ -8,29 +8,32 @@ import { Bars } from './bars.js';
 import { ExercisePanel } from './exercise.js';
 import { Failsafe } from './failsafe.js';
 import { Link } from './link.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.panel;
 
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
 const OLD_S = 1.5; // age of a measurement from which it greys, plus the interval of slow instruments
 // The field of the telemetry that each value shows, where it is measured aboard.
 const GAUGES = {
-  Depth: 'depth',
-  Altitude: 'distance_to_seabed',
-  Speed: 'speed',
-  Turning: 'angular_speed',
-  'Accel.': 'linear_acceleration',
-  'Angular accel.': 'angular_acceleration',
-  East: 'position',
-  North: 'position',
-  Up: 'position',
-  Station: 'distance_to_station',
-  'Port side': 'distance_to_port',
-  Water: 'temperature',
-  Pressure: 'pressure',
+  [WORDS.depth]: 'depth',
+  [WORDS.altitude]: 'distance_to_seabed',
+  [WORDS.speed]: 'speed',
+  [WORDS.turning]: 'angular_speed',
+  [WORDS.accel]: 'linear_acceleration',
+  [WORDS.angularAccel]: 'angular_acceleration',
+  [WORDS.east]: 'position',
+  [WORDS.north]: 'position',
+  [WORDS.up]: 'position',
+  [WORDS.station]: 'distance_to_station',
+  [WORDS.portSide]: 'distance_to_port',
+  [WORDS.water]: 'temperature',
+  [WORDS.pressure]: 'pressure',
 };
-const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
+const EFFORTS = [WORDS.surge, WORDS.sway, WORDS.heave, WORDS.roll, WORDS.pitch, WORDS.yaw];
 const LENGTH = 'length'; // in the pilot's unit
-const RANGE = (value, digits = 1) => (value === Infinity ? 'none' : fixed(value, digits));
+const RANGE = (value, digits = 1) => (value === Infinity ? WORDS.none : fixed(value, digits));
 
 const DEG = 180 / Math.PI;
 // "1.20 ahead, -0.10 to port, 0.00 up": a vector along the body's axes.
@@ -38,44 +41,44 @@ const components = (vector, names) => names.map((name, k) => `${fixed(vector[k],
 
 // Each value: name, unit, how it follows from the telemetry m, and possibly the text shown when it is pointed at.
 const BIG = [
-  ['Depth', LENGTH, (m) => fixed(inUnit(m.depth), 1)],
-  ['Altitude', LENGTH, (m) => RANGE(inUnit(m.distance_to_seabed))],
-  ['Heading', '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
+  [WORDS.depth, LENGTH, (m) => fixed(inUnit(m.depth), 1)],
+  [WORDS.altitude, LENGTH, (m) => RANGE(inUnit(m.distance_to_seabed))],
+  [WORDS.heading, '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
 ];
 const MOTION = [
-  ['Speed', 'm/s', (m) => fixed(m.speed, 2)],
-  ['Turning', '°/s', (m) => fixed(DEG * m.angular_speed, 1)],
+  [WORDS.speed, 'm/s', (m) => fixed(m.speed, 2)],
+  [WORDS.turning, '°/s', (m) => fixed(DEG * m.angular_speed, 1)],
   [
-    'Accel.',
+    WORDS.accel,
     'm/s²',
     (m) => fixed(Math.hypot(...m.linear_acceleration), 2),
-    (m) => components(m.linear_acceleration, ['ahead', 'to port', 'up']),
+    (m) => components(m.linear_acceleration, [WORDS.ahead, WORDS.toPort, WORDS.upWard]),
   ],
   [
-    'Angular accel.',
+    WORDS.angularAccel,
     '°/s²',
     (m) => fixed(DEG * Math.hypot(...m.angular_acceleration), 1),
     (m) =>
       components(
         [...m.angular_acceleration].map((value) => DEG * value),
-        ['roll', 'pitch', 'yaw'],
+        [WORDS.rollRate, WORDS.pitchRate, WORDS.yawRate],
       ),
   ],
-  ['Roll', '', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
-  ['Pitch', '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
+  [WORDS.roll, '', (m) => sided(attitude(m.orientation).roll_deg, WORDS.sStarboard, WORDS.sPort)],
+  [WORDS.pitch, '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
 ];
 const POSITION = [
-  ['East', 'm', (m) => fixed(m.position[0], 1)],
-  ['North', 'm', (m) => fixed(m.position[1], 1)],
-  ['Up', 'm', (m) => fixed(m.position[2], 1)],
+  [WORDS.east, 'm', (m) => fixed(m.position[0], 1)],
+  [WORDS.north, 'm', (m) => fixed(m.position[1], 1)],
+  [WORDS.up, 'm', (m) => fixed(m.position[2], 1)],
 ];
 const AROUND = [
-  ['Station', LENGTH, (m) => fixed(inUnit(m.distance_to_station), 1)],
-  ['Port side', LENGTH, (m) => RANGE(inUnit(m.distance_to_port))],
-  ['Water', '°C', (m) => fixed(m.temperature, 1)],
-  ['Pressure', 'kPa', (m) => fixed(m.pressure / 1000, 1)],
-  ['Sound delay', 'ms', (m) => fixed(1000 * m.link_delay, 0)],
-  ['Collisions', '', (m) => String(m.collisions)],
+  [WORDS.station, LENGTH, (m) => fixed(inUnit(m.distance_to_station), 1)],
+  [WORDS.portSide, LENGTH, (m) => RANGE(inUnit(m.distance_to_port))],
+  [WORDS.water, '°C', (m) => fixed(m.temperature, 1)],
+  [WORDS.pressure, 'kPa', (m) => fixed(m.pressure / 1000, 1)],
+  [WORDS.soundDelay, 'ms', (m) => fixed(1000 * m.link_delay, 0)],
+  [WORDS.collisions, '', (m) => String(m.collisions)],
 ];
 
 // The age of a measured value [s]; 0 if the telemetry does not carry it.
@@ -87,14 +90,14 @@ export function ageOf(field, { gauges = [], gauge_ages: ages = [] }) {
 // "measured 3.0 s ago", for a value that is old.
 export function ageText(age_s) {
   if (age_s <= OLD_S) return '';
-  return Number.isFinite(age_s) ? `measured ${age_s.toFixed(1)} s ago` : 'no valid measurement';
+  return Number.isFinite(age_s) ? WORDS.old(age_s.toFixed(1)) : WORDS.noValidMeasurement;
 }
 
 // The accuracy of the estimated position, and its true error where that may be shown.
 function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
   if (!Number.isFinite(position[0])) return '';
   const off_m = Math.hypot(...position.map((value, k) => value - truth[k]));
-  return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? `, truly ${fixed(off_m, 2)} m off` : ''}`;
+  return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? WORDS.truly(fixed(off_m, 2)) : ''}`;
 }
 
 // "2.0° S": to starboard.
@@ -121,21 +124,21 @@ export class Panel {
     this.battery = el('i');
     this.meter = el(
       'div',
-      { className: 'meter', role: 'meter', 'aria-label': 'Battery', 'aria-valuemin': 0, 'aria-valuemax': 100 },
+      { className: 'meter', role: 'meter', 'aria-label': WORDS.battery, 'aria-valuemin': 0, 'aria-valuemax': 100 },
       this.battery,
     );
     this.mapNote = el('small');
-    this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the map' });
+    this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': WORDS.downloadTheMap });
     this.efforts.name(EFFORTS);
     this.charge = el('small');
-    this.driveTitle = el('span', {}, 'Thrusters');
+    this.driveTitle = el('span', {}, WORDS.thrusters);
     this.timed = el(
       'div',
       {},
       this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
-      this.#section('Position', this.kind, this.#list(POSITION, 'big-values small')),
-      this.#section('Around', null, this.#list(AROUND)),
-      this.#section('Battery', this.charge, this.meter),
+      this.#section(WORDS.position, this.kind, this.#list(POSITION, 'big-values small')),
+      this.#section(WORDS.around, null, this.#list(AROUND)),
+      this.#section(WORDS.battery, this.charge, this.meter),
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
     this.exercise = new ExercisePanel(station);
@@ -147,8 +150,8 @@ export class Panel {
       this.timed,
       inspection.element,
       this.link.element,
-      this.#section('Controls', el('small', {}, '%'), this.efforts.element),
-      this.#section('Map', this.mapNote, this.downloads),
+      this.#section(WORDS.controls, el('small', {}, '%'), this.efforts.element),
+      this.#section(WORDS.map, this.mapNote, this.downloads),
     );
     telemetry.addEventListener('change', () => this.show());
     pilot.addEventListener('efforts', () => this.efforts.show(Object.values(pilot.efforts)));
@@ -162,7 +165,7 @@ export class Panel {
     this.link.begin(vehicle, description.views);
     this.hasThrusters = vehicle.thrusters.length > 0; // otherwise it is driven by forces along and about the axes
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
-    write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
+    write(this.driveTitle, this.hasThrusters ? WORDS.thrusters : WORDS.thrust);
     this.downloads.hidden = !vehicle.map;
     this.downloads.replaceChildren(
       ...['bt', 'ply', 'pcd', 'tif'].map((kind) =>
@@ -171,7 +174,7 @@ export class Panel {
           {
             href: this.station.href(`${vehicle.map}.${kind}`),
             download: `${description.scenario}-${vehicle.name}.${kind}`,
-            'aria-label': `Download the map as .${kind}`,
+            'aria-label': WORDS.downloadAs(kind),
           },
           `.${kind}`,
         ),
@@ -180,10 +183,7 @@ export class Panel {
   }
 
   showMap({ count, resolution_m }) {
-    write(
-      this.mapNote,
-      count ? `${count.toLocaleString('en')} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet',
-    );
+    write(this.mapNote, count ? WORDS.voxels(grouped(count), +resolution_m.toFixed(3)) : WORDS.noPingsYet);
   }
 
   show() {
@@ -195,7 +195,13 @@ export class Panel {
     this.failsafe.show(message, isStale);
     write(
       this.age,
-      !message ? 'waiting' : this.station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
+      !message
+        ? WORDS.waiting
+        : this.station.isBlind
+          ? WORDS.notConnected
+          : lag_s > 1
+            ? WORDS.late(fixed(lag_s, 1))
+            : '',
     );
     if (!message) return;
     for (const element of this.#lengths) write(element, unitName());
@@ -212,11 +218,11 @@ export class Panel {
     this.battery.style.width = `${percent}%`;
     this.meter.dataset.level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';
     this.meter.setAttribute('aria-valuenow', percent.toFixed(0));
-    write(this.charge, `${fixed(message.battery, 0)} % · ${clockText(message.mission_time)} used`);
+    write(this.charge, WORDS.used(fixed(message.battery, 0), clockText(message.mission_time)));
   }
 
   #section(title, note, ...contents) {
-    const head = title || note ? el('h2', {}, title || 'Vehicle', note) : null;
+    const head = title || note ? el('h2', {}, title || WORDS.vehicle, note) : null;
     return el('section', {}, head, ...contents);
   }
 
