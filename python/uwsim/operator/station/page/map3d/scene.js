@@ -12,7 +12,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from '../vendor/three.js';
-import { el, write } from '../dom.js';
+import { el, grouped, write } from '../dom.js';
 import { Marks, Vessel } from './actors.js';
 import { FrameGate } from './frame_gate.js';
 import { Quality } from './quality.js';
@@ -20,6 +20,9 @@ import { makeSurface, makeTerrain } from './terrain.js';
 import { sceneTools } from './tools.js';
 import { VoxelPoints } from './voxel_points.js';
 import { VoxelStore } from './voxel_store.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.scene;
 
 const SMALL_MS = 1000; // between two frames while the view is small
 const IDLE_MS = 250; // while it is large and does not turn
@@ -27,7 +30,7 @@ const IDLE_MS = 250; // while it is large and does not turn
 export class SceneView {
   name = 'scene';
   kind = 'scene';
-  title = '3D map';
+  title = WORDS.title;
   store = new VoxelStore();
   voxels = new VoxelPoints(this.store);
   vessels = new Map(); // name: Vessel
@@ -46,7 +49,7 @@ export class SceneView {
   constructor() {
     this.canvas = el('canvas', {
       role: 'img',
-      'aria-label': '3D view of the lake, the map and the vehicle',
+      'aria-label': WORDS.picture,
       tabindex: '-1',
     });
     this.note = el('p', { className: 'scene-note' });
@@ -55,7 +58,7 @@ export class SceneView {
       () => this.#applyLayers(),
       (isFromAbove) => this.look(isFromAbove),
     );
-    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': '3D view' }, ...buttons);
+    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': WORDS.tools }, ...buttons);
     this.element = [this.canvas, this.tools, this.note];
     this.#makeScene();
     requestAnimationFrame(() => this.#frame());
@@ -158,7 +161,7 @@ export class SceneView {
     try {
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: false, powerPreference: 'low-power' });
     } catch {
-      write(this.note, 'This browser has no WebGL 2: no 3D view');
+      write(this.note, WORDS.noWebGl);
       return;
     }
     this.gate = new FrameGate(this.renderer.getContext());
@@ -257,8 +260,7 @@ export class SceneView {
     this.#drawnMs = performance.now();
     write(
       this.note,
-      `${this.store.count.toLocaleString('en')} voxels · ${this.voxels.pointCount.toLocaleString('en')} drawn · ` +
-        `${Math.round(this.gate.frame_ms)} ms`,
+      WORDS.drawn(grouped(this.store.count), grouped(this.voxels.pointCount), Math.round(this.gate.frame_ms)),
     );
   }
 }

@@ -5,6 +5,8 @@ import { inUnit, unit, unitName } from '../units.js';
 import { Fan, ringStep } from './sonar_geometry.js';
 import { SonarTools } from './sonar_tools.js';
 
+const WORDS = STRINGS.fan;
+
 const INK = '#c9d8e2';
 const SOFT = 'rgb(150 178 194 / .55)';
 const WATER = 'rgb(38 132 148 / .22)';
@@ -17,14 +19,14 @@ const REACHES = [3, 5, 10, 20, 30, 50, 100];
 export class FanView {
   name = 'fan';
   kind = 'fan';
-  title = 'Sonar';
+  title = WORDS.sonar;
   #scan = null;
   #old = [];
   #isLarge = false;
   shown = null; // the geometry last drawn
 
   constructor() {
-    this.canvas = el('canvas', { role: 'img', 'aria-label': 'Ranges of the newest sonar ping' });
+    this.canvas = el('canvas', { role: 'img', 'aria-label': WORDS.rangesOfTheNewest });
     this.tools = new SonarTools(this.canvas, { ranges: [0, ...REACHES], hasLevels: false });
     this.element = [this.canvas, this.tools.element, this.tools.frozen];
     this.tools.addEventListener('change', () => this.#draw());

@@ -3,6 +3,9 @@ import { attitude } from '../attitude.js';
 import { shownHolds } from '../drive/holds.js';
 import { inUnit, unitName } from '../units.js';
 import { axisText, pixelsBelow } from './camera_axis.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.hud;
 
 const INK = '#f2f8fb';
 const SOFT = 'rgb(242 248 251 / .72)';
@@ -11,7 +14,6 @@ const SHADE = 'rgb(5 10 13 / .62)';
 const WARN = '#ffc247';
 const STEEPEST = 70; // of a camera's axis [deg], beyond which a horizon makes no sense
 const HELD = '#7be0a2';
-const CARDINALS = { 0: 'N', 45: 'NE', 90: 'E', 135: 'SE', 180: 'S', 225: 'SW', 270: 'W', 315: 'NW' };
 
 export class Hud {
   shown = null; // what was drawn last: the camera's axis, the contact, the value on each tape
@@ -47,7 +49,7 @@ export class Hud {
     const angles = attitude(message.orientation);
     const wide = width - 2 * left;
     if (axis && Math.abs(axis.up_deg) < STEEPEST) this.#ladder(width / 2, height / 2, scale, axis, focal * wide);
-    this.#note(width / 2, height - top - 30 * scale, scale, axis ? `CAM ${axisText(axis)}` : 'CAM angle unknown');
+    this.#note(width / 2, height - top - 30 * scale, scale, axis ? WORDS.cam(axisText(axis)) : WORDS.camUnknown);
     if (contact && !isStale) this.#contact(width / 2, height * 0.66, scale, contact);
     const holds = shownHolds(message);
     const target = (name) => holds.find((hold) => hold.name === name)?.target ?? null;
@@ -60,7 +62,7 @@ export class Hud {
     const tall = Math.min(300, height * 0.56);
     const side = left + Math.max(12, width * 0.02);
     this.#tape(side, height / 2, tall, scale, {
-      name: 'DEPTH',
+      name: WORDS.depth,
       value: inUnit(message.depth),
       side: 'left',
       down: true,
@@ -68,7 +70,7 @@ export class Hud {
     });
     const altitude = message.distance_to_seabed;
     this.#tape(width - side, height / 2, tall, scale, {
-      name: 'ALT',
+      name: WORDS.altitude,
       value: inUnit(altitude),
       target: inTarget('altitude'),
       side: 'right',
@@ -111,7 +113,7 @@ export class Hud {
       c.moveTo(x, top + height);
       c.lineTo(x, top + height - (isNamed ? 8 : 4) * scale);
       c.stroke();
-      if (isNamed) c.fillText(CARDINALS[whole] ?? String(whole).padStart(3, '0'), x, top + 13 * scale);
+      if (isNamed) c.fillText(WORDS.cardinals[whole] ?? String(whole).padStart(3, '0'), x, top + 13 * scale);
     }
     if (target_deg !== null) {
       const off_deg = ((((target_deg - heading + 180) % 360) + 360) % 360) - 180;
@@ -242,7 +244,7 @@ export class Hud {
   #contact(middle, y, scale, { name, time_s }) {
     this.#font(17 * scale, 700);
     this.context.textAlign = 'center';
-    this.#outlined(`${name.toUpperCase()} IN ${time_s.toFixed(1)} s`, middle, y, WARN);
+    this.#outlined(WORDS.contact(name.toUpperCase(), time_s.toFixed(1)), middle, y, WARN);
   }
 
   // Lines at true elevations in the picture: the horizon's lies on the horizon.

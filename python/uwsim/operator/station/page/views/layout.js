@@ -5,6 +5,9 @@ import { Hud } from './hud.js';
 import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 import { SonarScreen } from './sonar_screen.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.views;
 
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
@@ -20,9 +23,9 @@ const SELDOM_S = 0.5; // between pictures: after a longer interval the view show
 // A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s is
 // null if there is no capacity for pictures. large_only: only pictures of the large view are carried.
 function linkText({ modem, period_s: period }) {
-  if (period === null) return `${modem} has no room for pictures`;
-  if (period < SELDOM_S) return `over ${modem}`;
-  return `over ${modem}: 1 picture in ${period < 10 ? +period.toFixed(1) : Math.round(period)} s`;
+  if (period === null) return WORDS.noRoom(modem);
+  if (period < SELDOM_S) return WORDS.over(modem);
+  return WORDS.seldom(modem, period < 10 ? +period.toFixed(1) : Math.round(period));
 }
 
 const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.length);
@@ -84,7 +87,7 @@ export class Views extends EventTarget {
       const key = k < KEYS ? String((k + 1) % KEYS) : '';
       write(number, key);
       number.hidden = key === '';
-      swap.setAttribute('aria-label', `Make ${title} the large view${key && ` (key ${key})`}`);
+      swap.setAttribute('aria-label', WORDS.enlarge(title, key));
     });
     this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
     const count = Math.max(this.#views.size - 1, 1);
@@ -122,7 +125,7 @@ export class Views extends EventTarget {
   #frame(title, ...contents) {
     const number = el('b');
     const swap = el('button', { type: 'button', className: 'swap' });
-    const lost = el('p', { className: 'lost' }, 'No picture');
+    const lost = el('p', { className: 'lost' }, WORDS.noPicture);
     const name = el('p', { className: 'name' }, number, title);
     const over = el('p', { className: 'over', hidden: true });
     const element = el('section', { className: 'view', 'aria-label': title }, ...contents, lost, over, name, swap);
@@ -133,7 +136,7 @@ export class Views extends EventTarget {
     const sonar = view.sonar ? new SonarScreen(view.sonar) : null;
     const canvas = sonar?.canvas ?? el('canvas', { className: 'picture', width: 16, height: 9 });
     canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', `Picture: ${view.title}`);
+    canvas.setAttribute('aria-label', WORDS.picture(view.title));
     const isCamera = CAMERAS.has(view.kind);
     const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
@@ -173,8 +176,8 @@ export class Views extends EventTarget {
 
   // link: that of a view whose pictures come over a link.
   #whyNone(name, link) {
-    if (link && link.period_s === null) return 'No picture';
-    return link?.large_only && name !== this.#large ? 'Enlarge to ask for it' : 'Waiting for a picture';
+    if (link && link.period_s === null) return WORDS.noPicture;
+    return link?.large_only && name !== this.#large ? WORDS.ask : WORDS.waiting;
   }
 
   #isFull(view) {
@@ -223,7 +226,7 @@ export class Views extends EventTarget {
       const lateMs = Math.max(name === this.#large ? LATE_MS : SMALL_LATE_MS, periodMs);
       const isLate = isBlind || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
       element.classList.toggle('is-stale', isLate || picture.drawn === 0);
-      write(lost, picture.drawn > 0 ? 'Old picture' : this.#whyNone(name, isLinked && view.link));
+      write(lost, picture.drawn > 0 ? WORDS.oldPicture : this.#whyNone(name, isLinked && view.link));
     }
     if (this.telemetry.isStale) this.#drawHud();
   }

@@ -1,7 +1,10 @@
 // The name of this page for the others at the station.
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.wire;
 
 const STORED = 'uwsim.name';
 
-export const keptName = () => localStorage.getItem(STORED) ?? `Pilot ${100 + Math.floor(Math.random() * 900)}`;
+export const keptName = () => localStorage.getItem(STORED) ?? WORDS.pilot(100 + Math.floor(Math.random() * 900));
 
 export const keepName = (name) => localStorage.setItem(STORED, name);

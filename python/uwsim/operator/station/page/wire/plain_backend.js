@@ -2,6 +2,9 @@
 // There is no lease, and no server that zeroes the efforts of a page that is gone, so the page shows a notice.
 import { AXES, SERVICES } from './messages.js';
 import { seconds } from './rosbridge.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.wire;
 
 const PACE_MS = 500;
 const CAMERA = /^\/(?:(\w+)\/)?camera\/(\w+)\/image_raw\/compressed$/;
@@ -49,7 +52,7 @@ export class PlainBackend {
     const prefixes = topics
       .filter((name) => /^\/(\w+\/)?telemetry$/.test(name))
       .map((name) => name.slice(1, -'telemetry'.length));
-    if (prefixes.length === 0) throw new Error('this rosbridge has no vehicle of uwsim: no topic telemetry');
+    if (prefixes.length === 0) throw new Error(WORDS.noVehicle);
     const has = (name) => (topics.includes(name) ? name : '');
     const vehicles = prefixes.map((prefix) => ({
       name: prefix.slice(0, -1) || 'vehicle',
@@ -131,7 +134,7 @@ export class PlainBackend {
   }
 
   setView() {
-    return Promise.resolve({ success: false, message: 'This rosbridge has no station that sets pictures.' });
+    return Promise.resolve({ success: false, message: WORDS.noStation });
   }
 
   async #ask() {
@@ -149,7 +152,7 @@ export class PlainBackend {
         lateness: lateness_s,
         pilot: 'me',
         member_ids: ['me'],
-        member_names: ['You'],
+        member_names: [WORDS.you],
         asking: [],
         recording: '',
       });

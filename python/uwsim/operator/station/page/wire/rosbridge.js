@@ -1,5 +1,8 @@
 // A rosbridge v2 client: JSON out, JSON and CBOR in. It reconnects and resubscribes by itself.
 import { Decoder } from '../vendor/cbor.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.wire;
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
@@ -87,12 +90,12 @@ export class Rosbridge extends EventTarget {
     const id = `call${(this.#count += 1)}`;
     return new Promise((resolve, reject) => {
       if (!this.#send({ op: 'call_service', id, service, args })) {
-        reject(new ServiceError('the simulator is not connected'));
+        reject(new ServiceError(WORDS.theSimulatorIsNot));
         return;
       }
       const timer = setTimeout(() => {
         this.#calls.delete(id);
-        reject(new ServiceError(`${service} gave no answer within ${CALL_TIMEOUT_MS / 1000} s`));
+        reject(new ServiceError(WORDS.noAnswer(service, CALL_TIMEOUT_MS / 1000)));
       }, CALL_TIMEOUT_MS);
       this.#calls.set(id, { resolve, reject, timer });
     });
@@ -129,7 +132,7 @@ export class Rosbridge extends EventTarget {
   #lost() {
     for (const { reject, timer } of this.#calls.values()) {
       clearTimeout(timer);
-      reject(new ServiceError('the connection was lost'));
+      reject(new ServiceError(WORDS.theConnectionWasLost));
     }
     this.#calls.clear();
     this.dispatchEvent(new Event('close'));
