@@ -44,6 +44,10 @@ def test_a_slow_modem_has_no_room_for_pictures_and_says_so(tmp_path):
         assert ada.call("start", scenario="pool", link="micromodem", seed=3)["success"]
         views = {view["name"]: view for view in ada.call("describe")["views"]}
         assert views["front"]["link"] == {"modem": "micromodem", "period_s": None, "large_only": True}
+        ada.subscribe("/telemetry")
+        ada.message("/telemetry")  # over the link; a note needs no picture
+        said = ada.call("notes", action="add", vehicle="rov", category="leak", view="front")
+        assert said["success"] and said["notes"][0]["picture"] == ""
         assert station.present().carrier.rates.keys() == {"telemetry"}
 
 

@@ -84,6 +84,10 @@ class Arrivals:
         picture = Image.open(io.BytesIO(bytes(self._newest[view].data))).convert("RGB")
         return np.asarray(picture), self.panel(self._vehicles[view])
 
+    def has_come(self, view: str) -> bool:
+        """Return whether any picture of a view has arrived."""
+        return view in self._newest
+
     def panel(self, vehicle: str) -> Values:
         """Return a vehicle's newest panel. Raises ValueError if none has arrived."""
         panels = [name for name, owner in self._panels.items() if owner == vehicle]

@@ -86,7 +86,7 @@ class Inspection:
             raise ValueError(f"place = {str(place)[:40]!r}: must be one of {', '.join(PLACES)}")
         vehicle, view = _vehicle(running, request), request.get("view") or ""
         with self._lock:
-            rgb, panel = taken(running, view) if view else (None, panel_of(running, vehicle))
+            rgb, panel = _seen(running, vehicle, view)
             position_world_m, where = _placed(running, vehicle, str(view), panel, place == "view")
             picture = ""
             if rgb is not None:
@@ -210,6 +210,15 @@ def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, floa
     for k, longitude, latitude in zip(known, longitudes, latitudes, strict=True):
         found[k] = (round(longitude, 8), round(latitude, 8))
     return found
+
+
+def _seen(running: Running, vehicle: str, view: object) -> tuple[NDArray[np.uint8] | None, Values]:
+    """Return a picture of a view, None if there is none, and the panel. Raises ValueError for an unknown view."""
+    if view:
+        shown = running.views.view(view)
+        if running.arrivals is None or shown.name not in running.arrivals or running.arrivals.has_come(shown.name):
+            return taken(running, view)
+    return None, panel_of(running, vehicle)  # over a link, a note need not wait for a picture
 
 
 def _placed(
