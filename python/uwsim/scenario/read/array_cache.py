@@ -28,7 +28,7 @@ Arrays = tuple[NDArray[np.generic], ...]
 Input = str | bytes | float | NDArray[np.generic]
 
 MAX_FILE_BYTES, MAX_FOLDER_BYTES = 1 << 26, 1 << 29
-LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "pyfastnoiselite")
+LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py")
 DIGEST_BYTES = 32
 
 
