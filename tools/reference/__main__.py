@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from tools.reference.benchmarks import benchmarks_page
 from tools.reference.channels import channels_page
 from tools.reference.commands import commands_page
 from tools.reference.environments import environments_page
@@ -21,6 +22,7 @@ PAGES = {
     "environments": environments_page,
     "python": python_page,
     "sources": sources_page,
+    "benchmarks": benchmarks_page,
 }
 
 

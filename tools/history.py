@@ -1,0 +1,164 @@
+"""The history of ten ratios: `python -m tools.history measure`, or `compare OLD NEW` for two commits on this machine.
+
+Each ratio compares uwsim with a peer that the same benchmark measures in the same rounds, so that another load or
+another machine moves it little. `measure` writes docs/benchmarks/COMMIT.json, which the site draws.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import typer
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDER = ROOT / "docs" / "benchmarks"
+PEERS = {
+    "sonar": ["--no-growth", "--pings", "100"],
+    "dynamics": ["--plot", os.devnull],
+    "camera": ["--threads", "1"],
+    "mapping": ["--only", "B"],
+}
+"""The benchmarks with a peer that tools/setup --dev installs, and the options that shorten them."""
+
+
+class Ratio(NamedTuple):
+    """One ratio: where a benchmark's JSON has it, what it is, and whether more is better."""
+
+    path: tuple[str, ...]
+    title: str
+    more_is_better: bool
+
+
+RATIOS = {
+    "ping_embree": Ratio(("sonar", "ping/limit"), "pings along lanes, of the rate of Embree's rays alone", True),
+    "ping_embree_scattered": Ratio(
+        ("sonar", "ping_scattered/limit_scattered"),
+        "pings at scattered places, of the rate of Embree's rays alone",
+        True,
+    ),
+    "ping_bullet": Ratio(("sonar", "ping/bullet"), "pings, times as many as with Bullet's ray test", True),
+    "step_bullet": Ratio(
+        ("dynamics", "against_bare_bullet"), "steps in open water, of the rate of Bullet's bare step", True
+    ),
+    "bed_bullet": Ratio(
+        ("dynamics", "above_bottom_against_bare_bullet"), "steps above the bed, of the rate of Bullet's bare step", True
+    ),
+    "picture_embree": Ratio(("camera", "against_bare"), "a picture, times the cost of Embree's rays alone", False),
+    "geometry_embree": Ratio(
+        ("camera", "geometry_against_bare"), "a picture's geometry, times the cost of Embree's rays alone", False
+    ),
+    "map_fine": Ratio(("mapping", "B 0.2", "bricks_1_ratio"), "a map of 0.2 m, times as fast as OctoMap", True),
+    "map_coarse": Ratio(("mapping", "B 0.5", "bricks_1_ratio"), "a map of 0.5 m, times as fast as OctoMap", True),
+    "map_portable": Ratio(
+        ("mapping", "B 0.5", "portable_ratio"), "the same by the portable kernels, times as fast as OctoMap", True
+    ),
+}
+
+app = typer.Typer(add_completion=False, help=__doc__)
+
+
+@app.command()
+def measure(rounds: Annotated[int, typer.Option(min=1, help="Rounds of each benchmark.")] = 7) -> None:
+    """Measure this tree, whose sources must be committed, and write docs/benchmarks/COMMIT.json."""
+    if _git(ROOT, "status", "--porcelain", "--", "cpp", "python", "tools/bench"):
+        _refuse("cpp, python or tools/bench: differ from the last commit; commit them, so that the ratios have a name")
+    commit, date = _git(ROOT, "log", "-1", "--format=%H %cI").split()
+    subprocess.run([ROOT / "tools/setup", "--dev"], check=True)
+    target = FOLDER / f"{commit[:12]}.json"
+    entry = {"commit": commit, "date": date, "machine": machine(), "rounds": rounds, "ratios": ratios(ROOT, rounds)}
+    FOLDER.mkdir(exist_ok=True)
+    target.write_text(json.dumps(entry, indent=1) + "\n")
+    print(target)
+
+
+@app.command()
+def compare(
+    old: str,
+    new: str,
+    rounds: Annotated[int, typer.Option(min=1, help="How often each commit is measured, in turns.")] = 3,
+) -> None:
+    """Build two commits in build/compare and print their ratios; the measurements alternate."""
+    trees = {name: checkout(name) for name in (old, new)}
+    found: dict[str, list[dict[str, float]]] = {name: [] for name in trees}
+    for turn in range(rounds):
+        for name, tree in trees.items():
+            print(f"round {turn + 1} of {rounds}: {name}", file=sys.stderr)
+            found[name].append(ratios(tree, 3))
+    print("\n".join(table(found[old], found[new], old, new)))
+
+
+def checkout(name: str) -> Path:
+    """Return the folder of a commit, built with its own tools/setup."""
+    commit = _git(ROOT, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}")
+    tree = ROOT / "build" / "compare" / commit[:12]
+    if not tree.exists():
+        _git(ROOT, "clone", "--quiet", "--no-checkout", str(ROOT), str(tree))
+        _git(tree, "checkout", "--quiet", commit)
+    subprocess.run([tree / "tools/setup", "--dev"], check=True)
+    return tree
+
+
+def ratios(tree: Path, rounds: int) -> dict[str, float]:
+    """Run the benchmarks of a tree that is set up, and return the ratios that it knows."""
+    figures: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, options in PEERS.items():
+            output = Path(folder) / f"{name}.json"
+            command = [tree / ".venv/bin/uwsim", "bench", name, *options, "--rounds", str(rounds), "--json", output]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
+            figures[name] = json.loads(output.read_text())
+    return {name: value for name, ratio in RATIOS.items() if (value := _at(figures, ratio.path)) is not None}
+
+
+def table(old: list[dict[str, float]], new: list[dict[str, float]], *names: str) -> list[str]:
+    """Return a line per ratio: the medians of both commits, and how much better the new one is, with its spread."""
+    width = max(len(ratio.title) for ratio in RATIOS.values())
+    lines = [f"{'':{width}} {names[0][:12]:>12} {names[1][:12]:>12}  new is better by (lowest to highest round)"]
+    for name, ratio in RATIOS.items():
+        pairs = [(a[name], b[name]) for a, b in zip(old, new, strict=True) if name in a and name in b]
+        if not pairs:
+            lines.append(f"{ratio.title:{width}} one of the commits does not measure it")
+            continue
+        gains = sorted(b / a if ratio.more_is_better else a / b for a, b in pairs)
+        before, after = (statistics.median(values) for values in zip(*pairs, strict=True))
+        spread = f"{statistics.median(gains):.2f} ({gains[0]:.2f} to {gains[-1]:.2f})"
+        lines.append(f"{ratio.title:{width}} {before:12.3g} {after:12.3g}  {spread}")
+    return lines
+
+
+def machine() -> dict[str, Any]:
+    """Return what the ratios depend on: processor, cores, and how busy the machine was before."""
+    model = re.search(r"^model name\s*:\s*(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    processor = model[1] if model else platform.machine()
+    return {"processor": processor, "cores": os.cpu_count(), "load": round(os.getloadavg()[0], 1)}
+
+
+def _at(figures: Any, path: tuple[str, ...]) -> float | None:
+    for key in path:
+        figures = figures.get(key, {})
+    return None if figures == {} else float(f"{figures:.4g}")
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    done = subprocess.run(["git", "-C", folder, *arguments], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        _refuse(f"git {' '.join(arguments)}: {done.stderr.strip() or 'no such commit'}")
+    return done.stdout.strip()
+
+
+def _refuse(why: str) -> None:
+    print(f"history: {why}", file=sys.stderr)
+    sys.exit(2)
+
+
+if __name__ == "__main__":
+    app()
