@@ -8,6 +8,7 @@
 namespace uwsim {
 namespace {
 
+#if UWSIM_X86
 bool has_avx2() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
          __builtin_cpu_supports("popcnt");
@@ -17,6 +18,10 @@ bool has_avx512() {
   return has_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
          __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 }
+#else
+bool has_avx2() { return false; }
+bool has_avx512() { return false; }
+#endif
 
 InstructionSet widest_of_processor() {
   if (processor_has(InstructionSet::avx512)) return InstructionSet::avx512;

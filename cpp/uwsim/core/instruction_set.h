@@ -2,6 +2,14 @@
 
 #include <cstdint>
 
+/// Whether kernels for AVX2 and AVX-512 are compiled. For other processors CMake leaves their files out, and the portable
+/// kernels take their places.
+#if defined(__x86_64__)
+#define UWSIM_X86 1
+#else
+#define UWSIM_X86 0
+#endif
+
 namespace uwsim {
 
 /// The instruction sets that kernels are compiled for: *_avx2.cpp, *_avx512.cpp and a portable version. `best` requests

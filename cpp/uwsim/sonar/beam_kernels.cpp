@@ -6,6 +6,10 @@
 namespace uwsim {
 
 const BeamKernels& baseline_beam_kernels() { return kKernels; }
+#if !UWSIM_X86
+const BeamKernels& avx2_beam_kernels() { return kKernels; }
+const BeamKernels& avx512_beam_kernels() { return kKernels; }
+#endif
 
 const BeamKernels& beam_kernels() {
   return widest(baseline_beam_kernels(), avx2_beam_kernels(), avx512_beam_kernels());

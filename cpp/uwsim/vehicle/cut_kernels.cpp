@@ -6,6 +6,10 @@
 namespace uwsim {
 
 const CutKernels& baseline_cut_kernels() { return kKernels; }
+#if !UWSIM_X86
+const CutKernels& avx2_cut_kernels() { return kKernels; }
+const CutKernels& avx512_cut_kernels() { return kKernels; }
+#endif
 
 const CutKernels& cut_kernels() { return widest(baseline_cut_kernels(), avx2_cut_kernels(), avx512_cut_kernels()); }
 

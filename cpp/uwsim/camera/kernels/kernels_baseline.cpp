@@ -7,6 +7,10 @@ const Kernels& baseline_kernels() {
   static constexpr Kernels all = kernel_table("baseline");
   return all;
 }
+#if !UWSIM_X86
+const Kernels& avx2_kernels() { return baseline_kernels(); }
+const Kernels& avx512_kernels() { return baseline_kernels(); }
+#endif
 
 const Kernels& kernels() { return widest(baseline_kernels(), avx2_kernels(), avx512_kernels()); }
 
