@@ -1,7 +1,8 @@
-"""The history of ten ratios: `python -m tools.history measure`, or `compare OLD NEW` for two commits on this machine.
+"""Keep a history of ten ratios: `python -m tools.history measure`, or `compare OLD NEW` for two commits on one machine.
 
-Each ratio compares uwsim with a peer that the same benchmark measures in the same rounds, so that another load or
-another machine moves it little. `measure` writes docs/benchmarks/COMMIT.json, which the site draws.
+Each ratio compares uwsim with a peer that the same benchmark measures in the same rounds, so that it depends little on
+the load and the machine. `measure` writes docs/benchmarks/COMMIT.json, with the load that the machine had, and the site
+draws these files.
 """
 
 from __future__ import annotations
@@ -74,7 +75,10 @@ def measure(rounds: Annotated[int, typer.Option(min=1, help="Rounds of each benc
     commit, date = _git(ROOT, "log", "-1", "--format=%H %cI").split()
     subprocess.run([ROOT / "tools/setup", "--dev"], check=True)
     target = FOLDER / f"{commit[:12]}.json"
-    entry = {"commit": commit, "date": date, "machine": machine(), "rounds": rounds, "ratios": ratios(ROOT, rounds)}
+    entry: dict[str, Any] = {"commit": commit, "date": date, "machine": machine(), "rounds": rounds}
+    before = os.getloadavg()[0]
+    entry["ratios"] = ratios(ROOT, rounds)
+    entry["load"] = {"before": round(before, 1), "after": round(os.getloadavg()[0], 1)}
     FOLDER.mkdir(exist_ok=True)
     target.write_text(json.dumps(entry, indent=1) + "\n")
     print(target)
@@ -86,7 +90,12 @@ def compare(
     new: str,
     rounds: Annotated[int, typer.Option(min=1, help="How often each commit is measured, in turns.")] = 3,
 ) -> None:
-    """Build two commits in build/compare and print their ratios; the measurements alternate."""
+    """Build two commits in build/compare and print their ratios; the measurements alternate.
+
+    OLD and NEW are commits, or folders that tools/setup --dev has prepared.
+    """
+    if old == new:
+        _refuse(f"{old}: given twice; name two commits")
     trees = {name: checkout(name) for name in (old, new)}
     found: dict[str, list[dict[str, float]]] = {name: [] for name in trees}
     for turn in range(rounds):
@@ -97,7 +106,9 @@ def compare(
 
 
 def checkout(name: str) -> Path:
-    """Return the folder of a commit, built with its own tools/setup."""
+    """Return the folder of a commit, built with its own tools/setup, or the folder itself."""
+    if (Path(name) / "tools/setup").exists():
+        return Path(name).resolve()
     commit = _git(ROOT, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}")
     tree = ROOT / "build" / "compare" / commit[:12]
     if not tree.exists():
@@ -136,10 +147,10 @@ def table(old: list[dict[str, float]], new: list[dict[str, float]], *names: str)
 
 
 def machine() -> dict[str, Any]:
-    """Return what the ratios depend on: processor, cores, and how busy the machine was before."""
+    """Return the processor's name and the number of cores."""
     model = re.search(r"^model name\s*:\s*(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     processor = model[1] if model else platform.machine()
-    return {"processor": processor, "cores": os.cpu_count(), "load": round(os.getloadavg()[0], 1)}
+    return {"processor": processor, "cores": os.cpu_count()}
 
 
 def _at(figures: Any, path: tuple[str, ...]) -> float | None:

@@ -13,9 +13,9 @@ from uwsim.figures.style import ACCENT, INK, new_figure
 HEAD = """# Benchmark history
 
 Ten ratios between uwsim and peers (Embree alone, Bullet, OctoMap), measured in the same rounds of one run and kept by
-commit in `docs/benchmarks`. Times depend on the machine and its load; ratios much less. To add a commit, run
-`.venv/bin/python -m tools.history measure`; `compare OLD NEW` builds two commits, measures them in turns on one
-machine, and prints how much better the new one is, with the spread of the rounds.
+commit in `docs/benchmarks`. Times depend on the machine and its load, ratios much less; each file states the load. To
+add a commit, run `.venv/bin/python -m tools.history measure`; `compare OLD NEW` builds two commits, measures them in
+turns on one machine, and prints how much better the new one is, with the spread of the rounds.
 [Performance](../inside/performance.md) has the absolute figures.
 """
 
@@ -31,8 +31,9 @@ def benchmarks_page() -> str:
         for name, ratio in RATIOS.items()
         if name in newest["ratios"]
     ]
-    machine = newest["machine"]
-    where = f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:g} before"
+    machine, load = newest["machine"], newest["load"]
+    loaded = f"load {load['before']:g} before and {load['after']:g} after"
+    where = f"{machine['processor']}, {machine['cores']} cores, {loaded}"
     table = "\n".join([f"| {newest['commit'][:8]}, {where} | ratio | better is |", "|---|---|---|", *rows])
     return f"{HEAD}\n```{{raw}} html\n{drawing(entries)}\n```\n\n{table}\n"
 
