@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-/// Whether kernels for AVX2 and AVX-512 are compiled. For other processors CMake leaves their files out, and the portable
+/// 1 if kernels for AVX2 and AVX-512 are compiled. For other processors CMake leaves their files out, and the portable
 /// kernels take their places.
 #if defined(__x86_64__)
 #define UWSIM_X86 1

@@ -5,7 +5,9 @@ from uwsim.scenario.build.simplex_noise import SKEW, fractal_noise
 
 
 def test_the_noise_is_fast_noise_lites_to_the_bit() -> None:
-    library = pytest.importorskip("pyfastnoiselite.pyfastnoiselite", reason="pyfastnoiselite has no wheel for this Python")
+    library = pytest.importorskip(
+        "pyfastnoiselite.pyfastnoiselite", reason="pyfastnoiselite has no wheel for this Python"
+    )
     draws = np.random.default_rng(1)
     for seed in (0, 52, int(draws.integers(2**31)), 2**31 - 2):
         extent_m, wavelength_m = 10 ** draws.uniform(1.0, 4.5), 10 ** draws.uniform(0.0, 3.5)

@@ -15,7 +15,7 @@ Ints = NDArray[np.int32]
 PRIME_X, PRIME_Y = np.int32(501125321), np.int32(1136930381)
 HASH_FACTOR = np.int32(0x27D4EB2D)
 SKEW = np.float32(0.5) * (np.float32(np.sqrt(3)) - np.float32(1))
-"""What x + y is multiplied by, and added to both, to turn triangles of equal sides into halves of squares."""
+"""Turns triangles of equal sides into halves of squares: x and y each gain (x + y) times this."""
 UNSKEW = (np.float32(3) - np.float32(np.sqrt(3))) / np.float32(6)
 SCALE = np.float32(99.83685446303647)
 """Makes the largest value of one octave 1."""
