@@ -7,8 +7,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 archive=$(realpath "$1")
 cd "$folder"
-for set in portable avx2 avx512 slabs_avx512; do
-  object=scan_kernels_$set.cpp.o
+objects=$(ar t "$archive" | grep '^scan_kernels_.*\.cpp\.o$')
+for object in $objects; do
   ar x "$archive" "$object"
   if nm "$object" | grep -E '^[0-9a-f]+ [TWVu] '; then
     echo "$object: exports these functions" >&2
