@@ -176,7 +176,7 @@ UWSIM_LANES Lanes<To> bits_as(Lanes<From> x) {
 /// Products of the low halves.
 UWSIM_LANES Wide times_low(Wide a, std::uint32_t b) {
   constexpr int kParts = Wide::kParts;
-  using PhiloxWords = Native<std::int32_t>::Part;
+  using PhiloxWords [[maybe_unused]] = Native<std::int32_t>::Part;
   const Wide many(std::uint64_t{b});
 #if defined(__AVX512F__)
   using Product = long long __attribute__((vector_size(64)));
@@ -184,8 +184,10 @@ UWSIM_LANES Wide times_low(Wide a, std::uint32_t b) {
       (Wide::Part)__builtin_ia32_pmuludq512_mask((PhiloxWords)a.part[p], (PhiloxWords)many.part[p], Product{}, -1);
 #elif defined(__AVX2__)
   UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq256((PhiloxWords)a.part[p], (PhiloxWords)many.part[p]);
-#else
+#elif defined(__SSE2__)
   UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq128((PhiloxWords)a.part[p], (PhiloxWords)many.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = (a.part[p] & 0xFFFFFFFFu) * many.part[p];
 #endif
   return a;
 }
@@ -215,15 +217,17 @@ UWSIM_LANES bool any(Int mask) {
   for (int k = 0; k < kLanes; ++k) found |= mask[k];
   return found != 0;
 }
-/// min is a < b ? a : b, and max is a > b ? a : b; each is a single CPU instruction.
+/// min is a < b ? a : b, and max is a > b ? a : b; each is a single CPU instruction on x86-64.
 UWSIM_LANES Float min(Float a, Float b) {
   constexpr int kParts = Float::kParts;
 #if defined(__AVX512F__)
   UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
 #elif defined(__AVX2__)
   UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps256(a.part[p], b.part[p]);
-#else
+#elif defined(__SSE2__)
   UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps(a.part[p], b.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = a.part[p] < b.part[p] ? a.part[p] : b.part[p];
 #endif
   return a;
 }
@@ -233,8 +237,10 @@ UWSIM_LANES Float max(Float a, Float b) {
   UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
 #elif defined(__AVX2__)
   UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps256(a.part[p], b.part[p]);
-#else
+#elif defined(__SSE2__)
   UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps(a.part[p], b.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = a.part[p] > b.part[p] ? a.part[p] : b.part[p];
 #endif
   return a;
 }
@@ -250,8 +256,10 @@ UWSIM_LANES Float square_root(Float x) {
   UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps512_mask(x.part[p], x.part[p], -1, 4);
 #elif defined(__AVX2__)
   UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps256(x.part[p]);
-#else
+#elif defined(__SSE2__)
   UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps(x.part[p]);
+#else
+  UWSIM_UNROLLED for (int k = 0; k < kLanes / kParts; ++k) x.part[p][k] = __builtin_sqrtf(x.part[p][k]);
 #endif
   return x;
 }
