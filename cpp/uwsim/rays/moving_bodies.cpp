@@ -25,10 +25,13 @@ RayPacket turned(const RayPacket& rays, const Eigen::Matrix3f& rotation) {
   return out;
 }
 
-/// Calls visit(body, label) for each body that the bundle may reach.
-template <typename Bodies, typename Visit>
-void for_each_reached(const Bodies& bodies, Label first_label, std::size_t hidden, const RayBundle& bundle,
+/// Calls visit(body, label) for each body that the bundle may reach. The bundle is only made if a body is not hidden: a
+/// lone vehicle, which does not perceive itself, pays nothing for it.
+template <typename Bodies, typename MakeBundle, typename Visit>
+void for_each_reached(const Bodies& bodies, Label first_label, std::size_t hidden, const MakeBundle& make_bundle,
                       Visit&& visit) {
+  if (bodies.size() <= (hidden < bodies.size() ? 1u : 0u)) return;
+  const RayBundle bundle = make_bundle();
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     if (k == hidden || !bundle.may_reach(bodies[k].centre_world_m, bodies[k].radius_m)) continue;
     visit(bodies[k], static_cast<Label>(first_label + k));
@@ -59,9 +62,9 @@ void MovingBodies::place(std::size_t index, const Pose& world_from_body) {
 
 void MovingBodies::cast(std::span<const ExactRays> rays, std::size_t hidden, std::span<ExactHits> hits) const {
   for (std::size_t p = 0; p < rays.size(); ++p) {
-    const RayBundle bundle(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m);
-    for_each_reached(bodies_, first_label_, hidden, bundle,
-                     [&](const Body& body, Label label) { cast_at(body, label, rays[p], hits[p]); });
+    for_each_reached(
+        bodies_, first_label_, hidden, [&] { return RayBundle(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m); },
+        [&](const Body& body, Label label) { cast_at(body, label, rays[p], hits[p]); });
   }
 }
 
@@ -97,9 +100,9 @@ void MovingBodies::cast_at(const Body& body, Label label, const ExactRays& rays,
 
 void MovingBodies::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,
                         std::size_t hidden, HitPacket& hits) const {
-  const RayBundle bundle(anchor_world_m, rays, hits.distance_m);
-  for_each_reached(bodies_, first_label_, hidden, bundle,
-                   [&](const Body& body, Label label) { cast_at(body, label, anchor_world_m, rays, order, hits); });
+  for_each_reached(
+      bodies_, first_label_, hidden, [&] { return RayBundle(anchor_world_m, rays, hits.distance_m); },
+      [&](const Body& body, Label label) { cast_at(body, label, anchor_world_m, rays, order, hits); });
 }
 
 void MovingBodies::cast_at(const Body& body, Label label, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
@@ -123,13 +126,14 @@ void MovingBodies::cast_at(const Body& body, Label label, const Eigen::Vector3d&
 
 void MovingBodies::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,
                            std::size_t hidden, Blocked& blocked) const {
-  const RayBundle bundle(anchor_world_m, rays, rays.far_m);
-  for_each_reached(bodies_, first_label_, hidden, bundle, [&](const Body& body, Label) {
-    Blocked own;
-    body.surface->occluded(body.body_from_world * (anchor_world_m - body.position_world_m),
-                           turned(rays, body.body_from_world.cast<float>()), own, order);
-    for (std::size_t k = 0; k < kPacketRays; ++k) blocked[k] |= own[k];
-  });
+  for_each_reached(
+      bodies_, first_label_, hidden, [&] { return RayBundle(anchor_world_m, rays, rays.far_m); },
+      [&](const Body& body, Label) {
+        Blocked own;
+        body.surface->occluded(body.body_from_world * (anchor_world_m - body.position_world_m),
+                               turned(rays, body.body_from_world.cast<float>()), own, order);
+        for (std::size_t k = 0; k < kPacketRays; ++k) blocked[k] |= own[k];
+      });
 }
 
 bool MovingBodies::may_be_within(const Eigen::Vector3d& point_world_m, double distance_m, std::size_t hidden) const {
