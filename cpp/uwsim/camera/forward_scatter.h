@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <span>
 
-#include "uwsim/camera/image_buffer.h"
 #include "uwsim/camera/kernels/block.h"
 #include "uwsim/camera/kernels/view.h"
 #include "uwsim/camera/optics.h"
+#include "uwsim/core/image_buffer.h"
 
 namespace uwsim {
 

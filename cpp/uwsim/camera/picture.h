@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "uwsim/camera/image_buffer.h"
+#include "uwsim/core/image_buffer.h"
 
 namespace uwsim {
 

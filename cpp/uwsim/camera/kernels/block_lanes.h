@@ -1,11 +1,13 @@
 #pragma once
 
 #include "uwsim/camera/kernels/block.h"
-#include "uwsim/camera/kernels/lane_math.h"
+#include "uwsim/core/float_lane_functions.h"
 
 /// Transfer of a block's values between memory and lanes. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
+
+using uwsim::load, uwsim::store;
 
 UWSIM_LANES Vector load(const BlockVectors& from) { return {load(from.x.at), load(from.y.at), load(from.z.at)}; }
 UWSIM_LANES void store(BlockVectors& to, Vector v) {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "uwsim/camera/kernels/lanes.h"
+#include "uwsim/core/float_lanes.h"
 
 /// Functions and vectors of sixteen lanes. The functions are polynomials, so that all builds produce the same bits;
 /// their comments state the errors. Included only by the kernels.
-namespace uwsim::camera {
+namespace uwsim {
 namespace {
 
 UWSIM_LANES Float mix(Float a, Float b, Float share) { return a + (b - a) * share; }
@@ -116,4 +116,4 @@ UWSIM_LANES Unsigned hash(Unsigned x) {
 UWSIM_LANES Float hash_unit(Unsigned x) { return to_float(bits_as<std::int32_t>(hash(x) >> 8)) * 0x1p-24f; }
 
 }  // namespace
-}  // namespace uwsim::camera
+}  // namespace uwsim

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-/// Arithmetic on sixteen pixels at once. It uses the compiler's vector types in the width of the CPU; the same source
+/// Arithmetic on sixteen values at once. It uses the compiler's vector types in the width of the CPU; the same source
 /// is compiled for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane, without fused
 /// multiply-add, so that all builds produce the same bits. For use in those files only: everything here is local to the
 /// file that includes it.
-namespace uwsim::camera {
+namespace uwsim {
 namespace {
 
 constexpr int kLanes = 16;
@@ -265,4 +265,4 @@ UWSIM_LANES Float square_root(Float x) {
 }
 
 }  // namespace
-}  // namespace uwsim::camera
+}  // namespace uwsim

@@ -1,4 +1,4 @@
-#include "uwsim/camera/image_buffer.h"
+#include "uwsim/core/image_buffer.h"
 
 #include <algorithm>
 #include <mutex>
