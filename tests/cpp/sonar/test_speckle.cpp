@@ -57,6 +57,15 @@ Amplitudes beam_at(const Pose& pose, double bearing_rad, int looks = 1, std::uin
   return row;
 }
 
+/// The received power of each bin, with the same echo in all of them.
+std::vector<double> received(const ImagingReceiver& receiver, double echo, const Amplitudes& row, std::uint64_t ping,
+                             std::size_t bins = kBins) {
+  std::vector<double> power(bins, echo);
+  std::vector<float> levels_db(bins);
+  receiver.receive({ping, 0, 1}, row, power, levels_db);
+  return power;
+}
+
 /// The correlation of powers.
 double correlation(const Amplitudes& a, const Amplitudes& b) {
   double together = 0, one = 0, two = 0;
@@ -89,35 +98,33 @@ TEST(Speckle, LooksReduceTheDeviationByTheRootOfTheirNumber) {
   for (const int looks : {1, 4, 16}) {
     const ImagingReceiver receiver(acoustics(looks, testing::kSilence_db), 0.1, RandomStream(3, "speckle"));
     const Amplitudes row = beam_at(headed(0.4), 0.1, looks);
-    const auto [mean, deviation] =
-        moments(kBins, [&](std::size_t k) { return receiver.received(kEcho, row, k, 5, 0); });
+    const std::vector<double> powers = received(receiver, kEcho, row, 5);
+    const auto [mean, deviation] = moments(kBins, [&](std::size_t k) { return powers[k]; });
     EXPECT_NEAR(mean, 100, 2);
     EXPECT_NEAR(mean / deviation, std::sqrt(looks), 0.03 * std::sqrt(looks));
   }
   const ImagingReceiver without(acoustics(0, testing::kSilence_db), 0.1, RandomStream(3, "speckle"));
-  EXPECT_NEAR(without.received(kEcho, {}, 0, 0, 0), 100, 1e-9) << "no looks, no speckle";
+  EXPECT_NEAR(received(without, kEcho, {}, 0, 3)[2], 100, 1e-9) << "no looks, no speckle";
 }
 
 TEST(Speckle, NoiseDiffersFromPingToPingAndAddsAsPower) {
   const ImagingReceiver receiver(acoustics(1, 20), 0.1, RandomStream(3, "speckle"));
   const Amplitudes row = beam_at(headed(0.4), 0.1);
-  const auto received = [&](double echo, std::uint64_t ping, std::size_t k) {
-    return receiver.received(echo, row, k, ping, static_cast<std::uint32_t>(k));
-  };
   for (const double echo : {0.0, 3e-18}) {
-    const auto [mean, deviation] = moments(kBins, [&](std::size_t k) { return received(echo, 5, k); });
+    const std::vector<double> powers = received(receiver, echo, row, 5);
+    const auto [mean, deviation] = moments(kBins, [&](std::size_t k) { return powers[k]; });
     EXPECT_NEAR(mean, 100 + echo * 1e20, 0.03 * mean);
     EXPECT_NEAR(mean / deviation, 1, 0.03);
   }
   double pings = 0, cells = 0;
+  const std::vector<double> fifth = received(receiver, 0, row, 5), sixth = received(receiver, 0, row, 6);
   for (std::size_t k = 0; k < kBins; ++k) {
-    pings += (received(0, 5, k) / 100 - 1) * (received(0, 6, k) / 100 - 1) / kBins;
-    cells += (received(0, 5, k) / 100 - 1) * (received(0, 5, k + 1) / 100 - 1) / kBins;
+    pings += (fifth[k] / 100 - 1) * (sixth[k] / 100 - 1) / kBins;
+    cells += (fifth[k] / 100 - 1) * (fifth[(k + 1) % kBins] / 100 - 1) / kBins;
   }
   EXPECT_NEAR(pings, 0, 0.03);
   EXPECT_NEAR(cells, 0, 0.03);
-  EXPECT_NEAR(ImagingReceiver(acoustics(0, 20), 0.1, RandomStream(3, "speckle")).received(1e-18, {}, 0, 0, 0), 200,
-              1e-9);
+  EXPECT_NEAR(received(ImagingReceiver(acoustics(0, 20), 0.1, RandomStream(3, "speckle")), 1e-18, {}, 0)[0], 200, 1e-9);
 }
 
 TEST(Speckle, IsTheSameFromTheSamePoseAndAnotherOfAnotherSeed) {

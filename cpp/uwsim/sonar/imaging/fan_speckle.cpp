@@ -7,6 +7,7 @@
 
 #include "uwsim/core/parallel.h"
 #include "uwsim/sonar/hashed_noise.h"
+#include "uwsim/sonar/imaging/imaging_kernels.h"
 #include "uwsim/sonar/moving_array.h"
 
 namespace uwsim {
@@ -70,10 +71,7 @@ void FanSpeckle::fill(std::size_t scatterer, const SimplexNodes<5>& nodes) {
   for (std::size_t node = 0; node < nodes.keys.size(); ++node) {
     const std::uint32_t key = mixed(nodes.keys[node] + 0x9e3779b1U * static_cast<std::uint32_t>(bearing));
     const float weight = scale * nodes.weights[node];
-    for (std::size_t cell = 0; cell < cells_; ++cell) {
-      const auto [one, two] = byte_sums(mixed(key + static_cast<std::uint32_t>(cell)));
-      row[cell] += Amplitude(weight * one, weight * two);
-    }
+    imaging_kernels().add_noise(key, weight, cells_, reinterpret_cast<float*>(row));
   }
 }
 
@@ -89,7 +87,8 @@ std::span<const FanSpeckle::Amplitude> FanSpeckle::of_beam(double bearing_rad, s
   for (int k = near; k <= far; ++k) {
     const auto weight = static_cast<float>(pattern_->amplitude_at(k * spacing_rad_ - axis_rad) / std::sqrt(squares));
     const Amplitude* const from = amplitudes_.data() + static_cast<std::size_t>(k - first_) * cells_;
-    for (std::size_t cell = 0; cell < cells_; ++cell) row[cell] += weight * from[cell];
+    imaging_kernels().add_row(weight, reinterpret_cast<const float*>(from), 2 * cells_,
+                              reinterpret_cast<float*>(row.data()));
   }
   return row;
 }

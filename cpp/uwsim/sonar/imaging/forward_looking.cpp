@@ -4,10 +4,12 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/image_buffer.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/sonar/beam_angles.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"
 #include "uwsim/sonar/imaging/fan_speckle.h"
+#include "uwsim/sonar/imaging/imaging_kernels.h"
 #include "uwsim/sonar/imaging/imaging_sonar.h"
 #include "uwsim/sonar/imaging/surface_echo.h"
 
@@ -19,7 +21,9 @@ constexpr double kVerticalTaper = 0.46;
 // Half the span of the columns' rays, as a multiple of the width; beyond it, a Hamming pattern is below -30 dB.
 constexpr double kVerticalSpan = 1.25;
 constexpr double kAcrossSpan = 6;  // multiple of the beam's width, to either side: main lobe and some side lobes
-constexpr double kMaxDraws = 4e9;  // random draws of a ping are numbered by 32 bits
+constexpr std::size_t kBeamsTogether = 4;  // as the kernel sums up
+constexpr std::size_t kBeamsAside = 16;    // a multiple of these, written together
+constexpr double kMaxDraws = 4e9;          // random draws of a ping are numbered by 32 bits
 
 /// A forward-looking imaging sonar with one broad transmission and many narrow receiving beams side by side. Pings
 /// once, from one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain if it is on, and on
@@ -58,25 +62,27 @@ class ForwardLooking final : public ImagingSonar {
     const Pose& pose = request.world_from_sonar.front();
     const double absorption = acoustics().absorption_db_m(request.water, pose.position_m.z());
     std::vector<EchoesByLabel> by_label(request.with_labels ? columns() : 0, EchoesByLabel(bins_));
-    const std::vector<double> profiles = column_profiles(request, pose, absorption, by_label);
+    const ImageBuffer<double> profiles = column_profiles(request, pose, absorption, by_label);
     const ImagingReceiver receiver(acoustics(), absorption, request.random);
     const FanSpeckle speckle({across_, vertical_width_rad_}, acoustics(), request.random, pose, bearing_rad(0),
                              bearing_rad(beams_ - 1), request.threads);
     const std::vector<double> weights = column_weights();
     std::vector<float> levels(bins_ * beams_);
     parallel_ranges(
-        beams_, request.threads,
+        (beams_ + kBeamsAside - 1) / kBeamsAside, request.threads,
         [&](std::size_t first, std::size_t last) {
-          std::vector<double> echo(bins_);
+          std::vector<double> echoes(kBeamsTogether * bins_);
+          std::vector<float> aside(kBeamsAside * bins_);
           std::vector<FanSpeckle::Amplitude> row;
-          for (std::size_t beam = first; beam < last; ++beam) {
-            sum_columns(profiles, weights, beam, echo);
+          for (std::size_t beam = first * kBeamsAside; beam < std::min(last * kBeamsAside, beams_); ++beam) {
+            const std::size_t turn = beam % kBeamsTogether, lane = beam % kBeamsAside;
+            if (turn == 0) sum_columns(profiles, weights, beam, std::min(kBeamsTogether, beams_ - beam), echoes);
             const std::span<const FanSpeckle::Amplitude> scattered = speckle.of_beam(bearing_rad(beam), row);
-            for (std::size_t bin = 0; bin < bins_; ++bin) {
-              const std::size_t cell = bin * beams_ + beam;
-              levels[cell] = receiver.displayed_db(
-                  receiver.received(echo[bin], scattered, bin, request.first_ping, static_cast<std::uint32_t>(cell)),
-                  acoustics().bin_centre_m(static_cast<int>(bin)));
+            receiver.receive({request.first_ping, static_cast<std::uint32_t>(beam), static_cast<std::uint32_t>(beams_)},
+                             scattered, std::span(echoes).subspan(turn * bins_, bins_),
+                             std::span(aside).subspan(lane * bins_, bins_));
+            if (lane + 1 == kBeamsAside || beam + 1 == beams_) {
+              write_aside(aside, lane + 1, {levels.data() + beam - lane, levels.size() - (beam - lane)});
             }
           }
         },
@@ -98,21 +104,22 @@ class ForwardLooking final : public ImagingSonar {
   std::size_t columns() const { return (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_; }
 
   /// Mean echo power by range, one row per column of rays; also by label, unless the output for labels is empty.
-  std::vector<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption,
+  ImageBuffer<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption,
                                       std::span<EchoesByLabel> by_label) const {
     const std::size_t columns = this->columns();
     const SurfaceEchoes echoes(request.scene, pose.position_m, acoustics(), absorption);
     const std::vector<ArcRay> rays = column_rays();
     const Eigen::Matrix3d rotation = pose.rotation();
-    std::vector<double> profiles(columns * bins_, 0.0);
+    ImageBuffer<double> profiles(columns * bins_);
     parallel_ranges(
         columns, request.threads,
         [&](std::size_t first, std::size_t last) {
           for (std::size_t k = first; k < last; ++k) {
             const double bearing =
                 first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_;
-            echoes.add(column_at(rotation, bearing), rays, {profiles.data() + k * bins_, bins_},
-                       by_label.empty() ? nullptr : &by_label[k]);
+            const std::span<double> profile(profiles.data() + k * bins_, bins_);
+            std::ranges::fill(profile, 0.0);
+            echoes.add(column_at(rotation, bearing), rays, profile, by_label.empty() ? nullptr : &by_label[k]);
           }
         },
         1);
@@ -149,13 +156,21 @@ class ForwardLooking final : public ImagingSonar {
     return weights;
   }
 
-  void sum_columns(const std::vector<double>& profiles, const std::vector<double>& weights, std::size_t beam,
-                   std::vector<double>& echo) const {
-    std::fill(echo.begin(), echo.end(), 0.0);
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-      const double* profile = profiles.data() + (beam * columns_per_beam_ + k) * bins_;
-      for (std::size_t bin = 0; bin < bins_; ++bin) echo[bin] += weights[k] * profile[bin];
+  /// Writes the levels (beams, bins) of some beams side by side to (bins, all beams), in whole lines of the cache.
+  void write_aside(const std::vector<float>& aside, std::size_t beams, std::span<float> levels) const {
+    for (std::size_t bin = 0; bin < bins_; ++bin) {
+      for (std::size_t k = 0; k < beams; ++k) levels[bin * beams_ + k] = aside[k * bins_ + bin];
     }
+  }
+
+  /// Sets the echoes (4, bins) of some beams, beginning with `beam`.
+  void sum_columns(const ImageBuffer<double>& profiles, const std::vector<double>& weights, std::size_t beam,
+                   std::size_t beams, std::vector<double>& echoes) const {
+    std::vector<double> padded((kBeamsTogether - 1) * columns_per_beam_, 0.0);
+    padded.insert(padded.end(), weights.begin(), weights.end());
+    padded.resize(padded.size() + (kBeamsTogether - 1) * columns_per_beam_, 0.0);
+    imaging_kernels().sum_beams(profiles.data() + beam * columns_per_beam_ * bins_, padded.data(), weights.size(),
+                                columns_per_beam_, beams, bins_, echoes.data());
   }
 
   /// For each cell, the surface that produces the strongest echo.

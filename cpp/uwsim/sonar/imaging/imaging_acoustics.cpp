@@ -6,6 +6,7 @@
 #include "uwsim/acoustics/absorption.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/with_unit.h"
+#include "uwsim/sonar/imaging/imaging_kernels.h"
 
 namespace uwsim {
 namespace {
@@ -68,32 +69,24 @@ double ImagingAcoustics::absorption_db_m(const Water& water, double head_z_m) co
 }
 
 ImagingReceiver::ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random)
-    : acoustics_(acoustics),
-      absorption_db_m_(absorption_db_m),
-      random_(random),
+    : random_(random),
+      looks_(acoustics.looks),
       source_(power_of(acoustics.source_level_db)),
-      noise_(power_of(acoustics.noise_level_db)) {}
-
-double ImagingReceiver::received(double echo, std::span<const std::complex<float>> speckle, std::size_t bin,
-                                 std::uint64_t ping, std::uint32_t cell) const {
-  const auto looks = static_cast<std::uint32_t>(acoustics_.looks);
-  if (looks == 0) return source_ * echo + noise_;
-  const double amplitude = std::sqrt(source_ * echo), noise = std::sqrt(noise_ / 2);
-  double power = 0;
-  for (std::uint32_t look = 0; look < looks; ++look) {
-    const std::complex<double> scattered(speckle[bin * looks + look]);
-    const auto [real, imaginary] = random_.normals(ping, cell * looks + look);
-    power += std::norm(amplitude * scattered + noise * std::complex<double>(real, imaginary));
+      noise_(power_of(acoustics.noise_level_db)) {
+  for (int bin = 0; bin < acoustics.range_bins; ++bin) {
+    const double range_m = acoustics.bin_centre_m(bin);
+    const double gain_db = acoustics.gain_db_decade * std::log10(range_m) + 2 * absorption_db_m * range_m;
+    gain_db_.push_back(acoustics.time_varied_gain ? static_cast<float>(gain_db) : 0.0f);
   }
-  return power / looks;
 }
 
-float ImagingReceiver::displayed_db(double received, double range_m) const {
-  double level = 10 * std::log10(received);
-  if (acoustics_.time_varied_gain) {
-    level += acoustics_.gain_db_decade * std::log10(range_m) + 2 * absorption_db_m_ * range_m;
-  }
-  return static_cast<float>(level);
+void ImagingReceiver::receive(const Cells& cells, std::span<const std::complex<float>> speckle, std::span<double> power,
+                              std::span<float> level_db) const {
+  static const ImagingKernels& kernels = imaging_kernels();
+  const ReceiverLanes lanes{source_,    noise_,           looks_,           random_.key(),
+                            cells.ping, random_.stream(), cells.first_cell, cells.cell_step};
+  kernels.receive(lanes, power.data(), reinterpret_cast<const float*>(speckle.data()), gain_db_.data(), power.size(),
+                  power.data(), level_db.data());
 }
 
 }  // namespace uwsim

@@ -57,21 +57,27 @@ class ImagingReceiver {
  public:
   ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);
 
-  /// Received power relative to 1 uPa^2, without gain. `echo`: mean power relative to the source's at 1 m. `speckle`:
-  /// of the beam, see FanSpeckle::of_beam. `cell`: number among all cells of the ping, whose bin is `bin`.
-  double received(double echo, std::span<const std::complex<float>> speckle, std::size_t bin, std::uint64_t ping,
-                  std::uint32_t cell) const;
-  /// Displayed level, with the gain at that range [dB re 1 uPa]; always finite.
-  float displayed_db(double received, double range_m) const;
+  /// The cells of one beam in a ping: its number, and those of the cells among all of the ping, which start at
+  /// `first_cell` and differ by `cell_step` from bin to bin.
+  struct Cells {
+    std::uint64_t ping;
+    std::uint32_t first_cell, cell_step;
+  };
+
+  /// Replaces the mean echo power of each bin, relative to the source's at 1 m, by the received power relative to 1
+  /// uPa^2, without gain; and sets the displayed levels, with the gain at that range [dB re 1 uPa], always finite.
+  /// `speckle`: of the beam, see FanSpeckle::of_beam.
+  void receive(const Cells& cells, std::span<const std::complex<float>> speckle, std::span<double> power,
+               std::span<float> level_db) const;
   double noise() const { return noise_; }
   /// The echo whose mean power equals the noise, relative to the source's power at 1 m.
   double echo_at_noise() const { return noise_ / source_; }
 
  private:
-  ImagingAcoustics acoustics_;
-  double absorption_db_m_;
   RandomStream random_;
+  int looks_;
   double source_, noise_;
+  std::vector<float> gain_db_;  // by bin
 };
 
 }  // namespace uwsim

@@ -104,15 +104,13 @@ class SideScan final : public ImagingSonar {
                                bearing_rad);
       const std::span<const FanSpeckle::Amplitude> scattered = speckle.of_beam(bearing_rad, amplitudes);
       EchoesByLabel by_label(bins_);
-      const std::vector<double> echo =
+      std::vector<double> received =
           side_echo(echoes, rotation, side == 0 ? 1.0 : -1.0, rays, request.with_labels ? &by_label : nullptr);
-      float* levels = (side == 0 ? lines.port_db : lines.starboard_db).data() + row * bins_;
-      for (std::size_t bin = 0; bin < bins_; ++bin) {
-        const auto cell = static_cast<std::uint32_t>(static_cast<std::size_t>(side) * bins_ + bin);
-        const double received = receiver.received(echo[bin], scattered, bin, request.first_ping + row, cell);
-        both[bin] += received;
-        levels[bin] = receiver.displayed_db(received, acoustics().bin_centre_m(static_cast<int>(bin)));
-      }
+      std::vector<float>& levels = side == 0 ? lines.port_db : lines.starboard_db;
+      const auto first_cell = static_cast<std::uint32_t>(static_cast<std::size_t>(side) * bins_);
+      receiver.receive({request.first_ping + row, first_cell, 1}, scattered, received,
+                       std::span(levels).subspan(row * bins_, bins_));
+      for (std::size_t bin = 0; bin < bins_; ++bin) both[bin] += received[bin];
       if (!request.with_labels) continue;
       float* labels = (side == 0 ? lines.port_labels : lines.starboard_labels).data() + row * bins_;
       for (std::size_t bin = 0; bin < bins_; ++bin) labels[bin] = by_label.strongest(bin, receiver.echo_at_noise());

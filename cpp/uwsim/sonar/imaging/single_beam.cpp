@@ -89,12 +89,8 @@ class SingleBeam final : public ImagingSonar {
       for (std::size_t bin = 0; request.with_labels && bin < bins_; ++bin) {
         labels[row * bins_ + bin] = by_label.strongest(bin, receiver.echo_at_noise());
       }
-      for (std::size_t bin = 0; bin < bins_; ++bin) {
-        received[bin] =
-            receiver.received(received[bin], scattered, bin, request.first_ping + row, static_cast<std::uint32_t>(bin));
-        levels[row * bins_ + bin] =
-            receiver.displayed_db(received[bin], acoustics().bin_centre_m(static_cast<int>(bin)));
-      }
+      receiver.receive({request.first_ping + row, 0, 1}, scattered, received,
+                       std::span(levels).subspan(row * bins_, bins_));
       ranges[row] = static_cast<float>(detect(received, threshold) * acoustics().bin_m());
     };
     parallel_ranges(

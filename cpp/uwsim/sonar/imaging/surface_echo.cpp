@@ -3,17 +3,39 @@
 #include <algorithm>
 #include <cmath>
 
+#include "uwsim/sonar/imaging/imaging_kernels.h"
+
 namespace uwsim {
 namespace {
 
-constexpr double kFarField_m = 0.05;  // at shorter ranges there is no far field, and 1 / R^2 would diverge
-constexpr double kStretch = 1.5;      // limits the extent of a patch, as a multiple of its range
+/// Sixteen rays of an arc, in float.
+struct ArcPacket {
+  alignas(64) float cosine[kPacketRays], sine[kPacketRays];
+  alignas(64) float lower_cosine[kPacketRays], lower_sine[kPacketRays];
+  alignas(64) float upper_cosine[kPacketRays], upper_sine[kPacketRays];
 
-/// The range at which a ray in another direction meets the tangent plane, relative to the range of the hit. The
-/// arguments are the dot products of the normal with the two directions.
-double range_ratio(double along, double other) {
-  const double ratio = along / other;
-  return ratio > 0 ? std::clamp(ratio, 1 / kStretch, kStretch) : kStretch;
+  /// The last ray fills the lanes that are left over.
+  explicit ArcPacket(std::span<const ArcRay> rays) {
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const ArcRay& ray = rays[std::min(k, rays.size() - 1)];
+      cosine[k] = ray.middle.cosine, sine[k] = ray.middle.sine;
+      lower_cosine[k] = ray.lower.cosine, lower_sine[k] = ray.lower.sine;
+      upper_cosine[k] = ray.upper.cosine, upper_sine[k] = ray.upper.sine;
+    }
+  }
+
+  ArcAngles angles() const { return {cosine, sine, lower_cosine, lower_sine, upper_cosine, upper_sine}; }
+};
+
+ArcFrame frame_of(const RayArc& arc) {
+  ArcFrame frame;
+  Eigen::Vector3f::Map(frame.ahead) = arc.ahead_world.cast<float>();
+  Eigen::Vector3f::Map(frame.up) = arc.up_world.cast<float>();
+  Eigen::Vector3f::Map(frame.aside) = arc.aside_world.cast<float>();
+  frame.cos_aside = static_cast<float>(std::cos(arc.aside_rad));
+  frame.sin_aside = static_cast<float>(std::sin(arc.aside_rad));
+  frame.tan_half_width = static_cast<float>(std::tan(arc.half_width_rad));
+  return frame;
 }
 
 }  // namespace
@@ -30,7 +52,8 @@ std::vector<ArcRay> arc_rays(std::span<const double> angles_rad) {
   for (std::size_t k = 0; k < n; ++k) {
     const double down = k > 0 ? angles_rad[k] - angles_rad[k - 1] : angles_rad[1] - angles_rad[0];
     const double up = k + 1 < n ? angles_rad[k + 1] - angles_rad[k] : down;
-    rays.push_back({angles_rad[k], angles_rad[k] - down / 2, angles_rad[k] + up / 2, 1});
+    const double lower_rad = angles_rad[k] - down / 2, upper_rad = angles_rad[k] + up / 2;
+    rays.push_back({angles_rad[k], lower_rad, upper_rad, 1, angles_rad[k], lower_rad, upper_rad});
   }
   return rays;
 }
@@ -106,43 +129,42 @@ double SurfaceEchoes::scattered(Label label, double cosine) const {
 void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
                         EchoesByLabel* by_label) const {
   if (head_world_m_.z() > 0) return;
-  std::vector<Ray> cast(rays.size());
-  std::vector<RayHit> hits(rays.size());
-  for (std::size_t k = 0; k < rays.size(); ++k) cast[k] = {head_world_m_, arc.direction(rays[k].angle_rad)};
+  static const ImagingKernels& kernels = imaging_kernels();
+  const ArcFrame frame = frame_of(arc);
+  const PatchRule rule{static_cast<float>(head_world_m_.z()), static_cast<float>(absorption_db_m_),
+                       static_cast<float>(bin_m_)};
+  RayPacket packet;
+  HitPacket hits;
+  packet.origin_x.fill(0), packet.origin_y.fill(0), packet.origin_z.fill(0);
+  packet.near_m.fill(0);
   // The patch of a ray that hits just beyond the last bin may begin within that bin.
-  scene_->cast(cast, range_max_m_ * kStretch, hits);
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    if (hits[k].label != kNothing) add_patch(arc, rays[k], cast[k], hits[k], profile, by_label);
+  packet.far_m.fill(static_cast<float>(range_max_m_) * kPatchStretch);
+  alignas(64) float near_bin[kPacketRays], far_bin[kPacketRays], cosine[kPacketRays], loss[kPacketRays];
+  for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+    const std::span<const ArcRay> some = rays.subspan(first, std::min(kPacketRays, rays.size() - first));
+    const ArcPacket arcs(some);
+    kernels.directions(frame, arcs.angles(), packet.direction_x.data(), packet.direction_y.data(),
+                       packet.direction_z.data());
+    for (std::size_t k = 0; k < kPacketRays; ++k) packet.active[k] = k < some.size() ? -1 : 0;
+    scene_->cast(head_world_m_, packet, hits, RayOrder::kCoherent);
+    kernels.patches(frame, arcs.angles(),
+                    {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data()}, rule,
+                    {near_bin, far_bin, cosine, loss});
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      if (!(cosine[k] > 0)) continue;
+      const auto label = static_cast<Label>(hits.label[k]);
+      double power = some[k].gain_sr * double{loss[k]};
+      if (curves_.empty()) {
+        power *= (label < strengths_.size() ? strengths_[label] : solid_) * double{cosine[k]};
+      } else {
+        const double facing = std::max(double{cosine[k]}, 1e-3);
+        power *= scattered(label, facing) / facing;
+      }
+      spread(power, double{near_bin[k]}, double{far_bin[k]}, profile);
+      if (by_label != nullptr) spread(power, double{near_bin[k]}, double{far_bin[k]}, by_label->of(label));
+    }
   }
   if (acoustics_->multipath) add_ghosts(arc, rays, profile);
-}
-
-void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit,
-                              std::span<double> profile, EchoesByLabel* by_label) const {
-  const Eigen::Vector3d normal = hit.normal_world.cast<double>();
-  const double along = normal.dot(ray.direction_world);
-  const double z = ray.origin_world_m.z() + hit.distance_m * ray.direction_world.z();
-  if (along >= 0 || z > 0) return;
-
-  const double range = std::max(hit.distance_m, kFarField_m);
-  const double one = range_ratio(along, normal.dot(arc.direction(patch.lower_rad)));
-  const double other = range_ratio(along, normal.dot(arc.direction(patch.upper_rad)));
-  const Eigen::Vector3d inward = std::cos(patch.angle_rad) * arc.ahead_world + std::sin(patch.angle_rad) * arc.up_world;
-  const Eigen::Vector3d across = std::cos(arc.aside_rad) * arc.aside_world - std::sin(arc.aside_rad) * inward;
-  const double slope = normal.dot(across) * std::tan(arc.half_width_rad) / along;
-  const double widened = std::min(std::abs(slope), kStretch - 1);
-  const double near = range * std::max(std::min(one, other) - widened, 1 / kStretch);
-  const double far = range * (std::max(one, other) + widened);
-
-  const double strength = hit.label < strengths_.size() ? strengths_[hit.label] : solid_;
-  const double loss = std::pow(10.0, -0.2 * absorption_db_m_ * range) / (range * range);
-  double power = strength * std::min(1.0, -along) * patch.gain_sr * loss;
-  if (!curves_.empty()) {
-    const double cosine = std::clamp(-along, 1e-3, 1.0);
-    power = scattered(hit.label, cosine) / cosine * patch.gain_sr * loss;
-  }
-  spread(power, near / bin_m_, far / bin_m_, profile);
-  if (by_label != nullptr) spread(power, near / bin_m_, far / bin_m_, by_label->of(hit.label));
 }
 
 }  // namespace uwsim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -22,10 +23,19 @@ struct RayArc {
   Eigen::Vector3d direction(double angle_rad) const;
 };
 
+/// The cosine and sine of an angle.
+struct ArcTurn {
+  float cosine, sine;
+
+  ArcTurn(double angle_rad)  // NOLINT(google-explicit-constructor): the angle in another form
+      : cosine(static_cast<float>(std::cos(angle_rad))), sine(static_cast<float>(std::sin(angle_rad))) {}
+};
+
 /// A ray of an arc and the interval of angles that it represents.
 struct ArcRay {
   double angle_rad, lower_rad, upper_rad;
-  double gain_sr;  ///< the beam's two-way power pattern times the solid angle that the ray represents
+  double gain_sr;                ///< the beam's two-way power pattern times the solid angle that the ray represents
+  ArcTurn middle, lower, upper;  ///< of the three angles
 };
 
 /// Rays at ascending angles; each represents the interval to the midpoints between it and its neighbours. gain_sr is 1.
@@ -58,10 +68,10 @@ class EchoesByLabel {
 /// (Urick 1983, "Principles of Underwater Sound", ch. 8), this patch returns, relative to the source's power at 1 m,
 ///   R^-4 10^(-2 alpha R / 10) mu cos^2 i dA = mu cos i dO R^-2 10^(-2 alpha R / 10),
 /// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no separate model,
-/// since no ray hits a hidden surface. A seabed's backscatter by angle replaces mu cos^2 i where a material has one.
-/// Rays are straight and reflected once, unless multipath is on (surface_ghosts.cpp). Surfaces above z = 0 return no
-/// echo, and a head above z = 0 receives none. The inside of a surface returns no echo either, so a head in the ground
-/// or in a solid receives only noise.
+/// since no ray hits a hidden surface. Rays are cast in float, with errors of 1e-4 m (ray_scene.h). A seabed's
+/// backscatter by angle replaces mu cos^2 i where a material has one. Rays are straight and reflected once, unless
+/// multipath is on (surface_ghosts.cpp). Surfaces above z = 0 return no echo, and a head above z = 0 receives none. The
+/// inside of a surface returns no echo either, so a head in the ground or in a solid receives only noise.
 class SurfaceEchoes {
  public:
   /// Keeps references to `scene` and `acoustics`.
@@ -73,8 +83,6 @@ class SurfaceEchoes {
            EchoesByLabel* by_label = nullptr) const;
 
  private:
-  void add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit, std::span<double> profile,
-                 EchoesByLabel* by_label) const;
   void add_ghosts(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const;
   /// The backscattering cross-section per unit area.
   double scattered(Label label, double cosine) const;

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace uwsim {
+
+/// Limits the extent of a patch, as a multiple of its range.
+inline constexpr float kPatchStretch = 1.5f;
+
+/// The axes of an arc of rays in the world (RayArc), with the angle of its cone and the extent of its patches across.
+struct ArcFrame {
+  float ahead[3], up[3], aside[3];
+  float cos_aside, sin_aside, tan_half_width;
+};
+
+/// Cosines and sines of the angles of sixteen rays of an arc, and of the ends of the intervals that they represent.
+struct ArcAngles {
+  const float *cosine, *sine, *lower_cosine, *lower_sine, *upper_cosine, *upper_sine;
+};
+
+/// Hits of sixteen rays; normals of any length.
+struct ArcHits {
+  const float *distance_m, *normal_x, *normal_y, *normal_z;
+};
+
+/// How a patch distributes its echo; see SurfaceEchoes.
+struct PatchRule {
+  float head_z_m, absorption_db_m, bin_m;
+};
+
+/// The patches of sixteen hits: the bins between which their echo is distributed, the cosine of the incidence (0 or
+/// less where there is no echo: on the inside of a surface and above the water), and the loss of energy by spreading
+/// and absorption, there and back, for a unit of scattered power and of solid angle.
+struct ArcPatches {
+  float *near_bin, *far_bin, *cosine, *loss;
+};
+
+/// The receiver of one beam; see ImagingReceiver.
+struct ReceiverLanes {
+  double source, noise;  ///< powers re 1 uPa^2
+  int looks;
+  std::uint64_t key, ping;
+  std::uint32_t stream;
+  std::uint32_t first_cell, cell_step;  ///< numbers of the cells
+};
+
+/// Loops of imaging sonars, compiled for one instruction set. All instruction sets produce the same bits.
+struct ImagingKernels {
+  /// Computes the directions of sixteen rays of an arc.
+  void (*directions)(const ArcFrame& arc, const ArcAngles& angles, float* x, float* y, float* z);
+  /// Computes the patches of sixteen hits.
+  void (*patches)(const ArcFrame& arc, const ArcAngles& angles, const ArcHits& hits, const PatchRule& rule,
+                  const ArcPatches& patches);
+  /// Adds up `count` rows of `bins` values, times their weights, for up to four beams at once: sums[b][bin] of
+  /// weights[3 step + k] rows[b step + k][bin], in the order of k. There are 3 step zeros before and after the weights.
+  /// `sums` has four rows.
+  void (*sum_beams)(const double* rows, const double* weights, std::size_t count, std::size_t step, std::size_t beams,
+                    std::size_t bins, double* sums);
+  /// Adds a complex noise, of which cell k is a function of `key` + k (hashed_noise.h), times a weight.
+  void (*add_noise)(std::uint32_t key, float weight, std::size_t cells, float* row);
+  /// Adds a row, times a weight.
+  void (*add_row)(float weight, const float* from, std::size_t count, float* row);
+  /// Converts mean echo powers of a beam's bins to received powers and to levels, which include `gain_db`. `speckle`:
+  /// complex, all looks of the first bin, then of the next. Normal draws are those of core/random.h in float, and the
+  /// logarithm is a series: levels are within 2e-5 dB of those in double.
+  void (*receive)(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
+                  std::size_t bins, double* received, float* level_db);
+};
+
+const ImagingKernels& baseline_imaging_kernels();
+const ImagingKernels& avx2_imaging_kernels();
+const ImagingKernels& avx512_imaging_kernels();
+/// The kernels for the widest instruction set that this processor supports.
+const ImagingKernels& imaging_kernels();
+
+}  // namespace uwsim

@@ -1,0 +1,128 @@
+#include "uwsim/sonar/imaging/imaging_kernels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/core/random.h"
+
+namespace uwsim {
+namespace {
+
+const RandomStream kRandom(5, "imaging kernels");
+
+std::vector<const ImagingKernels*> all_kernels() {
+  std::vector<const ImagingKernels*> all = {&baseline_imaging_kernels()};
+  if (processor_has(InstructionSet::avx2)) all.push_back(&avx2_imaging_kernels());
+  if (processor_has(InstructionSet::avx512)) all.push_back(&avx512_imaging_kernels());
+  return all;
+}
+
+std::vector<double> uniform(std::size_t count, std::uint64_t tick) {
+  std::vector<double> values;
+  for (std::uint32_t k = 0; k < count; ++k) values.push_back(kRandom.uniform(tick, k));
+  return values;
+}
+
+TEST(ImagingKernels, AReceivedLevelIsThatOfTheSameDrawsInDouble) {
+  constexpr std::size_t kBins = 53;  // a tail after three blocks
+  constexpr double kSource = 1e20, kNoise = 300;
+  const std::vector<double> random = uniform(kBins, 1);
+  for (const int looks : {0, 1, 3}) {
+    std::vector<std::complex<float>> speckle;
+    for (std::uint32_t k = 0; k < kBins * 3; ++k) {
+      const auto [x, y] = kRandom.normals(2, k);
+      speckle.emplace_back(static_cast<float>(x), static_cast<float>(y));
+    }
+    std::vector<double> echo;
+    for (const double x : random) echo.push_back(std::pow(10.0, -30 + 25 * x));
+    std::vector<float> gain_db, first_db;
+    for (std::size_t k = 0; k < kBins; ++k) gain_db.push_back(static_cast<float>(0.7 * k));
+    std::vector<double> first;
+    for (const ImagingKernels* kernels : all_kernels()) {
+      std::vector<double> power(kBins);
+      std::vector<float> level_db(kBins);
+      kernels->receive({kSource, kNoise, looks, kRandom.key(), 7, kRandom.stream(), 11, 5}, echo.data(),
+                       reinterpret_cast<const float*>(speckle.data()), gain_db.data(), kBins, power.data(),
+                       level_db.data());
+      if (first.empty()) first = power, first_db = level_db;
+      EXPECT_EQ(power, first);
+      EXPECT_EQ(level_db, first_db);
+    }
+    for (std::size_t bin = 0; bin < kBins; ++bin) {
+      double expected = looks == 0 ? kSource * echo[bin] + kNoise : 0;
+      for (int look = 0; look < looks; ++look) {
+        const auto number = static_cast<std::uint32_t>((11 + 5 * static_cast<int>(bin)) * looks + look);
+        const auto [x, y] = kRandom.normals(7, number);
+        const std::complex<double> scattered(
+            speckle[bin * static_cast<std::size_t>(looks) + static_cast<std::size_t>(look)]);
+        expected +=
+            std::norm(std::sqrt(kSource * echo[bin]) * scattered + std::sqrt(kNoise / 2) * std::complex<double>(x, y)) /
+            looks;
+      }
+      EXPECT_NEAR(first[bin], expected, 1e-5 * (expected + kNoise)) << bin;
+      EXPECT_NEAR(first_db[bin], 10 * std::log10(first[bin]) + gain_db[bin], 5e-5) << bin;
+    }
+  }
+}
+
+TEST(ImagingKernels, BeamsAreWeightedSumsOfTheirRows) {
+  constexpr std::size_t kCount = 7, kStep = 2, kBins = 37, kBeams = 3;
+  const std::vector<double> rows = uniform((kCount + (kBeams - 1) * kStep) * kBins, 3), weights = uniform(kCount, 4);
+  std::vector<double> padded(3 * kStep, 0.0);
+  padded.insert(padded.end(), weights.begin(), weights.end());
+  padded.resize(padded.size() + 3 * kStep, 0.0);
+  for (const ImagingKernels* kernels : all_kernels()) {
+    std::vector<double> sums(4 * kBins);
+    kernels->sum_beams(rows.data(), padded.data(), kCount, kStep, kBeams, kBins, sums.data());
+    for (std::size_t beam = 0; beam < kBeams; ++beam) {
+      for (std::size_t bin = 0; bin < kBins; ++bin) {
+        double expected = 0;
+        for (std::size_t k = 0; k < kCount; ++k) expected += weights[k] * rows[(beam * kStep + k) * kBins + bin];
+        EXPECT_EQ(sums[beam * kBins + bin], expected);
+      }
+    }
+  }
+}
+
+TEST(ImagingKernels, APatchOnAPlaneLiesBetweenTheRangesAtItsEnds) {
+  const ArcFrame arc{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, 1, 0, 0};
+  constexpr float kDepth_m = 4, kHalf_rad = 2e-3f;
+  float angle[16], cosine[16], sine[16], lower_cosine[16], lower_sine[16], upper_cosine[16], upper_sine[16];
+  float distance[16], x[16] = {}, y[16] = {}, z[16];
+  for (int k = 0; k < 16; ++k) {
+    angle[k] = -0.3f - 0.07f * static_cast<float>(k);
+    cosine[k] = std::cos(angle[k]), sine[k] = std::sin(angle[k]);
+    lower_cosine[k] = std::cos(angle[k] - kHalf_rad), lower_sine[k] = std::sin(angle[k] - kHalf_rad);
+    upper_cosine[k] = std::cos(angle[k] + kHalf_rad), upper_sine[k] = std::sin(angle[k] + kHalf_rad);
+    distance[k] = -kDepth_m / sine[k];
+    z[k] = k % 2 == 0 ? 3.0f : -1.0f;  // every other one is hit from inside
+  }
+  const ArcAngles angles{cosine, sine, lower_cosine, lower_sine, upper_cosine, upper_sine};
+  std::vector<float> first;
+  for (const ImagingKernels* kernels : all_kernels()) {
+    float near_bin[16], far_bin[16], facing[16], loss[16];
+    kernels->patches(arc, angles, {distance, x, y, z}, {-10, 0.1f, 0.5f}, {near_bin, far_bin, facing, loss});
+    std::vector<float> all;
+    for (int k = 0; k < 16; ++k) {
+      all.insert(all.end(), {facing[k], loss[k]});
+      if (k % 2 == 1) {
+        EXPECT_LE(facing[k], 0);
+        continue;
+      }
+      all.insert(all.end(), {near_bin[k], far_bin[k]});
+      EXPECT_NEAR(facing[k], -sine[k], 1e-6);
+      EXPECT_NEAR(near_bin[k], -kDepth_m / lower_sine[k] / 0.5f, 1e-4 * near_bin[k]);
+      EXPECT_NEAR(far_bin[k], -kDepth_m / upper_sine[k] / 0.5f, 1e-4 * far_bin[k]);
+      EXPECT_NEAR(loss[k], std::pow(10.0, -0.2 * 0.1 * distance[k]) / (distance[k] * distance[k]), 2e-6 * loss[k]);
+    }
+    if (first.empty()) first = all;
+    EXPECT_EQ(all, first);
+  }
+}
+
+}  // namespace
+}  // namespace uwsim
