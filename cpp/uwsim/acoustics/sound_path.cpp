@@ -22,6 +22,13 @@ double cosine_of(double x) {
   return std::abs(x) < kSmall ? 1 - q / 2 * (1 - q / 12 * (1 - q / 30)) : std::cos(x);
 }
 
+/// The angle of a turn by its sine and cosine, in [-pi, pi].
+double turn(double sine, double cosine) {
+  const double q = sine * sine;
+  if (!(std::abs(sine) < kSmall && cosine > 0)) return std::atan2(sine, cosine);
+  return sine * (1 + q * (1.0 / 6 + q * (3.0 / 40 + q * (15.0 / 336))));
+}
+
 /// atanh(x) / x
 double atanhc(double x) {
   const double q = x * x;
@@ -31,11 +38,14 @@ double atanhc(double x) {
 }  // namespace
 
 SoundPath::SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad)
-    : profile_(&profile), cosine_(std::cos(dip_rad)), sine_(std::sin(dip_rad)) {
+    : SoundPath(profile, depth_m, dip_rad, std::cos(dip_rad), std::sin(dip_rad)) {}
+
+SoundPath::SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double cosine, double sine)
+    : profile_(&profile), cosine_(cosine), sine_(sine) {
   state_.depth_m = depth_m;
   state_.dip_rad = dip_rad;
-  snell_s_m_ = cosine_ / profile.at(depth_m);
   const std::size_t layer = profile.layer_at(depth_m);
+  snell_s_m_ = cosine_ / profile.layers()[layer].at(depth_m);
   // On a boundary, use the layer ahead.
   enter(dip_rad < 0 && layer > 0 && depth_m == profile.layers()[layer].top_m ? layer - 1 : layer);
 }
@@ -72,18 +82,20 @@ double SoundPath::to_boundary_m() const {
     const double faster = in.gradient_1_s * down_m;
     const double sine_2 = sine_ * sine_ - cosine_ * cosine_ * faster * (2 * here + faster) / (here * here);
     if (sine_2 < 0) return kInfinity;  // turns before it reaches the depth
-    const double dip = sense * std::atan2(std::sqrt(sine_2), snell_s_m_ * (here + faster));
-    const double half_turn = 0.5 * (dip - state_.dip_rad);
-    const double rise = std::sin(state_.dip_rad + half_turn);
+    const double sine = sense * std::sqrt(sine_2), cosine = snell_s_m_ * (here + faster);
+    const double half_turn = 0.5 * turn(sine * cosine_ - cosine * sine_, cosine * cosine_ + sine * sine_);
+    const double rise = sine_ * cosine_of(half_turn) + cosine_ * half_turn * sinc(half_turn);
     const double turned = curvature_1_m_ == 0 ? kInfinity : 2 * half_turn / curvature_1_m_;
     const double straight = down_m / (rise * sinc(half_turn));
     return std::abs(rise) > 1e-6 ? straight : turned;
   };
   const auto later = [](double length_m) { return length_m > 1e-9 ? length_m : kInfinity; };
-  double length_m = kInfinity;
-  if (std::isfinite(in.bottom_m)) length_m = later(crossing(in.bottom_m, 1));
-  if (in.bottom_m > 0) length_m = std::min(length_m, later(crossing(top_m, -1)));
-  return length_m;
+  const auto bottom = [&] { return std::isfinite(in.bottom_m) ? later(crossing(in.bottom_m, 1)) : kInfinity; };
+  const auto top = [&] { return in.bottom_m > 0 ? later(crossing(top_m, -1)) : kInfinity; };
+  // An arc that leads down leaves by the bottom, or turns and leaves by the top.
+  const double first_m = state_.dip_rad > 0 ? bottom() : top();
+  if (first_m < kInfinity) return first_m;
+  return state_.dip_rad > 0 ? top() : bottom();
 }
 
 SoundPath::Step SoundPath::step(double length_max_m) const {
@@ -100,10 +112,15 @@ SoundPath::Step SoundPath::step(double length_max_m) const {
   return step;
 }
 
+SoundPath::Direction SoundPath::direction_at(const SoundState& state) const {
+  const double cosine = snell_s_m_ * layer().at(state.depth_m);
+  return {cosine, std::copysign(std::sqrt(std::max(0.0, 1 - cosine * cosine)), state.dip_rad)};
+}
+
 bool SoundPath::advance(const Step& step) {
   state_ = step.end;
-  cosine_ = snell_s_m_ * speed_m_s();
-  sine_ = std::copysign(std::sqrt(std::max(0.0, 1 - cosine_ * cosine_)), state_.dip_rad);
+  const Direction direction = direction_at(state_);
+  cosine_ = direction.cosine, sine_ = direction.sine;
   if (!step.leaves) return false;
   const bool down = state_.dip_rad > 0;
   if (!down && layer().top_m <= 0) return true;

@@ -24,6 +24,8 @@ class SoundPath {
  public:
   /// `profile` must outlive this object. dip_rad: below the horizontal.
   SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad);
+  /// The same, for a caller that knows the cosine and the sine of the dip.
+  SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double cosine, double sine);
 
   const SoundState& state() const { return state_; }
   /// Curvature of the arc ahead [1/m]; positive bends down.
@@ -43,6 +45,11 @@ class SoundPath {
   bool advance(const Step& step);
   /// The point `length_m` ahead on this layer's arc.
   SoundState ahead(double length_m) const;
+  /// Cosine and sine of the dip at a point of this layer's arc.
+  struct Direction {
+    double cosine, sine;
+  };
+  Direction direction_at(const SoundState& state) const;
   /// The distance along this layer's arc that sound travels in `time_s`.
   double length_after(double time_s) const;
 
