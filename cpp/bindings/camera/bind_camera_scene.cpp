@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "bindings/core/convert.h"
 #include "uwsim/camera/renderer.h"
 #include "uwsim/core/names.h"
+#include "uwsim/core/parallel.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -71,6 +73,50 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
   RenderCost cost;
   Picture picture = without_gil([&] { return render(scene, camera, optics, request, &cost); });
   return {std::move(picture), cost, packets};
+}
+
+/// Pictures of one camera in colour, taken by several threads: each takes the next picture when it has finished one.
+py::array_t<std::uint8_t> render_many(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                                      const py::object& positions_m, const py::object& orientations_xyzw,
+                                      const std::vector<std::uint64_t>& times_ns,
+                                      const std::vector<std::string>& effects,
+                                      const std::vector<std::vector<SpotLamp>>& lamps,
+                                      const std::vector<std::pair<py::object, py::object>>& vehicles,
+                                      std::optional<std::size_t> hidden_vehicle,
+                                      const std::vector<Vector6d>& velocities_camera, int threads) {
+  const std::vector<Pose> poses = as_poses(positions_m, orientations_xyzw, "cameras");
+  const std::size_t count = poses.size();
+  require(times_ns.size() == count, "times_ns.size", times_ns.size(), "must equal the number of poses");
+  require(lamps.size() == count, "lamps.size", lamps.size(), "must equal the number of poses");
+  require(vehicles.size() == count, "vehicles.size", vehicles.size(), "must equal the number of poses");
+  require(velocities_camera.size() == count, "velocities_camera.size", velocities_camera.size(),
+          "must equal the number of poses");
+  require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
+  std::vector<PictureRequest> requests(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector6d& velocity = velocities_camera[k];
+    require(velocity.allFinite(), "velocities_camera", velocity.transpose(), "must be finite");
+    requests[k].world_from_camera = poses[k];
+    requests[k].velocity_camera = velocity;
+    requests[k].time_s = static_cast<double>(times_ns[k]) * 1e-9;
+    requests[k].tick = times_ns[k];
+    requests[k].effects = as_effects(effects);
+    requests[k].lamps = lamps[k];
+    requests[k].world_from_vehicles = as_poses(vehicles[k].first, vehicles[k].second, "vehicles");
+    requests[k].hidden_vehicle = hidden_vehicle;
+  }
+  const auto height = static_cast<py::ssize_t>(camera.lens().height),
+             width = static_cast<py::ssize_t>(camera.lens().width);
+  py::array_t<std::uint8_t> pictures({static_cast<py::ssize_t>(count), height, width, py::ssize_t{3}});
+  std::uint8_t* const out = pictures.mutable_data();
+  without_gil([&] {
+    parallel_batches(count, 1, threads, [&](std::size_t k, std::size_t, std::size_t) {
+      const Picture picture = render(scene, camera, optics, requests[k], nullptr);
+      std::copy(picture.rgb.begin(), picture.rgb.end(), out + k * picture.rgb.size());
+    });
+    return 0;
+  });
+  return pictures;
 }
 
 void bind_names(py::module_& m) {
@@ -144,7 +190,15 @@ void bind_camera_scene(py::module_& m) {
            "vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: "
            "(6,) "
            "of the camera, in its frame [m/s, rad/s]. The bytes do\n"
-           "not depend on the number of threads. Releases the GIL. Raises ValueError.");
+           "not depend on the number of threads. Releases the GIL. Raises ValueError.")
+      .def("render_many", &render_many, py::arg("camera"), py::arg("optics"), py::arg("positions_m"),
+           py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"), py::arg("vehicles"),
+           py::arg("hidden_vehicle"), py::arg("velocities_camera"), py::arg("threads"),
+           "Render n pictures of one camera, (n, H, W, 3) uint8, as render does one by one, several at a time.\n"
+           "positions_m (n, 3), orientations_xyzw (n, 4), times_ns, lamps and velocities_camera (n, 6): of each "
+           "picture;\n"
+           "vehicles: the positions (v, 3) and orientations (v, 4) of all vehicles in each. Releases the GIL. Raises\n"
+           "ValueError.");
 }
 
 }  // namespace uwsim::bindings

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -39,7 +38,6 @@ class Eye:
         self._first = self._camera.snapshot()
         self._names = list(self._sim.vehicles)
         self._threads = threads
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
     @property
     def space(self) -> Box:
@@ -49,24 +47,18 @@ class Eye:
     def pictures(self, batch: Batch) -> NDArray[np.uint8]:
         """Return the pictures (n, height, width, 3) of all members."""
         motions = [batch.observe(name) for name in self._names]
-        pictures = np.empty((batch.n, self.height, self.width, 3), np.uint8)
-
-        def take(k: int) -> None:
-            positions = np.array([motion.position_world_m[k] for motion in motions])
-            orientations = np.array([motion.orientation_xyzw[k] for motion in motions])
-            velocities = np.array([motion.velocity_body[k] for motion in motions])
-            first = self._first
-            snapshot = Snapshot(
-                int(motions[0].time_ns[k]), positions, orientations, velocities,
-                self._lights(positions, orientations), first.optics, first.aims_rad,
-            )  # fmt: skip
-            pictures[k] = self._camera.capture(EFFECTS, threads=1, at=snapshot).rgb
-
-        if self._pool is None or batch.n == 1:
-            for k in range(batch.n):
-                take(k)
-        else:
-            list(self._pool.map(take, range(batch.n)))
+        positions = np.stack([motion.position_world_m for motion in motions], axis=1)
+        orientations = np.stack([motion.orientation_xyzw for motion in motions], axis=1)
+        velocities = np.stack([motion.velocity_body for motion in motions], axis=1)
+        first = self._first
+        snapshots = [
+            Snapshot(
+                time_ns, positions[k], orientations[k], velocities[k], self._lights(positions[k], orientations[k]),
+                first.optics, first.aims_rad,
+            )
+            for k, time_ns in enumerate(motions[0].time_ns.tolist())
+        ]  # fmt: skip
+        pictures = self._camera.capture_many(snapshots, EFFECTS, threads=self._threads)
         self._blacken(pictures, batch)
         return pictures
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from copy import copy
 
 import numpy as np
@@ -113,6 +113,32 @@ class Camera(Sealed):
             world_from_camera=world_from_camera,
             rays=dict(picture.rays),
             task_s=dict(picture.task_s),
+        )
+
+    def capture_many(
+        self, at: Sequence[Snapshot], effects: str | Collection[str] = "on", *, threads: int | None = None
+    ) -> NDArray[np.uint8]:
+        """Return the pictures at several snapshots, (n, H, W, 3) uint8: the same bytes as the `rgb` of `capture`.
+
+        All snapshots have the light (optics) of the first. The pictures share the threads, each of which renders whole
+        pictures, and nothing but colour is returned: for many small pictures, this takes half the time of `capture`.
+        Raises ValueError as `capture` does.
+        """
+        if not at or not self.mount.on:
+            return np.zeros((len(at), self.info.height, self.info.width, 3), np.uint8)
+        poses = [self._pose(snapshot) for snapshot in at]
+        return self._scene.core.render_many(
+            self._lens.core,
+            core_optics(at[0].optics),
+            np.array([position for position, _, _ in poses]),
+            np.array([orientation for _, orientation, _ in poses]),
+            [snapshot.time_ns for snapshot in at],
+            effects_on(effects),
+            [snapshot.lamps for snapshot in at],
+            [(snapshot.positions_m, snapshot.orientations_xyzw) for snapshot in at],
+            self._hidden(),
+            [self._velocity(snapshot) for snapshot in at],
+            threads=self._scene.threads if threads is None else threads,
         )
 
     def _dark_frame(self, at: Snapshot | None, *, with_colour: bool, with_radiance: bool) -> Frame:
@@ -249,13 +275,17 @@ class Camera(Sealed):
             snapshot.lamps,
             snapshot.positions_m,
             snapshot.orientations_xyzw,
-            self._carrier if isinstance(self._carrier, int) and self.mount.follows == "body" else None,
+            self._hidden(),
             geometry_only=geometry_only,
             velocity_camera=self._velocity(snapshot),
             threads=scene.threads if threads is None else threads,
             **options,
         )
         return picture, snapshot.time_ns, world_from_camera
+
+    def _hidden(self) -> int | None:
+        """Return the vehicle that does not appear in the pictures, or None."""
+        return self._carrier if isinstance(self._carrier, int) and self.mount.follows == "body" else None
 
     def _refit(self, mount: CameraMount) -> None:
         self._fit(Lens(self.name, mount))
@@ -281,7 +311,8 @@ class Camera(Sealed):
         if not isinstance(self._carrier, int) or self.mount.follows == "heading":
             return np.zeros(6)
         linear, angular = snapshot.velocities_body[self._carrier].reshape(2, 3)
-        here = linear + np.cross(angular, self.mount.position_m)
+        (p, q, r), (x, y, z) = angular.tolist(), self.mount.position_m
+        here = linear + np.array([q * z - r * y, r * x - p * z, p * y - q * x])  # np.cross takes 20 times as long
         turn = matrix(self.mounting_xyzw(snapshot))
         return np.concatenate([here @ turn, angular @ turn])
 
