@@ -35,7 +35,8 @@ void bind_actuators(py::module_& m) {
       .def_readonly("voltage_v", &ThrusterSheet::voltage_v);
 
   py::class_<ThrusterSheets>(m, "ThrusterSheets",
-                             "Thrust, current and revolutions by command and supply voltage, linear in both.")
+                             "Thrust, current and revolutions by command and supply voltage. Between voltages, the current, "
+                             "the speed per volt and the root of the thrust per volt are linear.")
       .def(py::init([](std::vector<ThrusterSheet> sheets, const std::string& path) {
              return ThrusterSheets(std::move(sheets), path);
            }),

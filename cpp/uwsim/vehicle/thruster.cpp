@@ -48,17 +48,18 @@ Thruster::Thruster(ThrusterParameters parameters) : parameters_(std::move(parame
   column_with_torque_ = column_;
   column_with_torque_.tail<3>() -= p.spin * p.torque_per_thrust_m * p.axis_body;
   loss_ = p.diameter_m * std::sqrt(p.bollard_coefficient) / p.zero_thrust_advance_ratio;
-  targets_n_.resize(p.sheets.voltages_v().size());
-  targets_a_.resize(targets_n_.size());
+  roots_.resize(p.sheets.voltages_v().size());
+  targets_a_.resize(roots_.size());
   set_command(0);
 }
 
 void Thruster::set_command(double command) {
   command_ = command;
   target_n_ = parameters_.health * parameters_.curve.thrust_n(command);
-  for (std::size_t k = 0; k < targets_n_.size(); ++k) {
+  for (std::size_t k = 0; k < roots_.size(); ++k) {
     const ThrusterSheets::Point point = parameters_.sheets.on(k, command);
-    targets_n_[k] = parameters_.health * point.thrust_n;
+    const double thrust_n = parameters_.health * point.thrust_n;
+    roots_[k] = ThrusterSheets::root_per_volt(thrust_n, parameters_.sheets.voltages_v()[k]);
     targets_a_[k] = parameters_.health * point.current_a;
   }
 }
@@ -81,9 +82,11 @@ void Thruster::add_current(double step_s, std::span<double> currents_a) {
 void Thruster::advance(double step_s, const Supply& supply) {
   use_step(step_s);
   double target_n = target_n_, target_a = 0;
-  if (supply.voltage_v && !targets_n_.empty()) {
-    target_n = interpolated(parameters_.sheets.voltages_v(), targets_n_, *supply.voltage_v);
-    target_a = interpolated(parameters_.sheets.voltages_v(), targets_a_, *supply.voltage_v);
+  if (supply.voltage_v && !roots_.empty()) {
+    const std::vector<double>& voltages_v = parameters_.sheets.voltages_v();
+    const double voltage_v = std::clamp(*supply.voltage_v, voltages_v.front(), voltages_v.back());
+    target_n = ThrusterSheets::thrust_n(interpolated(voltages_v, roots_, voltage_v), voltage_v);
+    target_a = interpolated(voltages_v, targets_a_, voltage_v);
   }
   if (!supply.on) target_n = target_a = current_a_ = 0;
   const double left_n = difference(thrust_n_, target_n);

@@ -89,7 +89,7 @@ class Thruster {
   double loss_ = 0;              // D sqrt(K_T0) / J_0 [m]
   double command_ = 0;
   double target_n_ = 0;
-  std::vector<double> targets_n_, targets_a_;  // by voltage of the sheets
+  std::vector<double> roots_, targets_a_;  // by voltage of the sheets; roots_: see ThrusterSheets::root_per_volt
   double thrust_n_ = 0;
   double mean_thrust_n_ = 0;  // over the last step
   double current_a_ = 0;

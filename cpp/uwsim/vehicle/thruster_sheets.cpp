@@ -56,8 +56,19 @@ ThrusterSheets::Point ThrusterSheets::at(double command, double voltage_v) const
   const auto k = static_cast<std::size_t>(above);
   const double share = (voltage_v - voltages_v_[k - 1]) / (voltages_v_[k] - voltages_v_[k - 1]);
   const Point low = on(k - 1, command), high = on(k, command);
-  return {std::lerp(low.thrust_n, high.thrust_n, share), std::lerp(low.current_a, high.current_a, share),
-          std::lerp(low.rpm, high.rpm, share)};
+  const double low_v = voltages_v_[k - 1], high_v = voltages_v_[k];
+  const double root = std::lerp(root_per_volt(low.thrust_n, low_v), root_per_volt(high.thrust_n, high_v), share);
+  return {thrust_n(root, voltage_v), std::lerp(low.current_a, high.current_a, share),
+          voltage_v * std::lerp(low.rpm / low_v, high.rpm / high_v, share)};
+}
+
+double ThrusterSheets::root_per_volt(double thrust_n, double voltage_v) {
+  return std::copysign(std::sqrt(std::abs(thrust_n)), thrust_n) / voltage_v;
+}
+
+double ThrusterSheets::thrust_n(double root_per_volt, double voltage_v) {
+  const double root = root_per_volt * voltage_v;
+  return root * std::abs(root);
 }
 
 }  // namespace uwsim

@@ -62,6 +62,7 @@ class Members:
         self._world = world
         self._places: dict[tuple[str, ...], Sequence[Place]] = {}
         self.vehicles = [self._made(scenario, index) for index in range(len(scenario.vehicles))]
+        self._latest: tuple[Changes, Sequence[FaultModel], Scenario, list[_core.VehicleSpec]] = {}, (), scenario, []
 
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
         """Return the definition of the member with this index, seed, parameters and faults.
@@ -70,8 +71,7 @@ class Members:
         """
         try:
             original = self._scenario.model_copy(update={"seed": seed, "faults": tuple(faults)})
-            scenario = self._changed(original, changes)
-            vehicles = [self._vehicle(scenario, k) for k in range(len(scenario.vehicles))]
+            scenario, vehicles = self._built(original, changes)
             water = scenario_water(scenario, self._world)
         except ValueError as error:
             raise ValueError(f"batch[{index}]: {error}") from None
@@ -88,6 +88,17 @@ class Members:
         """The control settings of each vehicle, which no parameter affects."""
         entries = zip(self._scenario.vehicles, self.vehicles, strict=True)
         return [vehicle_control(self._scenario, entry.model, spec) for entry, spec in entries]
+
+    def _built(self, original: Scenario, changes: Changes) -> tuple[Scenario, list[_core.VehicleSpec]]:
+        """Return the scenario with these changes and its vehicles; successive equal members share their parts."""
+        before, faults, latest, vehicles = self._latest
+        same_types = [*map(type, changes.values())] == [*map(type, before.values())]  # True is equal to 1.0
+        if vehicles and same_types and changes == before and original.faults == faults:
+            return latest.model_copy(update={"seed": original.seed}), vehicles
+        scenario = self._changed(original, changes)
+        vehicles = [self._vehicle(scenario, k) for k in range(len(scenario.vehicles))]
+        self._latest = dict(changes), original.faults, scenario, vehicles
+        return scenario, vehicles
 
     def _changed(self, original: Scenario, changes: Changes) -> Scenario:
         """Return a copy of a scenario with the given parameter values.

@@ -62,6 +62,7 @@ class Flown:
         self._origin_m = np.array([0.0, 0.0, -DEPTH_M]) - _first(log.position_m)
         self.size = len(found) + OUTPUTS * self.segments
         self._members = 1 + len(found) + OUTPUTS
+        self._last_z, self._last = np.empty(0), (np.empty(0), np.empty(0))
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members read the hull again when its centre changes
         bare = _bare(model, folder)
@@ -84,7 +85,13 @@ class Flown:
         """Return residuals (n, 12) against the log, NaN where it has none, and their derivatives (n, 12, size).
 
         Columns: position [m], attitude [rad], velocity [m/s], rate [rad/s]. Raises ValueError if a motion diverges.
+        Those of the last z are kept.
         """
+        if not np.array_equal(z, self._last_z):
+            self._last, self._last_z = self._simulated(z), z.copy()
+        return self._last
+
+    def _simulated(self, z: Array) -> tuple[Array, Array]:
         p = len(self.found)
         values = np.tile(z[:p], (self._members, 1))
         values[1 : p + 1] += DIFFERENCE * np.eye(p)

@@ -35,6 +35,8 @@ BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
 ROUNDS = 3
+ROUGH, FINE = 1e-3, 1e-8
+"""Tolerances of the first solution, from which the others start, and of these."""
 BRIEF_S = 4.0
 """Length of the segments of a first solution, in which no motion goes astray whatever the unknowns are."""
 
@@ -98,9 +100,9 @@ def identify(
     scale = np.where(np.isfinite(given), given, FIRST_NOISE)
     brief = Flown(model, log, found, BRIEF_S, density_kg_m3, threads)
     z = np.zeros(flown.size)
-    z[: len(found)] = _solved(brief, np.zeros(brief.size), scale)[: len(found)]
+    z[: len(found)] = _solved(brief, np.zeros(brief.size), scale, ROUGH)[: len(found)]
     for _ in range(ROUNDS):
-        z = _solved(flown, z, scale)
+        z = _solved(flown, z, scale, FINE)
         residuals, slopes = flown.outputs(z)
         rms = _rms(residuals)
         before, scale = scale, np.where(np.isfinite(given), given, rms)
@@ -123,8 +125,8 @@ def identify(
     )
 
 
-def _solved(flown: Flown, z: Array, scale: Array) -> Array:
-    """Return the solution for this noise, starting at z."""
+def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
+    """Return the solution for this noise, starting at z. tolerance: relative change of the cost at which it ends."""
     cache: dict[bytes, tuple[Array, Array]] = {}
 
     def both(at: Array) -> tuple[Array, Array]:
@@ -144,7 +146,13 @@ def _solved(flown: Flown, z: Array, scale: Array) -> Array:
 
     last: list[tuple[Array, Array]] = []
     found: Any = least_squares(
-        lambda at: both(at)[0], z, lambda at: both(at)[1], bounds=(-BOUND, BOUND), xtol=1e-6, ftol=1e-8, max_nfev=40
+        lambda at: both(at)[0],
+        z,
+        lambda at: both(at)[1],
+        bounds=(-BOUND, BOUND),
+        xtol=1e-6,
+        ftol=tolerance,
+        max_nfev=40,
     )
     return np.asarray(found.x, np.float64)
 

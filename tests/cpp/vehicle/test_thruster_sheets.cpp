@@ -23,20 +23,34 @@ ThrusterParameters with_sheets() {
   return p;
 }
 
-TEST(ThrusterSheets, TheyAreLinearInCommandAndVoltage) {
+TEST(ThrusterSheets, RootOfThrustAndSpeedAreLinearPerVolt) {
   const ThrusterSheets sheets({kLow, kHigh});
   for (const double v : {10.0, 12.5, 20.0}) {
     const double share = (v - 10) / 10;
     const ThrusterSheets::Point full = sheets.at(1, v), half = sheets.at(0.55, v), still = sheets.at(0.05, v);
-    EXPECT_NEAR(full.thrust_n, 30 + share * 30, 1e-12);
+    const double root = (1 - share) * std::sqrt(30) / 10 + share * std::sqrt(60) / 20;
+    EXPECT_NEAR(full.thrust_n, std::pow(v * root, 2), 1e-12);
+    EXPECT_NEAR(sheets.at(-1, v).thrust_n,
+                -std::pow(v * ((1 - share) * std::sqrt(20) / 10 + share * std::sqrt(50) / 20), 2), 1e-12);
     EXPECT_NEAR(full.current_a, 13 + share * 19, 1e-12);
-    EXPECT_NEAR(full.rpm, 2500 + share * 1000, 1e-9);
-    EXPECT_NEAR(half.thrust_n, (1 - share) * 15 + share * 33, 1e-12);
-    EXPECT_NEAR(still.thrust_n, share * 3, 1e-12) << "the dead band narrows as the voltage rises";
+    EXPECT_NEAR(full.rpm, v * ((1 - share) * 250 + share * 175), 1e-9);
+    EXPECT_NEAR(half.thrust_n, std::pow(v * ((1 - share) * std::sqrt(15) / 10 + share * std::sqrt(33) / 20), 2), 1e-12);
+    EXPECT_NEAR(still.thrust_n, std::pow(v * share * std::sqrt(3) / 20, 2), 1e-12)
+        << "the dead band narrows as the voltage rises";
   }
   EXPECT_THROW(sheets.at(1, 9.99), InvalidValue);
   EXPECT_THROW(sheets.at(1, 20.01), InvalidValue);
   EXPECT_THROW(ThrusterSheets().at(1, 12), InvalidValue);
+}
+
+TEST(ThrusterSheets, APropellerWhoseSpeedFollowsTheVoltageIsReproducedExactly) {
+  const auto measured = [](double v) {
+    return ThrusterSheet{v, {-1, 0, 1}, {-0.1 * v * v, 0, 0.2 * v * v}, {v, 0, v}, {150 * v, 0, 200 * v}};
+  };
+  const ThrusterSheets sheets({measured(10), measured(20)});
+  EXPECT_NEAR(sheets.at(1, 14).thrust_n, 0.2 * 14 * 14, 1e-12);
+  EXPECT_NEAR(sheets.at(-1, 14).thrust_n, -0.1 * 14 * 14, 1e-12);
+  EXPECT_NEAR(sheets.at(1, 14).rpm, 200 * 14, 1e-9);
 }
 
 TEST(ThrusterSheets, InvalidOnesAreRefused) {
@@ -63,7 +77,7 @@ TEST(Thruster, ThrustAndCurrentApproachThoseOfTheSheetsAtTheSuppliedVoltage) {
     thruster.add_current(0.005, ahead_a);
     thruster.advance(0.005, {true, 15.0});
     const double reached = 1 - std::exp(-0.005 * k / 0.1);
-    EXPECT_NEAR(thruster.thrust_n(), 45 * reached, 1e-9);
+    EXPECT_NEAR(thruster.thrust_n(), ThrusterSheets({kLow, kHigh}).at(1, 15).thrust_n * reached, 1e-9);
     EXPECT_NEAR(thruster.current_a(), 22.5 * reached, 1e-9);
     EXPECT_NEAR(0.5 * (ahead_a[0] + ahead_a[1]), thruster.current_a(), 1e-9) << "as announced";
   }

@@ -1,11 +1,13 @@
 """The array cache: it returns the stored arrays, and losing it costs only the time to compute them again."""
 
+import os
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from uwsim.scenario.read import array_cache
 from uwsim.scenario.read.array_cache import cached_arrays
 
 
@@ -82,3 +84,18 @@ def test_warnings_come_again(folder: Path) -> None:
         with pytest.warns(UserWarning, match="repaired"):
             cached_arrays(make, "thing", b"content")
     assert not folder.exists()
+
+
+def test_the_oldest_files_make_room_for_new_ones(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(array_cache, "MAX_FOLDER_BYTES", 10_000)
+    monkeypatch.setattr(array_cache, "CHECK_EVERY_BYTES", 2_000)
+    for k in range(50):
+        cached_arrays(lambda k=k: (np.full(100, float(k)),), "thing", float(k))
+        os.utime(max(folder.iterdir(), key=os.path.getctime), (k, k))
+    left = [path.stat().st_size for path in folder.iterdir()]
+    assert sum(left) <= 12_000 + max(left)
+    make = Maker()
+    cached_arrays(make, "thing", 49.0)
+    assert make.calls == 0, "the newest is kept"
+    cached_arrays(make, "thing", 0.0)
+    assert make.calls == 1, "the oldest is not"

@@ -27,9 +27,12 @@ from uwsim.base.npz import read_npz
 Arrays = tuple[NDArray[np.generic], ...]
 Input = str | bytes | float | NDArray[np.generic]
 
-MAX_FILE_BYTES, MAX_FOLDER_BYTES = 1 << 26, 1 << 29
+MAX_FILE_BYTES, MAX_FOLDER_BYTES, CHECK_EVERY_BYTES = 1 << 26, 1 << 29, 1 << 24
 LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py")
 DIGEST_BYTES = 32
+
+_unchecked_bytes: dict[Path, int] = {}
+"""What this process has written to a folder since it last checked the folder's size."""
 
 
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
@@ -68,7 +71,11 @@ def _keep(path: Path, content: bytes) -> None:
         return
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
+        unchecked = _unchecked_bytes.get(path.parent, CHECK_EVERY_BYTES) + len(content)
+        if unchecked > CHECK_EVERY_BYTES:  # a folder may contain thousands of files
+            _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
+            unchecked = 0
+        _unchecked_bytes[path.parent] = unchecked
         write_atomically(path, content)
 
 

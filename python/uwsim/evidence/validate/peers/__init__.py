@@ -17,9 +17,11 @@ from uwsim.evidence.validate.check import Check
 PEERS = {
     "sound_arrivals": ("uwsim", "uwsim"),
     "occupancy": ("uwsim", "uwsim"),
+    "wave_loads": ("uwsim", "uwsim"),
     "sea_water": ("gsw", "gsw"),
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),
+    "navigation": ("filterpy", "filterpy"),
 }
 """Python package and distribution of each peer; those of uwsim itself have kept results, or are linked with it."""
 

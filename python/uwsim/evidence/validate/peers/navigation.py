@@ -1,0 +1,200 @@
+"""The navigator against an extended Kalman filter of filterpy, on the same samples of the same flights.
+
+The peer has the state and the motion model that are common in ROS (Moore and Stouch 2014, "A Generalized Extended
+Kalman Filter Implementation for the Robot Operating System"; robot_localization): position, roll, pitch and yaw,
+velocities and rates in body axes, and accelerations, which stay constant but for process noise. It estimates no biases,
+so the variances of its measurements include those of the biases. PROCESS_NOISE is robot_localization's default. With
+it, position and attitude are disturbed directly; without those two ("motion only"), they follow from the velocities and
+rates. All filters get the same fixes, which dominate the errors of position, so that these are alike.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from filterpy.kalman import ExtendedKalmanFilter
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+
+from uwsim.evidence.validate.check import Check, at_most, within
+from uwsim.evidence.validate.estimation import (
+    LARGEST_EFFORTS,
+    POSITION_STD_M,
+    VELOCITY_STD_M_S,
+    errors,
+    nees_of,
+    start_navigation,
+)
+from uwsim.evidence.validate.peers import group
+from uwsim.navigation.estimation import Navigator
+from uwsim.navigation.estimation.aids import magnetic_north_rad
+from uwsim.navigation.estimation.errors import whole_std
+from uwsim.simulator.simulator import Simulator
+
+Array = NDArray[np.float64]
+FLIGHTS, LEGS, LEG_S, WARM_UP_LEGS = 6, 12, 5.0, 4
+EVERY_IMU_SAMPLE = 8  # of 200 Hz; robot_localization runs at 30 Hz by default
+POSITION, ANGLES, VELOCITY, RATES, FORCES = (slice(k, k + 3) for k in range(0, 15, 3))
+PROCESS_NOISE = np.array([0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015])
+"""Variance per second of each state, in its squared unit (params/ekf.yaml of robot_localization)."""
+MOTION_ONLY = PROCESS_NOISE * np.repeat((0.0, 0.0, 1.0, 1.0, 1.0), 3)
+Measure = Callable[[Array], Array]
+
+
+def checks() -> list[Check]:
+    """Return the checks: position errors, the distance between both estimates, and the NEES of both."""
+    sim, name = Simulator("lake"), group("navigation")
+    looks = np.array([look for seed in range(FLIGHTS) for look in flight(sim, seed)])
+    ours, default, motion = (looks[:, k] for k in range(3))  # (looks, 3), of error [m], distance to ours [m], NEES
+    rms = {key: float(np.sqrt(np.mean(part[:, 0] ** 2))) for key, part in (("d", default), ("m", motion), ("u", ours))}
+    apart = np.sqrt(np.mean(motion[:, 1] ** 2))
+    high = chi2.ppf(0.999, 3 * FLIGHTS) / FLIGHTS  # looks of one flight are correlated
+    return [
+        at_most(name, "the navigator's rms position error, at the EKF's with default noise,", rms["d"], rms["u"], "m"),
+        at_most(name, "the same, at 1.25 times the EKF's with motion only,", 1.25 * rms["m"], rms["u"], "m"),
+        at_most(name, "rms distance of both positions, at the two errors together,", rms["m"] + rms["u"], apart, "m"),
+        within(name, "the navigator's NEES of position", 3.0, float(ours[:, 2].mean()), 3.0, high / 3.0 - 1.0),
+        at_most(name, "NEES of position of the EKF with default noise,", high, float(default[:, 2].mean())),
+        at_most(name, "NEES of position of the EKF with motion only,", 3.0 * high, float(motion[:, 2].mean())),
+    ]
+
+
+def flight(sim: Simulator, seed: int) -> list[list[list[float]]]:
+    """Fly with random efforts; return error [m], distance to the navigator [m] and NEES of position of each filter.
+
+    In order: the navigator, the EKF with PROCESS_NOISE, the EKF with MOTION_ONLY.
+    """
+    navigator, draws = start_navigation(sim, seed)
+    filters = [StandardFilter(sim, navigator, noise) for noise in (PROCESS_NOISE, MOTION_ONLY)]
+    streams = {kind: sim.rov.sensors[kind].stream() for kind in ("imu", "dvl", "depth", "usbl", "compass")}
+    looks = []
+    for leg in range(LEGS):
+        sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6)))
+        sim.advance(LEG_S)
+        taken = {kind: stream.take() for kind, stream in streams.items()}
+        rows = [
+            (int(stamp), kind, reading)
+            for kind, samples in taken.items()
+            for k, (stamp, reading, valid) in enumerate(
+                zip(samples.stamps_ns, samples.readings, samples.valid, strict=True)
+            )
+            if valid and (kind != "imu" or k % EVERY_IMU_SAMPLE == 0)
+        ]
+        for peer in filters:
+            for stamp, kind, reading in sorted(rows, key=lambda row: row[:2]):
+                peer.receive(stamp * 1e-9, kind, reading)
+            peer.predict(sim.time_s)
+        if leg >= WARM_UP_LEGS:
+            true_m, own_m = sim.rov.pose.position_world_m, navigator.pose.position_world_m
+            error, covariance = errors(sim, navigator), navigator.covariance
+            look = [[float(np.linalg.norm(error[:3])), 0.0, nees_of(error, covariance, slice(0, 3))]]
+            for peer in filters:
+                off = true_m - peer.x[POSITION]
+                apart = float(np.linalg.norm(own_m - peer.x[POSITION]))
+                look.append([float(np.linalg.norm(off)), apart, nees_of(off, peer.P, POSITION)])
+            looks.append(look)
+    return looks
+
+
+class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy has no types
+    """filterpy's filter with 15 states: position, roll pitch yaw, velocity, rates, acceleration (body axes)."""
+
+    def __init__(self, sim: Simulator, navigator: Navigator, process_noise: Array):
+        """Start at the pose of a navigator that has just started. process_noise (15,): variances per second."""
+        super().__init__(15, 3)
+        self._sensors, self._station_m = sim.rov.sensors, np.asarray(sim.scenario.station.position_m)
+        self._gravity_m_s2, self._noise, self._time_s = sim.world.water.gravity_m_s2, process_noise, sim.time_s
+        self.x = np.zeros(15)
+        self.x[POSITION] = navigator.pose.position_world_m
+        self.x[ANGLES] = Rotation.from_matrix(navigator.pose.world_from_body[:3, :3]).as_euler("ZYX")[::-1]
+        self.x[VELOCITY] = navigator.velocity.linear_body_m_s
+        spread = (POSITION_STD_M, 0.02, VELOCITY_STD_M_S, 0.05, 0.3)
+        self.P = np.diag(np.repeat(spread, 3) ** 2)
+        self.P[5, 5] = 0.1**2  # the first heading
+
+    def predict(self, time_s: float) -> None:
+        """Propagate state and covariance to a time; late samples, such as the DVL's, do not turn it back."""
+        dt = time_s - self._time_s
+        if dt > 0:
+            self._time_s = time_s
+            self.F = slope(lambda x: moved(x, dt), self.x)
+            self.x = moved(self.x, dt)
+            self.P = self.F @ self.P @ self.F.T + np.diag(self._noise * dt)
+
+    def receive(self, time_s: float, kind: str, reading: Array) -> None:
+        """Correct the state by a sample."""
+        self.predict(time_s)
+        sensor = self._sensors[kind]
+        lever = np.asarray(sensor.spec.position_m)
+        if kind == "imu":
+            roll, pitch = Rotation.from_quat(reading[6:10]).as_euler("ZYX")[2:0:-1]
+            rate_std, force_std, level_std = (
+                whole_std(sensor, key) for key in ("angular_velocity", "linear_acceleration", "orientation")
+            )
+            up = np.array([0.0, 0.0, self._gravity_m_s2])
+
+            def expected(x: Array) -> Array:
+                force = x[..., FORCES] + turn(x).swapaxes(-1, -2) @ up
+                return np.concatenate([x[..., RATES], force, x[..., 3:5]], axis=-1)
+
+            spread = np.repeat((rate_std, force_std, level_std), (3, 3, 2))
+            self._correct(np.array([*reading[:6], roll, pitch]), expected, spread)
+        elif kind == "dvl":
+            std = whole_std(sensor, "beam_velocity")
+            slant = math.radians(sensor.spec.parameters["beam_slant_deg"][0])
+            spread = std * np.array([1 / (math.sqrt(2) * math.sin(slant))] * 2 + [1 / (2 * math.cos(slant))])
+            self._correct(reading[:3], lambda x: x[..., VELOCITY] + np.cross(x[..., RATES], lever), spread)
+        elif kind == "depth":
+            at = -float(reading[0])
+            self._correct(
+                np.array([at]), lambda x: (x[..., POSITION] + turn(x) @ lever)[..., 2:], whole_std(sensor, "depth")
+            )
+        elif kind == "compass":
+            yaw = magnetic_north_rad(sensor) - float(reading[0])
+            yaw += 2 * math.pi * round((self.x[5] - yaw) / (2 * math.pi))
+            iron = np.hypot.reduce(sensor.spec.parameters["hard_iron_ut"][:2]) / 20.0
+            self._correct(np.array([yaw]), lambda x: x[..., 5:6], math.hypot(whole_std(sensor, "heading"), iron))
+        else:
+            fix, range_m = reading[:3] + self._station_m, float(reading[3])
+            sight = reading[:3] / range_m
+            along, across = whole_std(sensor, "range"), whole_std(sensor, "bearing") * range_m
+            variance = across**2 * np.eye(3) + (along**2 - across**2) * np.outer(sight, sight)
+            self._correct(fix, lambda x: x[..., POSITION] + turn(x) @ lever, variance)
+
+    def _correct(self, z: Array, measure: Measure, spread: float | Array) -> None:
+        """spread: standard deviation of each component, or their covariance."""
+        matrix = np.ndim(spread) == 2
+        noise = np.asarray(spread) if matrix else np.diag(np.broadcast_to(np.square(spread), z.shape))
+        self._I = np.eye(15)
+        self.update(z, lambda x: slope(measure, x), measure, R=noise)
+
+
+def turn(x: Array) -> Array:
+    """Return world-from-body rotations (..., 3, 3) for states (..., 15)."""
+    angles = x[..., ANGLES]
+    return np.asarray(Rotation.from_euler("ZYX", angles[..., ::-1].reshape(-1, 3)).as_matrix()).reshape(
+        *x.shape[:-1], 3, 3
+    )
+
+
+def moved(x: Array, dt: float) -> Array:
+    """Return states (..., 15) after dt seconds of constant acceleration and constant rates."""
+    after = x.copy()
+    roll, pitch = x[..., 3], x[..., 4]
+    p, q, r = (x[..., 9 + k] for k in range(3))
+    about = q * np.sin(roll) + r * np.cos(roll)
+    euler_rates = (p + about * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), about / np.cos(pitch))
+    shift = x[..., VELOCITY] * dt + 0.5 * x[..., FORCES] * dt**2
+    after[..., POSITION] += np.einsum("...ij,...j->...i", turn(x), shift)
+    after[..., ANGLES] += dt * np.stack(euler_rates, axis=-1)
+    after[..., VELOCITY] += dt * x[..., FORCES]
+    return after
+
+
+def slope(function: Measure, x: Array) -> Array:
+    """Return the derivative (m, 15) by central differences."""
+    nudge = 1e-6 * np.eye(15)
+    return np.asarray((function(x + nudge) - function(x - nudge)).T / 2e-6)
