@@ -1045,7 +1045,7 @@ class ThrusterSheet:
 
 class ThrusterSheets:
     """
-    Thrust, current and revolutions by command and supply voltage, linear in both.
+    Thrust, current and revolutions by command and supply voltage, between measured sheets.
     """
     def __init__(self, sheets: collections.abc.Sequence[ThrusterSheet], path: str = "sheets") -> None:
         """

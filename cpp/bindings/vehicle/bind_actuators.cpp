@@ -35,8 +35,7 @@ void bind_actuators(py::module_& m) {
       .def_readonly("voltage_v", &ThrusterSheet::voltage_v);
 
   py::class_<ThrusterSheets>(m, "ThrusterSheets",
-                             "Thrust, current and revolutions by command and supply voltage. Between voltages, the current, "
-                             "the speed per volt and the root of the thrust per volt are linear.")
+                             "Thrust, current and revolutions by command and supply voltage, between measured sheets.")
       .def(py::init([](std::vector<ThrusterSheet> sheets, const std::string& path) {
              return ThrusterSheets(std::move(sheets), path);
            }),

@@ -16,10 +16,10 @@ struct ThrusterSheet {
 };
 
 /// Performance as a function of command and supply voltage: linear between the points of a sheet, and constant beyond
-/// its ends. For a given command, three quantities are linear between the voltages of the sheets: the speed per volt, the
-/// signed square root of the thrust per volt, and the current. A propeller's thrust in still water is k n^2 (Fossen
-/// 2011, sec. 9.1), so its root per volt follows the speed per volt, which changes slowly with the voltage. Valid within
-/// the sheets' voltages and once the propeller has reached its final speed.
+/// its ends. For a given command, three quantities are linear between the voltages of the sheets: the speed per volt,
+/// the signed square root of the thrust per volt, and the current. A propeller's thrust in still water is k n^2 (Fossen
+/// 2011, sec. 9.1), so its root per volt follows the speed per volt, which changes slowly with the voltage. Valid
+/// within the sheets' voltages, in still water, and once the propeller has reached its final speed.
 ///
 /// For the T200 (Blue Robotics, September 2019), the sheets at 10 and 16 V reproduce the thrust at 14 V to within 0.027
 /// kgf rms, and those at 14 and 20 V the thrust at 16 V to within 0.047 kgf; if thrust itself is linear, the errors are

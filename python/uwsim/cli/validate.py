@@ -19,7 +19,7 @@ def validate(
         list[str] | None,
         typer.Argument(
             help="Any of dynamics, sonar, imaging, camera, link, sound, control, estimation (default: all of these); "
-            "reality, which needs --data; peers, which also uses gsw, mujoco, opencv-python-headless and filterpy if installed.",
+            "reality, which needs --data; peers, which also uses gsw, mujoco, opencv-python-headless, filterpy.",
             **one_of(
                 "dynamics", "sonar", "imaging", "camera", "link", "sound", "control", "estimation", "reality", "peers"
             ),

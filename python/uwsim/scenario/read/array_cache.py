@@ -32,7 +32,7 @@ LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py")
 DIGEST_BYTES = 32
 
 _unchecked_bytes: dict[Path, int] = {}
-"""What this process has written to a folder since it last checked the folder's size."""
+"""Bytes that this process has written to each folder since it last checked the folder's size."""
 
 
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
