@@ -50,6 +50,7 @@ from uwsim.cli.survey import survey
 from uwsim.cli.sweep import sweep
 from uwsim.cli.teleop import teleop
 from uwsim.cli.validate import validate
+from uwsim.cli.vehicle import vehicle
 
 app = typer.Typer(
     name="uwsim",
@@ -89,7 +90,7 @@ _add("Fly", survey, run, exercise, compare, sweep, fleet, dataset)
 _add("Look", sonar, camera, link, rays)
 _add("Connect", serve, station, teleop, connect, nodes, doctor, ros=ros_app)
 _add("Record", recording, replay, diff)
-_add("Scenarios and maps", parameters, decompose, scenario=scenario_app, map=map_app)
+_add("Scenarios and maps", vehicle, parameters, decompose, scenario=scenario_app, map=map_app)
 _add("Check", validate, identify, fingerprint, reproduce, bench=bench_app)
 
 

@@ -46,6 +46,7 @@ scenarios = packaged("scenarios")
 exercises = packaged("exercises")
 sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
+vehicles = packaged("vehicles")
 
 
 def offer_fast() -> None:

@@ -12,8 +12,8 @@ import yaml
 from command_line import uwsim
 from uwsim import Simulator
 from uwsim.evidence.scenario_check import CheckReport, check_file, check_part
-from uwsim.evidence.scenario_check.mounts import enters
-from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures, rest_attitude_deg
+from uwsim.evidence.vehicle.figures import VehicleFigures, rest_attitude_deg
+from uwsim.evidence.vehicle.mounts import entered_m, hull_scene
 from uwsim.scenario.read.assets import assets_folder, packaged_names
 from uwsim.scenario.schema import FILES
 from vehicle_files import box_mesh, scenario_file, vehicle_file
@@ -169,13 +169,17 @@ def test_mounts_of_what_looks(changes: dict[str, Any], warning: str | None, tmp_
 
 def test_a_ray_enters_a_surface_only_from_outside() -> None:
     box = trimesh.creation.box((2, 2, 2))
-    corners = np.asarray(box.triangles)
-    ahead, aslant = np.array([1.0, 0, 0]), np.array([1.0, 0.1, 0.2])
-    assert enters(np.array([-3.0, 0.2, 0.3]), ahead, corners) and enters(np.array([-3.0, 0, 0]), aslant, corners)
-    assert not enters(np.array([0.1, 0.2, 0.3]), ahead, corners)  # from inside the hull
-    assert not enters(np.array([1.0, 0.2, 0.3]), ahead, corners)  # from its surface
-    assert not enters(np.array([-3.0, 1.2, 0.3]), ahead, corners)  # passes it to the side
-    assert not enters(np.array([3.0, 0.2, 0.3]), ahead, corners)  # lies behind it
+    hull = hull_scene(np.asarray(box.vertices), np.asarray(box.faces))
+    ahead = np.array([[1.0, 0.0, 0.0]])
+    assert entered_m(hull, np.array([-3.0, 0.2, 0.3]), ahead) == pytest.approx(2.0)
+    outside = {
+        "within": (0.1, 0.2, 0.3),
+        "on its surface": (1.0, 0.2, 0.3),
+        "beside": (-3.0, 1.2, 0.3),
+        "ahead": (3, 0, 0),
+    }
+    for where, origin_m in outside.items():
+        assert np.isinf(entered_m(hull, np.array(origin_m, float), ahead)).all(), where
 
 
 def remus(folder: Path, **changes: Any) -> Path:

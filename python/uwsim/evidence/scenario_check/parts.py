@@ -10,8 +10,8 @@ from typing import Any
 from uwsim import _core
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.evidence.scenario_check.report import CheckReport
-from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures, vehicle_figures
-from uwsim.evidence.scenario_check.vehicle_surprises import FRESH_KG_M3, buoyancy_surprises, vehicle_surprises
+from uwsim.evidence.vehicle.figures import VehicleFigures, vehicle_figures
+from uwsim.evidence.vehicle.surprises import FRESH_KG_M3, buoyancy_surprises, vehicle_surprises
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.actuator import thrust_curve
 from uwsim.scenario.build.battery import battery_spec
@@ -32,7 +32,7 @@ from uwsim.simulator.simulator import Simulator
 OPEN_WATER: dict[str, Any] = {
     "name": "open_water",
     "water": {"density_kg_m3": FRESH_KG_M3},
-    "terrain": {"source": "noise", "size_m": [2000, 2000], "spacing_m": 50, "bed_depth_m": 500},
+    "terrain": {"source": "noise", "size_m": [2000, 2000], "spacing_m": 50, "bed_depth_m": 1000},
 }
 """Scenario values for checking a vehicle's file: deep, still, fresh water."""
 
@@ -77,7 +77,7 @@ def _vehicle_report(name: str, path: Path) -> CheckReport:
         except ScenarioError as error:
             return CheckReport(name, tuple(mistake.removeprefix("vehicles[0].model: ") for mistake in error.mistakes))
     notes = [str(each.message) for each in told if issubclass(each.category, UserWarning)]
-    return CheckReport(name, (), (*dict.fromkeys(notes), *found), vehicle=figures)
+    return CheckReport(name, (), (*dict.fromkeys(notes), *found), simulator=sim, vehicle=figures)
 
 
 def _measured(sim: Simulator) -> tuple[VehicleFigures, list[str]]:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from uwsim.evidence.scenario_check.scene import Scene, plain
-from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures
+from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.simulator.simulator import Simulator
 
 
@@ -15,7 +15,8 @@ class CheckReport:
     """The result of checking a file.
 
     mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties in
-    fresh water of the vehicle in a vehicle file, None for other files.
+    fresh water of the vehicle in a vehicle file, None for other files. simulator: of the scenario, or of the vehicle in
+    open water.
     """
 
     file: str

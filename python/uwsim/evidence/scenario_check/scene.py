@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
-from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures, vehicle_figures
+from uwsim.evidence.vehicle.figures import VehicleFigures, vehicle_figures
 from uwsim.scenario import Terrain, VehicleEntry, build_terrain, start_pose
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid

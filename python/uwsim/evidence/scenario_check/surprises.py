@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from uwsim.evidence.scenario_check.scene import ObstacleScene, Scene, VehicleScene
-from uwsim.evidence.scenario_check.vehicle_surprises import vehicle_surprises
+from uwsim.evidence.vehicle.surprises import vehicle_surprises
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scenario.build.scale import size_text
 from uwsim.simulator.simulator import Simulator

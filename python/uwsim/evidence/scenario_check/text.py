@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
-
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import ObstacleScene, Scene, VehicleScene
-from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures
-from uwsim.evidence.scenario_check.vehicle_surprises import attitude_text
+from uwsim.evidence.vehicle.text import vehicle_lines
 from uwsim.scenario.build.control import floating_text
-from uwsim.scenario.build.scale import size_text
 
 
 def report_lines(report: CheckReport) -> list[str]:
@@ -23,39 +19,6 @@ def report_lines(report: CheckReport) -> list[str]:
     if report.vehicle is not None:
         told += vehicle_lines(report.vehicle)
     return lines + [f"  {line}" for line in told]
-
-
-def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
-    """Yield lines about a vehicle's derived properties."""
-    yield (
-        f"{size_text(np.array(figures.size_m))}, {figures.volume_m3:.4g} m3, {figures.mass_kg:.4g} kg, in the mean "
-        f"{figures.density_kg_m3:.4g} kg/m3; in water of {figures.water_density_kg_m3:.4g} kg/m3 "
-        f"{floating_text(figures.net_buoyancy_n)}"
-    )
-    if figures.nose_down_deg is None or figures.roll_to_starboard_deg is None:
-        yield "trim: centres of mass and buoyancy coincide: nothing rights it in pitch and roll"
-    elif figures.righting_lever_m < 0.0:
-        yield (
-            f"trim: turns over: its centre of buoyancy is {-figures.righting_lever_m:.3g} m below its centre of mass; "
-            f"rests {attitude_text(figures.nose_down_deg, figures.roll_to_starboard_deg)}"
-        )
-    else:
-        yield (
-            f"trim: rests {attitude_text(figures.nose_down_deg, figures.roll_to_starboard_deg)}; its centre of "
-            f"buoyancy is {figures.righting_lever_m:.3g} m above its centre of mass, which rights it with "
-            f"{figures.righting_nm_rad:.3g} N m/rad"
-        )
-    steers = f"drives {', '.join(figures.drives) or 'nothing'}"
-    growth = figures.course_growth_1_s
-    if growth is not None:
-        steers += f"; its course under way {'dies out' if growth < 0.0 else 'grows'} at {abs(growth):.2g} /s"
-    yield steers
-    farthest = max(figures.mounts, key=lambda mount: mount.away_m, default=None)
-    if farthest is not None:
-        where = "all in the box round its hull"
-        if farthest.away_m > 0.0:
-            where = f"{farthest.label} is the farthest from its hull, by {farthest.away_m:.2f} m"
-        yield f"mounts: {len(figures.mounts)}; {where}"
 
 
 def _scene_lines(scene: Scene) -> Iterator[str]:

@@ -18,7 +18,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 Floats = NDArray[np.float64]
 AHEAD, DOWN = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
 DVL_BEAMS = 4
-SKIN_M = 1e-3
+SKIN_M, FAR_M = 1e-3, 1e3
 """Surfaces closer to an instrument than this belong to the skin in which the instrument is mounted."""
 
 
@@ -48,18 +48,25 @@ class Mount:
 def mounts(model: VehicleModel) -> tuple[Mount, ...]:
     """Return all mounts of a model. Raises ScenarioError if its mesh is not a valid hull."""
     vertices, triangles = vehicle_hull(model)
-    sides = ConvexHull(vertices).equations
-    return tuple(_mount(vertices[triangles], sides, *each) for each in _mounted(model))
+    hull, sides = hull_scene(vertices, triangles), ConvexHull(vertices).equations
+    return tuple(_mount(hull, vertices, sides, *each) for each in _mounted(model))
 
 
 def _mount(
-    corners_m: Floats, sides: Floats, key: str, name: str, position_m: ArrayLike, beams: Floats, is_dvl: bool
+    hull: _core.RayScene,
+    vertices_m: Floats,
+    sides: Floats,
+    key: str,
+    name: str,
+    position_m: ArrayLike,
+    beams: Floats,
+    is_dvl: bool,
 ) -> Mount:
-    """Return one mount. corners_m: (m, 3, 3), the hull's triangles. sides: (k, 4), planes of its convex hull."""
+    """Return one mount. vertices_m: (n, 3), of the hull. sides: (k, 4), planes of its convex hull."""
     at = np.asarray(position_m, np.float64)
-    outside = np.maximum(0.0, np.maximum(corners_m.min(axis=(0, 1)) - at, at - corners_m.max(axis=(0, 1))))
+    outside = np.maximum(0.0, np.maximum(vertices_m.min(axis=0) - at, at - vertices_m.max(axis=0)))
     is_within = bool(np.all(sides[:, :3] @ at + sides[:, 3] <= SKIN_M))
-    blocked = [not is_within and enters(at, beam, corners_m) for beam in beams]
+    blocked = np.isfinite(entered_m(hull, at, beams)) & (not is_within) if len(beams) else np.zeros(0)
     axis = beams.mean(axis=0) if is_dvl else None
     x, y, z = (float(along) for along in at)
     return Mount(
@@ -68,7 +75,7 @@ def _mount(
         position_m=(x, y, z),
         away_m=float(np.linalg.norm(outside)),
         off_down_deg=None if axis is None else _degrees_between(axis, DOWN),
-        beams_in_hull=float(np.mean(blocked)) if blocked else 0.0,
+        beams_in_hull=float(np.mean(blocked)) if len(blocked) else 0.0,
     )
 
 
@@ -76,7 +83,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
     """Yield each part's key, name, position, beam directions (n, 3) in the body frame, and whether it is a DVL."""
     blind = np.zeros((0, 3))
     for name, sensor in model.sensors.items():
-        yield "sensors", name, sensor.position_m, _beams(sensor), sensor.kind == "dvl"
+        yield "sensors", name, sensor.position_m, beams_of(sensor), sensor.kind == "dvl"
     for name, camera in model.cameras.items():
         if camera.follows == "body":
             yield "cameras", name, camera.position_m, _turned(camera.yaw_pitch_roll_deg, AHEAD), False
@@ -97,7 +104,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
         yield "ballast_position_m", "", model.ballast_position_m, blind, False
 
 
-def _beams(sensor: SensorMount) -> Floats:
+def beams_of(sensor: SensorMount) -> Floats:
     """Return the directions (n, 3) of a sensor's beams in the body frame; see cpp/uwsim/sensors/."""
     if sensor.kind == "dvl":
         slant, first = (_angle_rad(sensor, key) for key in ("beam_slant_deg", "beam_azimuth_deg"))
@@ -132,24 +139,18 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
-    """Return whether a ray from outside a closed surface of outward-wound triangles (m, 3, 3) hits the surface.
+def hull_scene(vertices_m: Floats, triangles: NDArray[np.integer]) -> _core.RayScene:
+    """Return a scene for rays that contains only a hull (n, 3), (m, 3), in body coordinates."""
+    world = _core.World()
+    world.add_solid("hull", vertices_m, triangles)
+    return _core.RayScene(world)
 
-    Returns False for a ray from inside, since it first hits a back face. Moeller and Trumbore 1997, "Fast, minimum
-    storage ray-triangle intersection".
+
+def entered_m(hull: _core.RayScene, origin_m: Floats, directions: Floats) -> Floats:
+    """Return the distances (n,) at which rays along unit vectors (n, 3) enter the hull from outside.
+
+    inf for rays that miss it, and for rays from inside, which first meet a back face.
     """
-    a = corners_m[:, 0]
-    ab, ac = corners_m[:, 1] - a, corners_m[:, 2] - a
-    across = np.cross(direction, ac)
-    determinant = np.einsum("ij,ij->i", ab, across)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        from_a = origin_m - a
-        u = np.einsum("ij,ij->i", from_a, across) / determinant
-        over = np.cross(from_a, ab)
-        v = over @ direction / determinant
-        distance = np.einsum("ij,ij->i", ac, over) / determinant
-        hits = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > SKIN_M)
-    if not hits.any():
-        return False
-    nearest = np.flatnonzero(hits)[np.argmin(distance[hits])]
-    return bool(determinant[nearest] > 0.0)  # a front face
+    hits = hull.cast(origin_m + SKIN_M * directions, directions, FAR_M)
+    enters = np.einsum("ij,ij->i", hits.normals_world, directions) < 0.0
+    return np.where(enters, hits.ranges_m + SKIN_M, np.inf)

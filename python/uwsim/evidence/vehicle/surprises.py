@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from uwsim.evidence.scenario_check.mounts import Mount
-from uwsim.evidence.scenario_check.vehicle_figures import NO_LEVER_M, VehicleFigures
+from uwsim.evidence.vehicle.figures import NO_LEVER_M, VehicleFigures
+from uwsim.evidence.vehicle.mounts import Mount
 from uwsim.scenario.build.scale import size_text
 
 TILT_DEG = 5.0

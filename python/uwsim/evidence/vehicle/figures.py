@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.axes import AXES
-from uwsim.evidence.scenario_check.mounts import Mount, mounts
-from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
+from uwsim.evidence.vehicle.mounts import Mount, mounts
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
@@ -20,7 +20,7 @@ NO_LEVER_M = 1e-3
 """Distance between the centres of mass and buoyancy below which righting moments are negligible."""
 UNDER_WAY_M_S = 1.5
 """The speed at which course stability is assessed, typical of AUVs."""
-SURGE, SWAY, YAW = 0, 1, 5
+SWAY = 1
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,9 @@ def vehicle_figures(
         hull_gyration_m=_three(np.sqrt(_solid_inertia(model, density_kg_m3) / body.mass_kg)),
         reach_m=_reach_m(vertices, body),
         drives=tuple(axis for axis, is_driven in zip(AXES, control.driven, strict=True) if is_driven),
-        course_growth_1_s=None if control.driven[SWAY] else course_growth_1_s(model, control, density_kg_m3),
+        course_growth_1_s=None
+        if control.driven[SWAY]
+        else course_growth_1_s(model_motion(model, trim or model.trim, density_kg_m3, UNDER_WAY_M_S)),
         mounts=mounts(model),
     )
 
@@ -105,35 +107,6 @@ def rest_attitude_deg(lever_m: Floats) -> tuple[float | None, float | None]:
         return None, None
     up = lever_m / length_m
     return float(-np.degrees(np.arcsin(np.clip(up[0], -1.0, 1.0)))) + 0.0, float(np.degrees(np.arctan2(up[1], up[2])))
-
-
-def course_growth_1_s(model: VehicleModel, control: _core.ControlModel, density_kg_m3: float) -> float:
-    """Return the largest growth rate of sway and yaw, linearised about a straight course with fins held amidships.
-
-    M nu' = f(nu), with Munk's moment in f and the lift of fins, -1/2 rho U C_La A n (n . v), at each fin: Fossen 2021,
-    "Handbook of Marine Craft Hydrodynamics and Motion Control", sec. 6.5; the fin's slope is FinParameters.lift_slope.
-    """
-    ahead, step = np.eye(6)[SURGE] * UNDER_WAY_M_S, 1e-3
-    pair = [SWAY, YAW]
-
-    def force(velocity: Floats) -> Floats:
-        hull = -control.wrench_body(np.eye(3), velocity, np.zeros(6))
-        return hull + sum((_lift(fin, velocity, density_kg_m3) for fin in actuators_spec(model).fins), np.zeros(6))
-
-    still = control.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))
-    mass = np.column_stack([control.wrench_body(np.eye(3), np.zeros(6), axis) - still for axis in np.eye(6)])
-    slopes = [(force(ahead + step * axis) - force(ahead - step * axis)) / (2.0 * step) for axis in np.eye(6)[pair]]
-    damping = np.column_stack(slopes)[pair]
-    return float(np.linalg.eigvals(np.linalg.solve(mass[np.ix_(pair, pair)], damping)).real.max())
-
-
-def _lift(fin: _core.FinParameters, velocity: Floats, density_kg_m3: float) -> Floats:
-    """Return the force and moment (6,) of a fin held amidships, in flow at a small angle to straight ahead."""
-    at = np.asarray(fin.position_body_m)
-    across = np.cross((1.0, 0.0, 0.0), np.asarray(fin.span_body))
-    sideways_m_s = float(across @ (velocity[:3] + np.cross(velocity[3:], at)))
-    force = -0.5 * density_kg_m3 * velocity[SURGE] * fin.lift_slope() * fin.area_m2 * sideways_m_s * across
-    return np.concatenate([force, np.cross(at, force)])
 
 
 def _solid_inertia(model: VehicleModel, density_kg_m3: float) -> Floats:

@@ -1,0 +1,103 @@
+"""Added mass and drag of a hull as textbooks estimate them from its shape, to compare with a vehicle's file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.evidence.vehicle.mounts import hull_scene
+from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid, added_mass_of_mesh
+
+Floats = NDArray[np.float64]
+VISCOSITY_M2_S = 1.139e-6
+"""Kinematic viscosity of fresh water at 15 degrees C (ITTC 2011, procedure 7.5-02-01-03)."""
+ACROSS = 1.1
+"""Drag coefficient of a long cylinder across the flow below the drag crisis (Hoerner 1965, ch. III)."""
+SIDE_CELLS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """Estimates of a hull's added mass [kg, kg m2] and quadratic drag [N s2/m2, N m s2/rad2], (6,) each.
+
+    lamb: added mass of the ellipsoid with the hull's volume and its ratios of moments of inertia, about its centre.
+    mesh: added mass of the mesh in ideal flow, about the body's origin; None if the mesh is too fine. streamlined: drag
+    ahead, without separation; NaN on the other axes. bluff: drag with separation, from the hull's silhouettes.
+    speed_m_s: at which the friction of `streamlined` is computed.
+    """
+
+    lamb: Floats
+    mesh: Floats | None
+    streamlined: Floats
+    bluff: Floats
+    speed_m_s: float
+
+
+def estimates(
+    vertices_m: Floats,
+    triangles: NDArray[np.integer],
+    gyration_m: tuple[float, float, float],
+    density_kg_m3: float,
+    speed_m_s: float,
+) -> Estimates:
+    """Return the estimates for a closed hull of outward-wound triangles, body frame.
+
+    gyration_m: (3,) its radii of gyration as a solid, about its own centre.
+    streamlined: C_D of the wetted surface = C_f (1 + 1.5 (d/l)^1.5 + 7 (d/l)^3) (Hoerner 1965, "Fluid-Dynamic Drag",
+    ch. VI), with the friction line 0.075 / (log10 Re - 2)^2 (ITTC 1957); d is the diameter of a disc as large as the
+    frontal area. bluff: ACROSS times the silhouette; turning, strips of the silhouettes in the flow of the rotation
+    (the cross-flow principle, Hoerner 1965, ch. III), which for a hull that is round about the axis is too much.
+    """
+    corners = vertices_m[triangles]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    wetted_m2 = 0.5 * float(np.linalg.norm(crossed, axis=1).sum())
+    volume_m3 = float(np.einsum("mi,mi->m", corners[:, 0], crossed).sum()) / 6.0
+    squares = np.square(gyration_m)
+    axes_m = np.sqrt(np.maximum(squares.sum() - 2.0 * squares, 1e-12))
+    axes_m *= np.cbrt(volume_m3 / (4.0 / 3.0 * np.pi * np.prod(axes_m)))
+    shape = [_Silhouette(vertices_m, triangles, axis) for axis in range(3)]
+    mesh = added_mass_of_mesh(vertices_m, triangles, density_kg_m3)
+    streamlined = np.full(6, np.nan)
+    length_m, diameter_m = float(np.ptp(vertices_m[:, 0])), float(np.sqrt(4.0 / np.pi * shape[0].area_m2))
+    friction = 0.075 / (np.log10(max(speed_m_s, 1e-2) * length_m / VISCOSITY_M2_S) - 2.0) ** 2
+    slender = diameter_m / length_m
+    streamlined[0] = 0.5 * density_kg_m3 * wetted_m2 * friction * (1.0 + 1.5 * slender**1.5 + 7.0 * slender**3)
+    arms = [sum(shape[j].third_moment_m5(i) for i, j in pairs) for pairs in ROTATIONS]
+    bluff = 0.5 * density_kg_m3 * ACROSS * np.array([*(side.area_m2 for side in shape), *arms])
+    return Estimates(
+        added_mass_of_ellipsoid(axes_m, density_kg_m3),
+        None if mesh is None else np.diagonal(mesh).copy(),
+        streamlined,
+        bluff,
+        speed_m_s,
+    )
+
+
+ROTATIONS = (((1, 2), (2, 1)), ((0, 2), (2, 0)), ((0, 1), (1, 0)))
+"""Rotations about x, y, z: a strip at a distance along axis i moves along axis j."""
+
+
+class _Silhouette:
+    """The silhouette of a hull along one of its axes, sampled by parallel rays."""
+
+    def __init__(self, vertices_m: Floats, triangles: NDArray[np.integer], axis: int) -> None:
+        self._across = [k for k in range(3) if k != axis]
+        low, high = vertices_m.min(axis=0), vertices_m.max(axis=0)
+        cell_m = float(max(high[self._across] - low[self._across])) / SIDE_CELLS
+        lines = [np.arange(low[k] + 0.5 * cell_m, high[k], cell_m) for k in self._across]
+        points = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        origins = np.full((len(points), 3), low[axis] - 1.0)
+        origins[:, self._across] = points
+        hits = hull_scene(vertices_m, triangles).cast(origins, np.tile(np.eye(3)[axis], (len(points), 1)), 1e4)
+        self._points_m, self._cell_m2 = points[np.isfinite(hits.ranges_m)], cell_m**2
+
+    @property
+    def area_m2(self) -> float:
+        return self._cell_m2 * len(self._points_m)
+
+    def third_moment_m5(self, along: int) -> float:
+        """Return the integral of |x|^3 over the silhouette, x along an axis from the body's origin."""
+        distances_m = np.abs(self._points_m[:, self._across.index(along)])
+        return self._cell_m2 * float((distances_m**3).sum())

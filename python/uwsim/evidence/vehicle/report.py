@@ -1,0 +1,134 @@
+"""VehicleReport: everything that `uwsim vehicle` measures of a vehicle in open water."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.axes import AXES
+from uwsim.evidence.vehicle.estimates import Estimates, estimates
+from uwsim.evidence.vehicle.fields_of_view import FieldOfView, fields_of_view
+from uwsim.evidence.vehicle.figures import VehicleFigures
+from uwsim.evidence.vehicle.linear_motion import Mode, model_motion, modes
+from uwsim.evidence.vehicle.trials import TurningCircle, terminal_speeds, turning_circles
+from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.simulator.simulator import Simulator
+
+Floats = NDArray[np.float64]
+COMPARED_AT_M_S = 1.0
+RANK_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Allocation:
+    """How a vehicle's thrusters and fins reach the six axes.
+
+    rank: of the thrusters' forces and torques in still water; None without thrusters. rank_without: by thruster, the
+    rank that is left when it fails. full_ahead, full_astern: (6,) the largest wrench on each axis alone [N, N m].
+    authority: (6,) the acceleration from rest at full effort [m/s2, rad/s2]. Fins are not part of these: they need way.
+    """
+
+    rank: int | None
+    rank_without: dict[str, int]
+    driven: tuple[str, ...]
+    full_ahead: Floats
+    full_astern: Floats
+    authority: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class VehicleReport:
+    """The properties of a vehicle, measured in deep, still, fresh water.
+
+    added_mass, linear_damping, quadratic_damping: (6,) diagonals from its file. estimates: of its hull's shape.
+    terminal: (6, 2) speeds at full effort ahead and astern, NaN where nothing drives. motions: the modes by speed ahead
+    [m/s]. circles: at full yaw. views: of the instruments on its own hull.
+    """
+
+    model: VehicleModel
+    figures: VehicleFigures
+    added_mass: Floats
+    linear_damping: Floats
+    quadratic_damping: Floats
+    estimates: Estimates
+    terminal: Floats
+    circles: tuple[TurningCircle, ...]
+    motions: dict[float, tuple[Mode, ...]]
+    allocation: Allocation
+    views: tuple[FieldOfView, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the report as plain values, for JSON; rays and tracks are left out, and NaN is None."""
+        left_out = {"model", "views", "circles", "motions"}
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in left_out}
+        return {
+            "vehicle": self.model.name,
+            **{key: _plain(value) for key, value in values.items()},
+            "circles": [_plain({k: v for k, v in asdict(one).items() if k != "track_m"}) for one in self.circles],
+            "modes": [
+                {"speed_m_s": speed, "modes": _plain([asdict(m) for m in own])} for speed, own in self.motions.items()
+            ],
+            "own_hull": [_plain({"label": v.label, "share": v.share, "nearest_m": v.nearest_m}) for v in self.views],
+        }
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "__dataclass_fields__"):
+        value = asdict(value)
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value
+
+
+def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
+    """Return the report on the first vehicle of a simulator in open water. figures: vehicle_figures in its water."""
+    entry = sim.scenario.vehicles[0]
+    model, density_kg_m3 = entry.model, figures.water_density_kg_m3
+    terminal = terminal_speeds(sim.scenario)
+    fastest = float(terminal[0, 0])
+    speeds = [0.0] if np.isnan(fastest) else [0.0, round(fastest, 2)]
+    trim = entry.trim or model.trim
+    compared_at = COMPARED_AT_M_S if np.isnan(fastest) else fastest
+    return VehicleReport(
+        model=model,
+        figures=figures,
+        added_mass=np.diagonal(model.matrix("added_mass")).copy(),
+        linear_damping=np.diagonal(model.matrix("linear_damping")).copy(),
+        quadratic_damping=np.diagonal(model.matrix("quadratic_damping")).copy(),
+        estimates=estimates(*vehicle_hull(model), figures.hull_gyration_m, density_kg_m3, compared_at),
+        terminal=terminal,
+        circles=turning_circles(sim.scenario),
+        motions={speed: modes(model_motion(model, trim, density_kg_m3, speed)) for speed in speeds},
+        allocation=allocation(sim),
+        views=fields_of_view(sim),
+    )
+
+
+def allocation(sim: Simulator) -> Allocation:
+    """Return how the first vehicle of a simulator reaches the six axes."""
+    rov, model = sim.rov, sim.scenario.vehicles[0].model
+    thrusters = actuators_spec(model).thrusters
+    length_m = max(np.ptp(vehicle_hull(model)[0], axis=0))
+    columns = [np.concatenate([t.axis_body, np.cross(t.position_body_m, t.axis_body) / length_m]) for t in thrusters]
+
+    def rank(of: list[Floats]) -> int:
+        return int(np.linalg.matrix_rank(np.array(of).T, tol=RANK_TOLERANCE)) if of else 0
+
+    ahead, astern = rov.full_wrench_body
+    return Allocation(
+        rank=rank(columns) if thrusters else None,
+        rank_without={t.name: rank(columns[:k] + columns[k + 1 :]) for k, t in enumerate(thrusters)},
+        driven=tuple(axis for axis in AXES if axis in rov.controllable),
+        full_ahead=np.array(ahead),
+        full_astern=np.array(astern),
+        authority=np.array(rov.authority),
+    )

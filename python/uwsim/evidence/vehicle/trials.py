@@ -1,0 +1,111 @@
+"""Trials of a vehicle in deep, still water: its terminal speeds along and about each axis, and its turning circles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.quaternions import heading_rad
+from uwsim.batch.batch import Batch
+from uwsim.scenario import Scenario
+
+Floats = NDArray[np.float64]
+TOWED_M, FREE_M = -100.0, -500.0
+"""Depths of the trials; a hull in free flight may climb or dive far."""
+HOLD_S, LONGEST_S, SETTLED = 0.02, 90.0, 1e-3
+"""A towed vehicle is set straight every HOLD_S. A trial ends when no speed has changed by SETTLED in a second."""
+CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
+STEADY = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class TurningCircle:
+    """A turn with constant efforts from rest, without control.
+
+    surge: its effort; the yaw effort is 1, to port. radius_m, speed_m_s, turn_rad_s: means over the last LAST_S of
+    CIRCLE_S. is_steady: whether the speed differs by less than STEADY between the halves of LAST_S. climb_m: change of
+    depth over CIRCLE_S, positive upwards. tilt_deg: largest angle between the body's z and the vertical. track_m: (n,
+    2), x and y from the start.
+    """
+
+    surge: float
+    radius_m: float
+    speed_m_s: float
+    turn_rad_s: float
+    is_steady: bool
+    climb_m: float
+    tilt_deg: float
+    track_m: Floats
+
+
+def terminal_speeds(scenario: Scenario) -> Floats:
+    """Return the speeds (6, 2) [m/s, rad/s] at full effort ahead and astern on each axis alone.
+
+    NaN on axes that nothing drives at rest, such as those of fins.
+
+    As in a towing tank: only the motion on that axis is free, the others are held at zero and the attitude level, so
+    that a vehicle which would pitch or turn at full effort still has a speed. Thrust falls with speed as in any flight.
+    """
+    batch = Batch(scenario, n=12)
+    full = np.max(batch.simulator(0).rov.full_wrench_body, axis=0)
+    efforts = np.concatenate([np.eye(6), -np.eye(6)])
+    free = np.abs(efforts)
+    place = np.array([0.0, 0.0, TOWED_M])
+    batch.place(place)
+    steps = max(1, round(HOLD_S / scenario.step_s))
+    second = round(1.0 / (steps * scenario.step_s))
+    before = np.full(12, np.inf)
+    for k in range(round(LONGEST_S / (steps * scenario.step_s))):
+        batch.step(steps, efforts)
+        motion = batch.observe()
+        velocity = free * motion.velocity_body
+        batch.place(place, velocity_body=velocity)
+        if k % second == 0:
+            speeds = np.abs(velocity).sum(axis=1)
+            if k > 3 * second and np.all(np.abs(speeds - before) <= SETTLED * np.maximum(speeds, 1e-3)):
+                break
+            before = speeds
+    speeds = np.abs(velocity).sum(axis=1).reshape(2, 6).T
+    speeds[full == 0.0] = np.nan
+    return np.asarray(speeds)
+
+
+def turning_circles(scenario: Scenario, surges: tuple[float, ...] = (0.5, 1.0)) -> tuple[TurningCircle, ...]:
+    """Return the turning circles at full yaw effort and these surge efforts; none unless surge and yaw are driven."""
+    batch = Batch(scenario, n=len(surges))
+    if not {"surge", "yaw"} <= batch.simulator(0).rov.controllable:
+        return ()
+    efforts = np.array([[surge, 0.0, 0.0, 0.0, 0.0, 1.0] for surge in surges])
+    batch.place((0.0, 0.0, FREE_M))
+    steps = round(SAMPLE_S / scenario.step_s)
+    positions, turns = [], []
+    for _ in range(round(CIRCLE_S / (steps * scenario.step_s))):
+        batch.step(steps, efforts)
+        motion = batch.observe()
+        positions.append(motion.position_world_m.copy())
+        turns.append(motion.orientation_xyzw.copy())
+    return tuple(
+        _circle(surge, np.array(positions)[:, k], np.array(turns)[:, k], steps * scenario.step_s)
+        for k, surge in enumerate(surges)
+    )
+
+
+def _circle(surge: float, positions_m: Floats, orientations_xyzw: Floats, sample_s: float) -> TurningCircle:
+    last = round(LAST_S / sample_s)
+    headings = np.unwrap([heading_rad(turn) for turn in orientations_xyzw])
+    speeds = np.linalg.norm(np.diff(positions_m[:, :2], axis=0), axis=1)[-last:] / sample_s
+    speed, turn = float(speeds.mean()), float(headings[-1] - headings[-1 - last]) / (last * sample_s)
+    halves = speeds[: last // 2].mean(), speeds[last // 2 :].mean()
+    x, y = orientations_xyzw.T[:2]
+    return TurningCircle(
+        surge=surge,
+        radius_m=speed / abs(turn) if turn else float("inf"),
+        speed_m_s=speed,
+        turn_rad_s=turn,
+        is_steady=bool(abs(halves[1] - halves[0]) <= STEADY * max(speed, 1e-3)),
+        climb_m=float(positions_m[-1, 2] - FREE_M),
+        tilt_deg=float(np.degrees(np.arccos(np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0))).max()),
+        track_m=positions_m[:, :2],
+    )

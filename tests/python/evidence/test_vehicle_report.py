@@ -1,0 +1,173 @@
+"""`uwsim vehicle` reports a vehicle's coefficients, motion and views as closed forms and a panel code give them."""
+
+import importlib.util
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from command_line import uwsim
+from uwsim import Simulator, _core
+from uwsim.evidence.scenario_check import CheckReport, check_part
+from uwsim.evidence.vehicle.estimates import ACROSS, estimates
+from uwsim.evidence.vehicle.fields_of_view import fields_of_view
+from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion, modes, motion_matrix
+from uwsim.evidence.vehicle.potential_flow import PANELS_MAX, added_mass_of_ellipsoid, added_mass_of_mesh
+from uwsim.evidence.vehicle.report import allocation, vehicle_report
+from vehicle_files import vehicle_file
+
+WATER_KG_M3, GRAVITY_M_S2 = 1000.0, 9.80665
+SPHERE = trimesh.creation.icosphere(subdivisions=3)
+
+
+def checked(folder: Path, without: tuple[str, ...] = (), **changes: Any) -> CheckReport:
+    return check_part(vehicle_file(folder, without=without, **changes), "vehicle")
+
+
+def simulator(check: CheckReport) -> Simulator:
+    assert check.simulator is not None, check.mistakes
+    return check.simulator
+
+
+def test_panels_have_the_added_mass_of_an_ellipsoid() -> None:
+    """Lamb's closed form; the flat panels lose 0.6 % of the volume."""
+    axes_m = np.array([0.8, 0.2, 0.1])
+    matrix = added_mass_of_mesh(SPHERE.vertices * axes_m, SPHERE.faces, WATER_KG_M3)
+    assert matrix is not None
+    np.testing.assert_allclose(np.diagonal(matrix), added_mass_of_ellipsoid(axes_m, WATER_KG_M3), rtol=0.015)
+    np.testing.assert_allclose(matrix - np.diag(np.diagonal(matrix)), 0.0, atol=1e-6 * matrix.max())
+
+
+def test_lamb_s_ellipsoids_have_their_published_limits() -> None:
+    """A sphere has half its displaced mass; Fossen's REMUS 100 has 0.84, 29.4 and 3.43 (PythonVehicleSimulator)."""
+    sphere = added_mass_of_ellipsoid(np.ones(3), WATER_KG_M3)
+    np.testing.assert_allclose(sphere, [2000.0 / 3.0 * np.pi] * 3 + [0.0] * 3, rtol=1e-9)
+    remus = added_mass_of_ellipsoid(np.array([0.8, 0.095, 0.095]), 1026.0)
+    np.testing.assert_allclose(remus, [0.84, 29.4, 29.4, 0.0, 3.43, 3.43], rtol=2e-3)
+
+
+def test_too_fine_a_mesh_is_left_out() -> None:
+    fine = trimesh.creation.icosphere(subdivisions=4)
+    assert len(fine.faces) > PANELS_MAX
+    assert added_mass_of_mesh(fine.vertices, fine.faces, WATER_KG_M3) is None
+
+
+@pytest.mark.skipif(importlib.util.find_spec("capytaine") is None, reason="capytaine is no dependency of uwsim")
+def test_panels_agree_with_capytaine() -> None:
+    import capytaine
+
+    box = trimesh.creation.box((1.2, 0.8, 0.7))
+    points, faces = trimesh.remesh.subdivide_to_size(box.vertices, box.faces, 0.12)
+    own = added_mass_of_mesh(points, faces, WATER_KG_M3)
+    dofs = capytaine.rigid_body_dofs(rotation_center=(0, 0, 0))
+    body = capytaine.FloatingBody(capytaine.Mesh(vertices=points, faces=np.c_[faces, faces[:, 2]]), dofs=dofs)
+    solver, theirs = capytaine.BEMSolver(), []
+    for dof in body.dofs:
+        problem = capytaine.RadiationProblem(
+            body=body, radiating_dof=dof, free_surface=np.inf, omega=1.0, rho=WATER_KG_M3
+        )
+        theirs.append(solver.solve(problem).added_masses[dof])
+    assert own is not None
+    np.testing.assert_allclose(np.diagonal(own), theirs, rtol=0.05)
+
+
+def test_silhouettes_give_a_box_its_drag() -> None:
+    """Strips of width w over a length l have a third moment of w l^4 / 32 about the middle, as in Prestero's REMUS."""
+    size_m = length, width, height = 1.2, 0.8, 0.7
+    box = trimesh.creation.box(size_m)
+    gyration = np.sqrt(np.array([width**2 + height**2, length**2 + height**2, length**2 + width**2]) / 12.0)
+    found = estimates(box.vertices, box.faces, tuple(gyration), WATER_KG_M3, 1.0)
+
+    def turning(a: float, b: float, depth: float) -> float:
+        """Rotation in the plane of a and b: strips along a move along b, and the other way round."""
+        return depth * (a**4 + b**4) / 32.0
+
+    arms = [turning(width, height, length), turning(length, height, width), turning(length, width, height)]
+    areas = [width * height, length * height, length * width]
+    np.testing.assert_allclose(found.bluff, 0.5 * WATER_KG_M3 * ACROSS * np.array([*areas, *arms]), rtol=0.02)
+
+
+def test_a_box_reports_its_closed_forms(tmp_path: Path) -> None:
+    """Terminal speed: K v^2 + D v = F. Roll at rest: a pendulum, (I + A) w^2 = W GM, damped by D / 2 (I + A)."""
+    check = checked(tmp_path)
+    assert check.vehicle is not None
+    report = vehicle_report(simulator(check), check.vehicle)
+    for axis, force in ((0, 800.0), (1, 300.0), (2, 300.0)):
+        square, linear = report.quadratic_damping[axis], report.linear_damping[axis]
+        speed = (-linear + np.sqrt(linear**2 + 4.0 * square * force)) / (2.0 * square)
+        np.testing.assert_allclose(report.terminal[axis], speed, rtol=2e-3)
+    mass_kg, lever_m = 672.0, 0.1
+    inertia = mass_kg / 12.0 * (0.8**2 + 0.7**2) + 23.0
+    (roll,) = (mode for mode in report.motions[0.0] if mode.moves == "roll")
+    assert roll.growth_1_s == pytest.approx(-60.0 / (2.0 * inertia), rel=0.05)  # coupled to sway by the lever
+    size = np.hypot(roll.growth_1_s, roll.frequency_rad_s)
+    assert size == pytest.approx(np.sqrt(mass_kg * GRAVITY_M_S2 * lever_m / inertia), rel=0.05)
+    assert report.allocation.rank is None
+    assert report.allocation.driven == ("surge", "sway", "heave", "roll", "pitch", "yaw")
+
+
+def test_a_flight_decays_as_its_eigenvalues_say() -> None:
+    """The simulator, released with a small sway and yaw on a straight course, so briefly that it hardly slows down."""
+    sim, speed, flown_s = simulator(check_part("remus100", "vehicle")), 2.0, 0.1
+    matrix = model_motion(sim.scenario.vehicles[0].model, None, WATER_KG_M3, speed)
+    start = np.array([0, 0.002, 0, 0, 0, 0.002, 0, 0])
+    sim.rov.place((0, 0, -100), velocity_body=start[:6] + speed * np.eye(6)[0])
+    sim.advance(flown_s)
+    motion = np.concatenate([sim.rov.velocity.linear_body_m_s, sim.rov.velocity.angular_body_rad_s])
+    values, vectors = np.linalg.eig(matrix)
+    expected = (vectors @ (np.exp(flown_s * values) * np.linalg.solve(vectors, start))).real
+    np.testing.assert_allclose(motion[[1, 5]], expected[[1, 5]], rtol=0.05)
+    assert motion[5] < 0.8 * start[5]
+    assert course_growth_1_s(matrix) < 0.0
+
+
+def test_a_hull_with_its_weight_on_top_has_a_growing_mode() -> None:
+    parameters = _core.CraftParameters()
+    parameters.mass_kg = float(SPHERE.volume) * WATER_KG_M3
+    parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = np.array([0, 0, 0.05]), 100.0 * np.eye(3)
+    craft = _core.Craft(parameters, SPHERE.vertices, SPHERE.faces)
+    assert modes(motion_matrix(craft, [], 0.0, WATER_KG_M3))[0].growth_1_s > 0.1
+
+
+def test_the_rank_falls_with_the_thruster_that_is_alone_on_its_axis(tmp_path: Path) -> None:
+    mounts = {
+        "port": {"position_m": [-0.5, 0.3, 0], "axis": [1, 0, 0]},
+        "starboard": {"position_m": [-0.5, -0.3, 0], "axis": [1, 0, 0]},
+        "second_port": {"position_m": [0.5, 0.3, 0], "axis": [1, 0, 0]},
+        "lift": {"position_m": [0, 0, 0], "axis": [0, 0, 1]},
+    }
+    thrusters = {name: {"model": "t200_16v", "spin": "clockwise", **mount} for name, mount in mounts.items()}
+    own = allocation(simulator(checked(tmp_path, ("max_force_n", "max_torque_nm"), thrusters=thrusters)))
+    assert own.rank == 3  # surge, heave, yaw
+    assert own.rank_without == {"port": 3, "starboard": 2, "second_port": 3, "lift": 2}
+
+
+def test_a_camera_that_looks_back_sees_its_hull(tmp_path: Path) -> None:
+    """1 m ahead of a face of 0.8 x 0.7 m, with a square picture of 90 degrees: 0.8 x 0.7 of 2 x 2 m in its plane."""
+    back = {"position_m": [1.6, 0, 0], "yaw_pitch_roll_deg": [180, 0, 0], "horizontal_fov_deg": 90}
+    cameras = {"back": {**back, "width": 64, "height": 64}, "ahead": {"position_m": [0.7, 0, 0]}}
+    views = {view.label: view for view in fields_of_view(simulator(checked(tmp_path, cameras=cameras)))}
+    assert views["cameras.back"].share == pytest.approx(0.8 * 0.7 / 4.0, rel=0.05)
+    assert views["cameras.back"].nearest_m == pytest.approx(1.0, rel=0.01)
+    assert views["cameras.ahead"].share == 0.0 and np.isinf(views["cameras.ahead"].nearest_m)
+
+
+def test_the_command_writes_a_page_and_json(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    ran = uwsim("vehicle", "remus100", "--out", page, "--json")
+    assert ran.returncode == 0, ran.stderr
+    values = json.loads(ran.stdout)
+    assert values["vehicle"] == "remus100" and values["allocation"]["rank"] == 1
+    text = page.read_text()
+    assert text.count("data:image/png;base64,") == 3 and "Added mass [kg, kg m2]" in text
+
+
+def test_a_mistake_in_the_file_is_one_line(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    ran = uwsim("vehicle", vehicle_file(tmp_path, added_mass=[1, 2]), "--out", page)
+    assert ran.returncode == 1 and not page.exists()
+    assert len(ran.stderr.splitlines()) == 1 and "added_mass" in ran.stderr, ran.stderr
+    assert ran.stdout == ""
