@@ -230,6 +230,12 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           },
           py::arg("vehicle"), py::arg("sonar"), "Return the present elevation of the head.")
       .def(
+          "sonar_target_elevation_rad",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
+            return o.with([&](Simulation& s) { return s.sonar(v, sonar).aimed_rad(); });
+          },
+          py::arg("vehicle"), py::arg("sonar"), "Return the elevation to which the head turns.")
+      .def(
           "sonar_ping_rate_max_hz",
           [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
             return o.with([&](Simulation& s) {

@@ -1,5 +1,6 @@
 """Missions: Python programs that fly a vehicle in simulated time. See docs/guides/missions.md for how to write one."""
 
+from uwsim.missions.aiming import aim_to
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
@@ -28,6 +29,7 @@ __all__ = [
     "StoppedError",
     "Vehicle",
     "Wait",
+    "aim_to",
     "begin",
     "dive_to",
     "drive",

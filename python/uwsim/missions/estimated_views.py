@@ -42,6 +42,41 @@ class EstimatedSonar:
         return getattr(self._sonar, name)
 
 
+class EstimatedImagingSonar:
+    """An imaging sonar on a vehicle that relies on its estimate; its pings differ only in their poses."""
+
+    def __init__(self, sonar: Any, hull: Any, estimate: Any) -> None:
+        self._sonar, self._hull, self._estimate = sonar, hull, estimate
+
+    @property
+    def world_from_sonar(self) -> NDArray[np.float64]:
+        """The sonar's estimated pose (4, 4)."""
+        return believed(self._sonar.world_from_sonar, self._hull.pose, self._estimate.pose)
+
+    def ping(self, *arguments: Any, **options: Any) -> Any:
+        """Ping once; see uwsim.instruments.sonars.mounted.ImagingSonar. So do `look`, `line` and `profile`."""
+        return self._placed(self._sonar.ping(*arguments, **options))
+
+    def look(self, **options: Any) -> Any:
+        """Return a picture from a forward-looking sonar."""
+        return self._placed(self._sonar.look(**options))
+
+    def line(self, **options: Any) -> Any:
+        """Return one side-scan sonar ping."""
+        return self._placed(self._sonar.line(**options))
+
+    def profile(self, angles_rad: Any, **options: Any) -> Any:
+        """Return single-beam pings at angles (n,)."""
+        return self._placed(self._sonar.profile(angles_rad, **options))
+
+    def _placed(self, found: Any) -> Any:
+        pose = believed(found.world_from_sonar, self._hull.pose, self._estimate.pose)
+        return replace(found, world_from_sonar=pose)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._sonar, name)
+
+
 class EstimatedCamera:
     """A camera on a vehicle that relies on its estimate; its frames differ from the camera's only in their poses."""
 

@@ -87,6 +87,9 @@ class AdaptiveLawnMower(Sealed):
         self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
         self._plan_lanes()
 
+    def __repr__(self) -> str:
+        return f"<AdaptiveLawnMower of {self.vehicle!r}: lane {self._state.lane}, {self._state.leg}>"
+
     @property
     def state(self) -> MowerState:
         """The mission's progress."""

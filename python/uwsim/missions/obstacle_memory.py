@@ -34,6 +34,9 @@ class ObstacleMemory(Sealed):
         self._ring = np.empty((pings, 3))
         self._seen = 0
 
+    def __repr__(self) -> str:
+        return f"<ObstacleMemory of {min(self._seen, len(self._ring))} peaks, {self.ahead_m:g} m ahead>"
+
     @property
     def peaks_world_m(self) -> Vector:
         """The stored echoes, (n, 3), oldest first."""

@@ -15,8 +15,8 @@ from uwsim.base.axes import AXES
 from uwsim.base.named import Named
 from uwsim.base.sealed import Sealed
 from uwsim.commands import Commandable, command_named
-from uwsim.missions.estimated_views import EstimatedCamera, EstimatedSonar
-from uwsim.missions.vehicle import CameraLike, LampLike, Panel
+from uwsim.missions.estimated_views import EstimatedCamera, EstimatedImagingSonar, EstimatedSonar
+from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
@@ -62,6 +62,10 @@ class OwnVehicle(Sealed, Commandable):
         self.estimate = hull if estimate is None else estimate
         self._held: tuple[float, Held] | None = None
         self._methods: dict[str, Callable[..., Any]] = {}
+
+    def __repr__(self) -> str:
+        x, y, z = (float(value) for value in self.pose.position_world_m)
+        return f"<OwnVehicle '{self.name}' at ({x:.2f}, {y:.2f}, {z:.2f}) m, {self.time_s:.2f} s>"
 
     @property
     def time_s(self) -> float:
@@ -128,9 +132,9 @@ class OwnVehicle(Sealed, Commandable):
         return self._all_by_estimate(EstimatedSonar, self._hull.sonars)  # type: ignore[no-any-return]
 
     @property
-    def imaging_sonars(self) -> Mapping[str, Any]:
-        """The imaging sonars, keyed by name."""
-        return self._hull.imaging_sonars  # type: ignore[no-any-return]
+    def imaging_sonars(self) -> Mapping[str, ImagingSonarLike]:
+        """The imaging sonars, keyed by name; their pings are placed at the estimated pose."""
+        return self._all_by_estimate(EstimatedImagingSonar, self._hull.imaging_sonars)  # type: ignore[no-any-return]
 
     @property
     def cameras(self) -> Mapping[str, CameraLike]:
@@ -175,6 +179,21 @@ class OwnVehicle(Sealed, Commandable):
             raise ValueError(f"vehicle '{self.name}': {name}: not available to missions: real vehicles do not have it")
         found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
         return cast("Callable[..., Any]", found)
+
+    @property
+    def controllable(self) -> frozenset[str]:
+        """The axes on which efforts have an effect; all of them for a vehicle that does not report them."""
+        return frozenset(getattr(self._hull, "controllable", AXES))
+
+    @property
+    def thrusters(self) -> Mapping[str, Any]:
+        """The state of each thruster, keyed by name; empty for a vehicle that does not report them."""
+        return getattr(self._hull, "thrusters", None) or Named({}, f"{self.name}.thrusters")
+
+    @property
+    def fins(self) -> Mapping[str, float]:
+        """The current deflections of the fins [rad], keyed by name; empty for a vehicle that does not report them."""
+        return getattr(self._hull, "fins", None) or Named({}, f"{self.name}.fins")
 
     @property
     def effort(self) -> tuple[float, ...]:

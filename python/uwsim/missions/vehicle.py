@@ -64,16 +64,30 @@ class PictureLike(Protocol):
 class CameraLike(Protocol):
     """A camera."""
 
+    @property
+    def is_aimed(self) -> bool:
+        """True once the camera has reached the pan and tilt it was last turned to, and without a motor."""
+
+    def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
+        """Turn to a pan, positive to port, and a tilt, positive down; None leaves an axis as it is."""
+
     def capture(self) -> PictureLike:
         """Capture a picture; see uwsim.instruments.cameras.Camera."""
+
+
+class ImagingSonarLike(Protocol):
+    """An imaging sonar: forward-looking, side-scan or profiling."""
+
+    def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
+        """Ping from the current pose; see uwsim.instruments.sonars.mounted.ImagingSonar."""
 
 
 class Vehicle(Commandable, Protocol):
     """A vehicle as missions see it: readings and commands. Reading takes no simulated time; only `yield` does.
 
     estimate: position and motion to the best of the vehicle's knowledge, either the truth or a filter's estimate. pose,
-    velocity: taken from the estimate. sonar: the first multibeam. sonars, sensors, cameras, lamps: dictionaries keyed
-    by name.
+    velocity: taken from the estimate. sonar: the first multibeam. sonars, imaging_sonars, sensors, cameras, lamps:
+    dictionaries keyed by name.
     """
 
     @property
@@ -95,12 +109,18 @@ class Vehicle(Commandable, Protocol):
     @property
     def sonars(self) -> Mapping[str, SonarLike]: ...
     @property
+    def imaging_sonars(self) -> Mapping[str, ImagingSonarLike]: ...
+    @property
     def cameras(self) -> Mapping[str, CameraLike]: ...
     @property
     def lamps(self) -> Mapping[str, LampLike]: ...
     @property
     def released(self) -> bool:
         """Whether the vehicle has left the station."""
+
+    @property
+    def all_stopped(self) -> bool:
+        """True while all stop is set."""
 
     def telemetry(self) -> Panel:
         """Read the vehicle's panel."""

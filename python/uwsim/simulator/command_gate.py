@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +13,10 @@ from uwsim.simulator.docking import DockedWarning
 
 class FailsafeWarning(UserWarning):
     """Issued when a vehicle is commanded while its failsafe is steering: the command has no effect."""
+
+
+class IdleAxisWarning(UserWarning):
+    """Issued once for each axis when an effort is commanded on an axis that no thruster, fin or force drives."""
 
 
 class AllStopWarning(UserWarning):
@@ -92,6 +96,7 @@ class CommandGate:
         self._vehicle = vehicle
         self._halt = halt
         self._warned: set[type[Warning]] = set()
+        self._idle_named: set[str] = set()
 
     def all_stop(self, on: bool) -> None:
         """Set or release all stop. Raises ValueError unless `on` is a bool."""
@@ -164,6 +169,18 @@ class CommandGate:
                 "place()",
                 DockedWarning,
                 stacklevel=5,
+            )
+
+    def warn_of_idle(self, axes: Iterable[str], controllable: Iterable[str]) -> None:
+        """Warn, once for each axis, of efforts on axes that nothing drives."""
+        new = [axis for axis in axes if axis not in self._idle_named]
+        if new:
+            self._idle_named.update(new)
+            warnings.warn(
+                f"vehicle '{self._vehicle}': effort on {', '.join(new)}: has no effect, since nothing drives it; it "
+                f"drives {', '.join(controllable) or 'nothing'}",
+                IdleAxisWarning,
+                stacklevel=4,
             )
 
     def _warns_first(self, kind: type[Warning]) -> bool:

@@ -98,6 +98,7 @@ class Vehicle(CommandedVehicle):
         for lamp in lamps.values():
             lamp.report_to(journal, spec.name)
         self._craft: _core.Craft = spec.craft
+        self._idle_axes = self._find_idle_axes()
         self._last_motion = self._new_motion()
         self._last_panel: tuple[int, _core.Telemetry] | None = None
         self._navigation = OnboardNavigation(
@@ -114,12 +115,16 @@ class Vehicle(CommandedVehicle):
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
         """Continue with changed parameters. Called by Simulator.parameters."""
         self._craft = spec.craft
+        self.__dict__["_idle_axes"] = self._find_idle_axes()
         for sensor in spec.sensors:
             self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name].on)
         for sonar in spec.sonars:
             self.sonars[sonar.name].change(sonar)
         for name, model in imaging_models.items():
             self.imaging_sonars[name].change(model)
+
+    def _find_idle_axes(self) -> tuple[int, ...]:
+        return tuple(k for k, is_driven in enumerate(self._simulation.controllable(self._index)) if not is_driven)
 
     @property
     def sonar(self) -> Sonar:

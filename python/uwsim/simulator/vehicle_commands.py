@@ -35,6 +35,8 @@ class CommandedVehicle(Sealed, Placeable):
     _index: int
     _dock: Dock
     _journal: Journal
+    _idle_axes: tuple[int, ...]
+    """Indices of the axes that nothing drives."""
 
     @property
     def released(self) -> bool:
@@ -64,16 +66,24 @@ class CommandedVehicle(Sealed, Placeable):
 
         Full effort on one axis alone is the largest wrench that the vehicle can produce on it, or the largest
         deflection of its fins; efforts that together exceed the thrusters' limits are scaled down together. Efforts on
-        axes that are not `controllable` have no effect. Raises ValueError for an effort outside [-1, 1] or not finite.
+        axes that are not `controllable` have no effect, with one IdleAxisWarning for each. Raises ValueError for an
+        effort outside [-1, 1] or not finite.
         """
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
         self.gate.hears()
         self._simulation.set_effort(self._index, *efforts)
+        if self._idle_axes:
+            self._warn_of_idle(efforts)
         self.gate.yields(moves=any(efforts), stick=efforts)
         if self._journal.of_efforts:
             self._note(EFFORT, **dict(zip(AXES, efforts, strict=True)))
+
+    def _warn_of_idle(self, efforts: Sequence[float]) -> None:
+        commanded = [AXES[k] for k in self._idle_axes if efforts[k]]
+        if commanded:
+            self.gate.warn_of_idle(commanded, [axis for k, axis in enumerate(AXES) if k not in self._idle_axes])
 
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)

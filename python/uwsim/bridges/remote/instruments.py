@@ -14,12 +14,18 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from uwsim.base.named import Named
+from uwsim.base.short_repr import ShortRepr
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import quaternion, seconds, vector
+from uwsim.bridges.remote.sonar import AIMED_RAD, FLOAT
 from uwsim.bridges.remote.tree import RemoteTree
+from uwsim.channels import build
 from uwsim.instruments.cameras.frame import MOUNT_FROM_OPTICAL
 
 IMAGE = "/image_raw/compressed"
+LEVELS = "/image"
+LINK_FROM_SONAR = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
+"""The sonar's frame (x ahead, y to port, z up) in that of its messages (x up, y to starboard, z ahead), (3, 3)."""
 
 
 def _imu(message: Any) -> SimpleNamespace:
@@ -103,6 +109,41 @@ class RemoteCamera:
 
     def __init__(self, connection: RemoteConnection, start: str, tree: RemoteTree) -> None:
         self._connection, self._start, self._tree = connection, start, tree
+        self._prefix, _, self.name = start.rpartition("camera/")
+        self._target_rad: dict[str, float] = {}
+
+    @property
+    def aim_rad(self) -> tuple[float, float]:
+        """The current pan, positive to port, and tilt, positive down, from joint_states; 0 without a motor."""
+        return self._joint_rad("pan"), self._joint_rad("tilt")
+
+    @property
+    def target_rad(self) -> tuple[float, float]:
+        """The pan and tilt last passed to `aim` by this object; before that, the current ones."""
+        pan, tilt = self.aim_rad
+        return self._target_rad.get("pan", pan), self._target_rad.get("tilt", tilt)
+
+    @property
+    def is_aimed(self) -> bool:
+        """True once the camera has reached its target pan and tilt."""
+        return all(abs(at - to) <= AIMED_RAD for at, to in zip(self.aim_rad, self.target_rad, strict=True))
+
+    def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
+        """Turn towards these angles; None leaves that axis as it is. Raises ValueError without a motor, or OSError."""
+        wanted = {axis: rad for axis, rad in (("pan", pan_rad), ("tilt", tilt_rad)) if rad is not None}
+        for axis in wanted:
+            if f"{self._start}/cmd_{axis}" not in self._connection.topics:
+                raise ValueError(f"camera '{self.name}': no motor: there is no topic '{self._start}/cmd_{axis}'")
+        for axis, rad in wanted.items():
+            self._connection.publish(f"{self._start}/cmd_{axis}", FLOAT, build.message(FLOAT, data=float(rad)))
+            self._target_rad[axis] = float(rad)
+
+    def _joint_rad(self, axis: str) -> float:
+        topic, joint = f"{self._prefix}joint_states", f"{self._prefix}{self.name}_{axis}"
+        joints = self._connection.newest(topic) if topic in self._connection.topics else None
+        if joints is None or joint not in joints.name:
+            return 0.0
+        return float(joints.position[list(joints.name).index(joint)])
 
     def watch(self) -> RemoteCamera:
         """Subscribe early, since a simulator's first picture arrives only after some simulated time."""
@@ -123,6 +164,43 @@ class RemoteCamera:
         world_from_camera = self._tree.world_from(str(header.frame_id), seconds(header.stamp))
         world_from_camera[:3, :3] = world_from_camera[:3, :3] @ MOUNT_FROM_OPTICAL.T
         return world_from_camera
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RemoteSonarImage(ShortRepr):
+    """The echo levels of an imaging sonar: level_db (bins, beams) dB re 1 uPa, bearings_rad (beams,), ranges_m (bins,).
+
+    Bearings are about the sonar's z axis, positive to port. world_from_sonar: (4, 4), x ahead, y to port, z up.
+    """
+
+    level_db: NDArray[np.float32]
+    bearings_rad: NDArray[np.float64]
+    ranges_m: NDArray[np.float64]
+    world_from_sonar: NDArray[np.float64]
+    time_s: float
+
+
+class RemoteImagingSonar:
+    """An imaging sonar whose levels arrive on topic start + LEVELS."""
+
+    def __init__(self, connection: RemoteConnection, start: str, tree: RemoteTree) -> None:
+        self._connection, self._start, self._tree = connection, start, tree
+        self.name = start.rpartition("/")[2]
+
+    def ping(self, *arguments: Any, with_labels: bool = False) -> RemoteSonarImage:
+        """Return the latest levels; waits for the first ones. Raises ValueError for any argument, or OSError."""
+        if arguments or with_labels:
+            raise ValueError(f"imaging_sonars['{self.name}']: a remote sonar steers itself and has no labels")
+        message = self._connection.newest(self._start + LEVELS)
+        beams, ranges_m = int(message.image.beam_count), np.asarray(message.ranges, np.float64)
+        levels = np.frombuffer(bytes(message.image.data), "<f4").reshape(len(ranges_m), beams)
+        bearings = [np.arctan2(-beam.y, beam.z) for beam in message.beam_directions]
+        time_s = seconds(message.header.stamp)
+        world_from_link = self._tree.world_from(str(message.header.frame_id), time_s)
+        world_from_link[:3, :3] = world_from_link[:3, :3] @ LINK_FROM_SONAR
+        return RemoteSonarImage(levels.astype(np.float32), np.array(bearings), ranges_m, world_from_link, time_s)
+
+    look = line = ping
 
 
 class RemoteCameras(Named[RemoteCamera]):

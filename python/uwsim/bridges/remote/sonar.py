@@ -16,6 +16,8 @@ from uwsim.bridges.remote.tree import apart_s, matrix_of
 from uwsim.channels import build
 
 FLOAT = "std_msgs/msg/Float64"
+AIMED_RAD = 1e-4
+"""Largest difference at which a joint counts as arrived; links round angles when they pack them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +58,24 @@ class RemoteSonar:
         connection.newest("tf")
         connection.newest(topic)
         self._last: tuple[Any, RemotePing] | None = None
+        self._target_rad: float | None = None
 
     def aim(self, elevation_rad: float) -> None:
         """Turn the head to an elevation, positive up. Raises ValueError or OSError."""
         if not abs(elevation_rad) <= 0.5 * math.pi:
             raise ValueError(f"elevation_rad = {elevation_rad} rad: must be in [-pi/2, pi/2]")
         self._connection.publish(f"{self._prefix}cmd_tilt", FLOAT, build.message(FLOAT, data=-float(elevation_rad)))
+        self._target_rad = float(elevation_rad)
+
+    @property
+    def target_elevation_rad(self) -> float:
+        """The elevation last passed to `aim` by this object; before that, the current one."""
+        return self.elevation_rad if self._target_rad is None else self._target_rad
+
+    @property
+    def is_aimed(self) -> bool:
+        """True once the head has reached its target elevation."""
+        return abs(self.elevation_rad - self.target_elevation_rad) <= AIMED_RAD
 
     @property
     def elevation_rad(self) -> float:

@@ -15,7 +15,16 @@ from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import Named
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import matrix, quaternion, vector
-from uwsim.bridges.remote.instruments import IMAGE, READERS, RemoteCamera, RemoteCameras, RemoteLamp, RemoteSensor
+from uwsim.bridges.remote.instruments import (
+    IMAGE,
+    LEVELS,
+    READERS,
+    RemoteCamera,
+    RemoteCameras,
+    RemoteImagingSonar,
+    RemoteLamp,
+    RemoteSensor,
+)
 from uwsim.bridges.remote.sonar import RemoteSonar
 from uwsim.bridges.remote.tree import RemoteTree
 from uwsim.channels.command_services import request_of
@@ -24,6 +33,7 @@ from uwsim.channels.own_types import ALL_STOPPED
 from uwsim.commands import Commandable, command_named
 
 LIGHT_SERVICE = "lights/"
+PROJECTED = "marine_acoustic_msgs/msg/ProjectedSonarImage"
 
 
 @dataclass(frozen=True)
@@ -119,6 +129,16 @@ class RemoteVehicle(Commandable):
     def sonars(self) -> Named[RemoteSonar]:
         """The multibeams, keyed by name."""
         return Named({"sonar": self.sonar} if self._sonar_topic() else {}, f"{self.name}.sonars")
+
+    @cached_property
+    def imaging_sonars(self) -> Named[RemoteImagingSonar]:
+        """The imaging sonars, keyed by name: all topics with their levels."""
+        found = {}
+        for topic, kind in self._connection.topics.items():
+            name = topic.removeprefix(self._prefix).removesuffix(LEVELS)
+            if topic == f"{self._prefix}{name}{LEVELS}" and "/" not in name and kind == PROJECTED:
+                found[name] = RemoteImagingSonar(self._connection, self._prefix + name, self._tree)
+        return Named(found, f"{self.name}.imaging_sonars")
 
     @cached_property
     def cameras(self) -> RemoteCameras:

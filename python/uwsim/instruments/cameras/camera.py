@@ -177,6 +177,16 @@ class Camera(Sealed):
         """The current pan, positive to port, and tilt, positive down; 0 without a motor."""
         return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
 
+    @property
+    def target_rad(self) -> tuple[float, float]:
+        """The pan and tilt to which the camera turns, as last passed to `aim`; 0 without a motor."""
+        return (0.0, 0.0) if self._head is None else self._head.target_rad
+
+    @property
+    def is_aimed(self) -> bool:
+        """True once the camera has reached its target pan and tilt, and without a motor."""
+        return self.aim_rad == self.target_rad
+
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
         """Turn to these angles at the motor's rate; None leaves the aim of that axis unchanged.
 

@@ -37,6 +37,11 @@ class PanTiltHead:
         pan, tilt = (a + min(max(b - a, -reach), reach) for a, b in zip(start, aim, strict=True))
         return pan, tilt
 
+    @property
+    def target_rad(self) -> Angles:
+        """Pan and tilt to which the axes turn."""
+        return self._motion[2]
+
     def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
         """Turn to these angles from time_ns on; None leaves the aim of that axis unchanged.
 

@@ -24,7 +24,7 @@ class Sonar(Sealed):
     name: str
     model: _core.MultibeamModel
     mode: str
-    _changed_by = MappingProxyType({"elevation_rad": "aim()"})
+    _changed_by = MappingProxyType({"elevation_rad": "aim()", "target_elevation_rad": "aim()"})
 
     def __init__(
         self,
@@ -71,6 +71,16 @@ class Sonar(Sealed):
     def elevation_rad(self) -> float:
         """The head's current elevation, at which it pings."""
         return self._simulation.sonar_elevation_rad(self._vehicle, self._index)
+
+    @property
+    def target_elevation_rad(self) -> float:
+        """The elevation to which the head turns, as last passed to `aim`."""
+        return self._simulation.sonar_target_elevation_rad(self._vehicle, self._index)
+
+    @property
+    def is_aimed(self) -> bool:
+        """True once the head has reached its target elevation."""
+        return self.elevation_rad == self.target_elevation_rad
 
     @property
     def ping_rate_max_hz(self) -> float:

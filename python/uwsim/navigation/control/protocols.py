@@ -62,6 +62,10 @@ class SonarLike(Protocol):
     def aim(self, elevation_rad: float) -> None:
         """Turn the head to an elevation, positive up."""
 
+    @property
+    def is_aimed(self) -> bool:
+        """True once the head has reached the elevation it was last turned to."""
+
     def ping(self) -> PingLike:
         """Ping from the current pose."""
 
