@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from uwsim.flight.survey import run_survey
     from uwsim.identification import identify
     from uwsim.mapping import OccupancyMap
+    from uwsim.operator.view import view
     from uwsim.scenario import Scenario, ScenarioError
     from uwsim.simulator.docking import DockedWarning
     from uwsim.simulator.simulator import Simulator
@@ -51,6 +52,7 @@ _MODULE_OF = {
     "identify": "uwsim.identification",
     "make_dataset": "uwsim.campaigns.datasets",
     "run_survey": "uwsim.flight.survey",
+    "view": "uwsim.operator.view",
 }
 
 __all__ = [
@@ -66,6 +68,7 @@ __all__ = [
     "make_dataset",
     "run_survey",
     "scenarios",
+    "view",
 ]
 
 
@@ -97,4 +100,4 @@ def scenarios() -> list[str]:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

@@ -1476,6 +1476,15 @@ class Guidance:
     """
     Guidance along a path from a given position.
     """
+    def __copy__(self) -> typing.Any: ...
+    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
+    def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
+    def to_dict(self) -> dict[str, typing.Any]:
+        """
+        Return the fields by name; arrays are not copied.
+        """
     @property
     def along_m(self) -> float:
         """
@@ -3297,6 +3306,12 @@ class Simulation:
         Return the maximum ping rate: the limit by two-way travel time, c / (2 range) with c at the head, and
         that of the electronics.
         """
+    def sonar_target_elevation_rad(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
+    ) -> float:
+        """
+        Return the elevation to which the head turns.
+        """
     def state(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
@@ -3414,6 +3429,7 @@ class BatteryState:
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
     def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __repr__(self) -> str: ...
     def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
     def to_dict(self) -> dict[str, typing.Any]:
         """

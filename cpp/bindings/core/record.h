@@ -38,6 +38,7 @@ class Record {
   /// Sets a short description for people, such as "Ping(400 beams, ...)".
   Record& described_by(std::string (*describe)(const T&)) {
     class_.def("__repr__", describe);
+    is_described_ = true;
     return *this;
   }
 
@@ -53,6 +54,13 @@ class Record {
   }
 
   py::class_<T>& done() {
+    if (!is_described_) {
+      std::vector<std::string> names;
+      for (const auto& field : fields_) names.push_back(field.name);
+      class_.def("__repr__", [names](const py::object& self) {
+        return py::module_::import("uwsim.base.short_repr").attr("described")(self, names).cast<std::string>();
+      });
+    }
     class_
         .def(
             "to_dict", [fields = fields_](const T& value) { return as_dict(fields, value); },
@@ -93,6 +101,7 @@ class Record {
 
   py::class_<T> class_;
   std::vector<Field> fields_;
+  bool is_described_ = false;
 };
 
 }  // namespace uwsim::bindings

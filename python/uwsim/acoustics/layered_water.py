@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
+from uwsim.base.short_repr import ShortRepr
 from uwsim.scenario.spec.link import BOTTOMS
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Arrivals:
+@dataclass(frozen=True, repr=False)
+class Arrivals(ShortRepr):
     """The arrivals at a receiver, sorted by time: one value of each array per arrival.
 
     level_db: relative to the source's level at 1 m. phase_rad: sound sent as cos(w t) arrives as cos(w (t - time_s) -

@@ -76,6 +76,9 @@ class MemberAboard:
             scenario, self._vehicles, dock=dock, network=network, events=self.events, agenda=self.agenda
         )
 
+    def __repr__(self) -> str:
+        return f"<MemberAboard: {self.events!r}, {self.faults!r}>"
+
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock, control: ControlSettings) -> Vehicle:
         return Vehicle(
             self._core,

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.named import Named
+from uwsim.base.short_repr import ShortRepr
 
 Floats = NDArray[np.float64]
 R = TypeVar("R")
 
 
-@dataclass(frozen=True, eq=False)
-class BatchMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class BatchMotion(ShortRepr):
     """Pose and velocity of one vehicle in each member. The arrays are read-only and belong to the batch.
 
     time_ns (n,) uint64: time since the member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body
@@ -31,8 +32,8 @@ class BatchMotion:
     released: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class BatchSamples:
+@dataclass(frozen=True, eq=False, repr=False)
+class BatchSamples(ShortRepr):
     """The latest sample from one sensor in each member; see Sensor.read. The read-only arrays belong to the batch.
 
     values (n, width) float64: all fields, concatenated. fields: one view per field, (n,) or (n, width). stamp_ns (n,)
@@ -45,8 +46,8 @@ class BatchSamples:
     fields: Mapping[str, Floats]
 
 
-@dataclass(frozen=True, eq=False)
-class BatchPings:
+@dataclass(frozen=True, eq=False, repr=False)
+class BatchPings(ShortRepr):
     """A ping from one sonar in each member; see Ping. The arrays are read-only and belong to the batch.
 
     (n, beams): ranges_m, incidence_rad, intensity_db float32, labels uint16, valid bool; points_sonar_m (n, beams, 3)
@@ -62,7 +63,7 @@ class BatchPings:
     world_from_sonar: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BatchPhysicsPings(BatchPings):
     """A physics-mode ping from one sonar in each member, with the additional arrays of _core.PhysicsPing.
 

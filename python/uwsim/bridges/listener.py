@@ -98,6 +98,11 @@ class Listener(Generic[S]):
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"{'wss' if self._tls else 'ws'}://{host}:{self.port}"
 
+    @property
+    def is_running(self) -> bool:
+        """True from start to stop."""
+        return self._thread is not None
+
     def start(self) -> None:
         """Start listening. Raises OSError on failure, and warns (UserWarning) if other machines can connect."""
         if self._thread is not None:

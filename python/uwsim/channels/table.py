@@ -88,6 +88,9 @@ class Table:
         self.channels += self._standard(sim) if wire != "published" else []
         self.services: list[Service] = self._services(sim)
 
+    def __repr__(self) -> str:
+        return f"<Table of {len(self.channels)} channels and {len(self.services)} services>"
+
     def look_anew(self) -> None:
         """Forget the latest pings and pictures, so that a recording starts with new ones; on the simulator's thread."""
         for pings in self.pings.values():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import webbrowser
 from typing import Annotated
 
@@ -64,6 +62,7 @@ def station(
     from uwsim.bridges.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.station import Site, Station
+    from uwsim.operator.view import has_display
     from uwsim.scenario import load
     from uwsim.scenario.read.assets import packaged_names
 
@@ -89,14 +88,9 @@ def station(
     )
     with server, hub.serving(server.show):
         url = page_url(server.url, token)
-        if browser and _has_display():
+        if browser and has_display():
             webbrowser.open(url)
         wait_for_interrupt(f"the station is at {url}{instructor_text(url, instructor_token)}; Ctrl-C ends it")
-
-
-def _has_display() -> bool:
-    """Return whether a browser would open a window rather than take over the terminal."""
-    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def instructor_text(url: str, instructor_token: str | None) -> str:

@@ -67,6 +67,9 @@ class Course:
         self._returning: Any = None
         self.restart()
 
+    def __repr__(self) -> str:
+        return f"<Course '{self.exercise.title}' of {self.sim!r}>"
+
     @staticmethod
     def require_events(exercise: Exercise, sim: Simulator) -> None:
         """Try all events on a simulator, and restore it. Raises ValueError if one cannot happen."""

@@ -17,6 +17,8 @@ from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.survey_track import SurveyTrack
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from uwsim.flight.ashore import Ashore
     from uwsim.flight.closed_flight import ClosedPath
     from uwsim.flight.map_growth import GrowthRow
@@ -96,6 +98,13 @@ class FlightRecord:
             f"<FlightRecord of {self.mission} in '{self.scenario}': {self.simulated_s:.1f} s simulated in "
             f"{self.wall_s:.1f} s, {len(self.events)} events{pings}{coverage}; ended because {self.ended_because}>"
         )
+
+    def plot(self) -> Figure:
+        """Return a matplotlib Figure of the first vehicle's true path from above, coloured by height."""
+        return next(iter(self.samples.values())).plot()
+
+    def _repr_png_(self) -> bytes | None:
+        return next(iter(self.samples.values()))._repr_png_() if self.samples else None
 
     @property
     def interrupted(self) -> bool:

@@ -241,5 +241,7 @@ def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:
         vehicle.released,
         *(float(getattr(panel, f"{name}_warning", False)) for name in ("range", "proximity", "collision")),
         0.0,
+        *np.asarray(vehicle.velocity.linear_body_m_s).tolist(),
+        *np.asarray(vehicle.velocity.angular_body_rad_s).tolist(),
         *vehicle.effort,
     ]

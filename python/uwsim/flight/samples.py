@@ -19,12 +19,14 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.wall_timer import Measurement
 from uwsim.flight.ping_log import PANEL_WARNINGS, lit
+from uwsim.instruments.sensors import Sensor
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 PERIOD_S = 0.2
 COLUMNS = (
@@ -32,7 +34,10 @@ COLUMNS = (
     "estimated_x_m", "estimated_y_m", "estimated_z_m", "estimated_yaw_rad",
     "depth_m", "altitude_m", "speed_m_s", "battery_percent", "distance_to_station_m",
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
+    "surge_m_s", "sway_m_s", "heave_m_s", "roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s",
 )  # fmt: skip
+COMMANDS = ("thruster ", "effort ")
+"""Beginnings of the names of columns with commands."""
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
 """Commands that are too frequent to log, as is set_effort."""
 _FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
@@ -46,7 +51,10 @@ Hear = Callable[[str, str, dict[str, Any]], object]
 class Samples:
     """The samples of one vehicle; a column such as `samples["depth_m"]` has shape (n,).
 
-    The last columns are commands in [-1, 1], named "thruster NAME" or, for a vehicle without thrusters, "effort AXIS".
+    The motion is the true one, its rates in body axes (REP 103). Further columns are "fin NAME", deflections [rad];
+    "sensor NAME", or for several quantities "sensor NAME QUANTITY", with " 0", " 1" ... for the parts of an array: the
+    newest readings as a mission would read them, NaN if the sensor is off, in the units of `Sensor.unit`; and last the
+    commands in [-1, 1], "thruster NAME" or, for a vehicle without thrusters, "effort AXIS".
     """
 
     names: tuple[str, ...]
@@ -57,6 +65,12 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.values)
+
+    def pandas(self) -> DataFrame:
+        """Return the samples as a pandas DataFrame, indexed by time_s. Raises ImportError without pandas."""
+        import pandas  # an optional dependency
+
+        return pandas.DataFrame(self.values, columns=list(self.names)).set_index("time_s")
 
     def __repr__(self) -> str:
         return f"<Samples: {len(self)} of {', '.join(self.names[:4])} ... {len(self.names)} columns>"
@@ -85,12 +99,12 @@ class Samples:
     @property
     def commands(self) -> NDArray[np.float64]:
         """Commands in [-1, 1], (n, thrusters or axes)."""
-        return self.values[:, len(COLUMNS) :]
+        return self.values[:, len(self.names) - len(self.command_names) :]
 
     @property
     def command_names(self) -> tuple[str, ...]:
         """Names of the thrusters or axes, in the order of `commands`."""
-        return tuple(name.partition(" ")[2] for name in self.names[len(COLUMNS) :])
+        return tuple(name.partition(" ")[2] for name in self.names if name.startswith(COMMANDS))
 
     def lit_s(self, warning: str) -> float:
         """Return the time for which a panel warning was on [s], to the resolution of the samples."""
@@ -119,7 +133,7 @@ class Sampler:
         self._sim, self._hear, self._timer = sim, hear, timer
         self._steps = max(1, round(PERIOD_S / sim.step_s))
         self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
-        self._thrusters = {name: tuple(sim.vehicles[name].thrusters) for name in vehicles}
+        self._columns = {name: _Columns(sim.vehicles[name]) for name in vehicles}
         self._rows: dict[str, list[list[float]]] = {name: [] for name in vehicles}
         if saved:
             self._rows = {name: saved[name].tolist() for name in vehicles}
@@ -132,7 +146,8 @@ class Sampler:
         self.due_tick = self._sim.tick + self._steps
         with self._timer:
             for name, vehicle, own in self._vehicles:
-                row, rows = _row(self._sim.time_s, vehicle, own, self._thrusters[name]), self._rows[name]
+                row, rows = _row(self._sim.time_s, vehicle, own), self._rows[name]
+                row += self._columns[name].read()
                 self._note_changes(name, rows[-1] if rows else None, row)
                 rows.append(row)
 
@@ -145,8 +160,8 @@ class Sampler:
     def samples(self) -> dict[str, Samples]:
         """Return all samples so far, by vehicle."""
         found = {}
-        for name, thrusters in self._thrusters.items():
-            names = (*COLUMNS, *([f"thruster {one}" for one in thrusters] or [f"effort {axis}" for axis in AXES]))
+        for name, columns in self._columns.items():
+            names = (*COLUMNS, *columns.names)
             found[name] = Samples(names, np.array(self._rows[name], np.float64).reshape(-1, len(names)))
         return found
 
@@ -164,13 +179,49 @@ class Sampler:
             self._hear(name, "battery_empty", {})
 
 
-def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle, thrusters: tuple[str, ...]) -> list[float]:
+class _Columns:
+    """The columns of one vehicle after COLUMNS: its fins, sensors and commands."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self._sensors = [(sensor, _fields(sensor)) for sensor in vehicle.sensors.values()]
+        self._has_thrusters = bool(vehicle.thrusters)
+        sensors = [name for sensor, _ in self._sensors for name in _names(sensor)]
+        commands = [f"thruster {one}" for one in vehicle.thrusters] or [f"effort {axis}" for axis in AXES]
+        self.names = (*(f"fin {fin}" for fin in vehicle.fins), *sensors, *commands)
+
+    def read(self) -> list[float]:
+        """Return the current values, in the order of `names`."""
+        vehicle = self._vehicle
+        found: list[float] = list(vehicle.fins.values())
+        for sensor, fields in self._sensors:
+            reading = sensor.read()
+            found += [reading] if fields is None else np.hstack([getattr(reading, name) for name in fields]).tolist()
+        if self._has_thrusters:
+            return [*found, *(one.command for one in vehicle.thrusters.values())]
+        return [*found, *vehicle.effort.tolist()]
+
+
+def _fields(sensor: Sensor[Any]) -> tuple[str, ...] | None:
+    """Return the names of a sensor's quantities; None if its reading is a number."""
+    return tuple(sensor.unit) if isinstance(sensor.unit, dict) else None
+
+
+def _names(sensor: Sensor[Any]) -> list[str]:
+    fields = _fields(sensor)
+    if fields is None:
+        return [f"sensor {sensor.name}"]
+    sizes = {field: np.size(getattr(sensor.read(noise=False), field)) for field in fields}
+    parts = {field: [""] if size == 1 else [f" {k}" for k in range(size)] for field, size in sizes.items()}
+    return [f"sensor {sensor.name} {field}{part}" for field in fields for part in parts[field]]
+
+
+def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle) -> list[float]:
     pose, panel = vehicle.pose, vehicle.telemetry()
     position, yaw = pose.position_world_m.tolist(), pose.yaw_rad
     estimated, estimated_yaw = position, yaw
     if own.estimate is not vehicle:
         estimated, estimated_yaw = np.asarray(own.pose.position_world_m).tolist(), float(own.pose.yaw_rad)
-    driven = [one.command for one in vehicle.thrusters.values()] if thrusters else vehicle.effort.tolist()
     upward_x, upward_y, upward_z, _ = pose.world_from_body[2].tolist()
     return [
         time_s,
@@ -184,5 +235,6 @@ def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle, thrusters: tuple[str,
         vehicle.released,
         *lit(panel),
         vehicle.collisions,
-        *driven,
+        *vehicle.velocity.linear_body_m_s.tolist(),
+        *vehicle.velocity.angular_body_rad_s.tolist(),
     ]

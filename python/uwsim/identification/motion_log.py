@@ -23,6 +23,7 @@ from ruamel.yaml.error import YAMLError
 
 from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
+from uwsim.base.short_repr import ShortRepr
 from uwsim.scenario.spec.fields import Model
 
 Array = NDArray[np.float64]
@@ -54,8 +55,8 @@ class Mapping(Model):
     noise: dict[str, float] = Field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
-class MotionLog:
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionLog(ShortRepr):
     """A vehicle's commands and motion.
 
     times_s (n,), increasing; position_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): NaN where not

@@ -21,6 +21,7 @@ from scipy.optimize import least_squares
 from scipy.stats import norm
 
 from uwsim.base.axes import AXES
+from uwsim.base.short_repr import ShortRepr
 from uwsim.identification.flown import OUTPUTS, VEHICLE, Flown
 from uwsim.identification.motion_log import MotionLog
 from uwsim.identification.unknowns import Unknown, unknowns
@@ -59,8 +60,8 @@ class Value:
         return self.left < DETERMINED
 
 
-@dataclass(frozen=True, eq=False)
-class Identified:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identified(ShortRepr):
     """The result. values: by name. undetermined: combinations, as (share of the spread left, {name: part}).
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].

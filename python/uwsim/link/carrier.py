@@ -77,6 +77,9 @@ class Carrier:
         self._tick = -1  # the tick at which arrivals were last applied to the vehicles
         self._awaited_tick = NEVER
 
+    def __repr__(self) -> str:
+        return f"<Carrier of {len(self.channels)} channels over {self._setup.modem.kind}>"
+
     def _require_known(self, patterns: Iterable[str]) -> None:
         """Raise ValueError if a pattern matches no topic on the link."""
         topics = [*self._carried, *(remote.TOPIC + name for name in COMMANDS if remote.crosses_link(name))]

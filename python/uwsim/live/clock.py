@@ -16,6 +16,9 @@ class LiveClock:
         self._loop = loop
         self._woken_at: int | None = None  # steps_made of the loop when the last wait ended
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} at {self.time_s:.3f} s>"
+
     @property
     def time_s(self) -> float:
         """Simulated time since the start in seconds."""

@@ -43,6 +43,9 @@ class CommandLog:
         self._entries: deque[Entry] = deque()
         self._payload_bytes = 0
 
+    def __repr__(self) -> str:
+        return f"<CommandLog of {len(self)} commands from tick {self.start_tick}>"
+
     def append(self, entry: Entry) -> None:
         """Add an entry."""
         self._entries.append(entry)

@@ -61,6 +61,10 @@ class LiveSimulator:
         self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
         self._thread: threading.Thread | None = None
 
+    def __repr__(self) -> str:
+        state = "stopped" if not self.running else "paused" if self.paused else f"at speed {self.speed}"
+        return f"<LiveSimulator, {state}: {self.simulator!r}>"
+
     @property
     def rov(self) -> LiveVehicle:
         """The scenario's first vehicle."""

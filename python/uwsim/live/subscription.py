@@ -42,6 +42,10 @@ class Subscription:
         self._read = read
         self._sink = sink
 
+    def __repr__(self) -> str:
+        period = "by itself" if self._period_ns is None else f"every {1e-9 * self._period_ns:g} s"
+        return f"<Subscription {period}{', cancelled' if self.cancelled else ''}>"
+
     def cancel(self) -> None:
         """Take no more readings. A reading in progress may still arrive."""
         self.cancelled = True

@@ -33,6 +33,9 @@ class LiveVehicle(Placeable):
         self.cameras = {name: LiveCamera(live, vehicle.name, name, camera) for name, camera in vehicle.cameras.items()}
         self.lamps = {name: LiveLamp(live, vehicle.name, lamp) for name, lamp in vehicle.lamps.items()}
 
+    def __repr__(self) -> str:
+        return f"<Live{repr(self._vehicle)[1:]}"
+
     def __getattr__(self, name: str) -> Any:
         """Return an attribute of the vehicle itself, such as `thrusters` or `authority`."""
         return getattr(self._vehicle, name)

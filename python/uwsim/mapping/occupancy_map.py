@@ -333,8 +333,12 @@ class OccupancyMap(Sealed):
             raise ValueError(f"map path '{target}': must end in .bt or .ot")
         self._map.write(target, suffix.removeprefix("."))
 
-    def view(self) -> Figure:
+    def plot(self) -> Figure:
         """Return a plan view, coloured by height, as a matplotlib Figure."""
+        return self.view()
+
+    def view(self) -> Figure:
+        """Return the same as `plot`."""
         from uwsim.mapping.plan_view import plan_view  # matplotlib takes a while to import
 
         return plan_view(self)

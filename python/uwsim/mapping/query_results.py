@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.short_repr import ShortRepr
 from uwsim.mapping.occupancy_model import probability
 
 
@@ -36,8 +37,8 @@ class MapStatistics:
     evictions: int
 
 
-@dataclass(frozen=True, eq=False)
-class Cubes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Cubes(ShortRepr):
     """Cubes of a map, in Morton order.
 
     centres_m: (n, 3) float64, world. edges_m: (n,) float64. log_odds: (n,) float32, of the cube being occupied.
@@ -65,8 +66,8 @@ class Cubes:
         return Cubes(self.centres_m[which], self.edges_m[which], self.log_odds[which])
 
 
-@dataclass(frozen=True, eq=False)
-class StateGrid:
+@dataclass(frozen=True, eq=False, repr=False)
+class StateGrid(ShortRepr):
     """The states of all voxels of a box.
 
     states: (nx, ny, nz) int8, 1 occupied, 0 free, -1 unknown. low_centre_world_m: (3,), the centre of states[0, 0, 0].
@@ -76,8 +77,8 @@ class StateGrid:
     low_centre_world_m: NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class MapChanges:
+@dataclass(frozen=True, eq=False, repr=False)
+class MapChanges(ShortRepr):
     """Voxels of the finest level that changed, and their current states.
 
     centres_m: (n, 3) float64, world, in Morton order. states: (n,) int8, 1 occupied, 0 free, -1 unknown.
@@ -90,8 +91,8 @@ class MapChanges:
         return len(self.states)
 
 
-@dataclass(frozen=True, eq=False)
-class OccupancyChanges:
+@dataclass(frozen=True, eq=False, repr=False)
+class OccupancyChanges(ShortRepr):
     """Voxels of the finest level that have become occupied or ceased to be, in Morton order.
 
     cells: (n, 3) int16, voxel indices from the map's origin; a voxel's centre is at (cell + 0.5) * resolution from it.
@@ -105,8 +106,8 @@ class OccupancyChanges:
         return len(self.occupied)
 
 
-@dataclass(frozen=True, eq=False)
-class RayCasts:
+@dataclass(frozen=True, eq=False, repr=False)
+class RayCasts(ShortRepr):
     """The end points of rays cast in a map.
 
     states: (n,) int8: 1 if the ray reached an occupied voxel, 0 if it reached its maximum range or the cube's edge, -1

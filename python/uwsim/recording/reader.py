@@ -84,6 +84,12 @@ class Recording:
             raise ValueError(f"recording '{path}': {error}") from None
         self._require_our_types()
 
+    def __repr__(self) -> str:
+        whole = "" if self.complete else ", incomplete"
+        return (
+            f"<Recording '{self.path}': {len(self._channels)} channels, {sum(self._counts.values())} messages{whole}>"
+        )
+
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:
         """The recorded channels, keyed by name."""

@@ -99,6 +99,9 @@ class Recorder:
         self._sink: Sink | None = None
         self._commands = Channel(COMMANDS, "std_msgs/msg/String", "out", "each command with its tick, as JSON")
 
+    def __repr__(self) -> str:
+        return f"<Recorder of {len(self._channels)} channels to '{self.path}'>"
+
     def _chosen(self, topics: Sequence[str] | None, without: Sequence[str]) -> list[Channel]:
         given = self._table.channels
         self._through_link = is_seen(self._sim, given)

@@ -94,6 +94,9 @@ class RosbridgeClient(Bridge):
         self._refused_bytes: int | None = None  # messages of this size or larger are no longer sent
         self._left_out: set[str] = set()
 
+    def __repr__(self) -> str:
+        return f"<RosbridgeClient of {self.url}>"
+
     def start(self) -> Self:
         """Start connecting; return self."""
         if self._thread is not None:

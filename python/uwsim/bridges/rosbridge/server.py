@@ -110,6 +110,9 @@ class RosbridgeServer:
         self._node: SimulatorNode | None = None
         self._pool: ThreadPoolExecutor | None = None
 
+    def __repr__(self) -> str:
+        return f"<RosbridgeServer {'at ' + self.url if self._listener.is_running else 'not started'}>"
+
     @property
     def sessions(self) -> dict[str, Session]:
         """The clients' sessions, keyed by their names in the graph."""

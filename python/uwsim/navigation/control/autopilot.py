@@ -48,6 +48,9 @@ class Autopilot(Sealed):
         self._gains = gains or steady_gains(Gains(), getattr(vehicle, "authority", None), period_s)
         self._core = _core.Autopilot(period_s, _core.AutopilotGains(**asdict(self._gains)))
 
+    def __repr__(self) -> str:
+        return f"<Autopilot of {self.vehicle!r}, every {self.period_s:g} s>"
+
     @property
     def gains(self) -> Gains:
         """The gains used from the next control period onwards."""

@@ -59,6 +59,9 @@ class Controller(Sealed):
         self._sway = settings.model.driven[1]
         self._core = _core.MotionController(settings.model, settings.gains, period_s)
 
+    def __repr__(self) -> str:
+        return f"<Controller of {self.vehicle!r}, every {self.period_s:g} s>"
+
     @property
     def drives_sway(self) -> bool:
         """Whether the vehicle can move sideways."""

@@ -49,6 +49,9 @@ class PathFollower(Sealed):
         self._pace = 1.0  # current fraction of the speed
         self._core = _core.PathFollower(points_m, lookahead_m, integral_m_s, controller.period_s)
 
+    def __repr__(self) -> str:
+        return f"<PathFollower at {self.speed_m_s:g} m/s, {self.lookahead_m:g} m ahead, by {self.controller!r}>"
+
     def steer(self) -> _core.Guidance:
         """Set the efforts for one control period; return the guidance, which shows whether the end has been passed."""
         guidance = self._core.guide(self.controller.estimate.pose.position_world_m)

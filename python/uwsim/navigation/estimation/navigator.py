@@ -88,6 +88,12 @@ class Navigator(Sealed):
         self._lock = threading.RLock()  # several threads may read a live simulator's estimate
         self.restart(start)
 
+    def __repr__(self) -> str:
+        east, north, up = self.pose.position_world_m.tolist()
+        std_m = float(np.sqrt(np.trace(self.covariance[:3, :3])))
+        aids = ", ".join(self._aids) or "no aids"
+        return f"<Navigator by IMU, {aids}: at ({east:.2f}, {north:.2f}, {up:.2f}) m, std {std_m:.2g} m>"
+
     def restart(self, start: Start | None = None) -> None:
         """Restart now. start: defaults to the first USBL fixes."""
         with self._lock:

@@ -89,6 +89,9 @@ class Station:
 
     # Called by the graph
 
+    def __repr__(self) -> str:
+        return f"<Station: {self.phase}, offers '{self.offered}'>"
+
     def connect(self, node: Node) -> None:
         """Receive the node through which the station takes part in the graph."""
         self.node = node

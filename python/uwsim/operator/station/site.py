@@ -42,21 +42,35 @@ class File(NamedTuple):
     name: str = ""
 
 
+POLICY, FRAMES, NO_PAGES = "Content-Security-Policy", "frame-ancestors ", "'none'"
+
+
 class Site:
     """Answers the server's HTTP requests; slow content is generated on separate threads.
 
     may_load: returns whether a request may load more than the page's own files, for example because it carries the
-    token.
+    token. framed_by: sources of the pages that may show the page in a frame, as in Content-Security-Policy; none by
+    default.
     """
 
-    def __init__(self, station: Station, may_load: Callable[[Request], bool] = lambda request: True) -> None:
+    def __init__(
+        self, station: Station, may_load: Callable[[Request], bool] = lambda request: True, framed_by: str = NO_PAGES
+    ) -> None:
         self._station = station
+        self._framed_by = framed_by
         self._may_load = may_load
         self._waiting = 0
         self._pool = ThreadPoolExecutor(2, thread_name_prefix="uwsim-site")
 
     async def __call__(self, request: Request) -> Response:
         """Return the response to a GET request."""
+        response = await self._response(request)
+        policy = response.headers[POLICY].replace(FRAMES + NO_PAGES, FRAMES + self._framed_by)
+        del response.headers[POLICY]  # an assignment would add a second one
+        response.headers[POLICY] = policy
+        return response
+
+    async def _response(self, request: Request) -> Response:
         path = unquote(urlsplit(request.path).path)
         if not DATA.match(path):
             return _page_file(request, path)
@@ -158,11 +172,11 @@ def _safe(request: Request) -> dict[str, str]:
     policy = (
         "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self' blob: data:; "
         f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
-        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+        f"base-uri 'none'; form-action 'none'; {FRAMES}{NO_PAGES}"
     )
     origin = request.headers.get("Origin")  # the origin of an admitted page, which may read what it loads
     return {
-        "Content-Security-Policy": policy,
+        POLICY: policy,
         "X-Content-Type-Options": "nosniff",
         "Referrer-Policy": "no-referrer",
         "Cross-Origin-Opener-Policy": "same-origin",

@@ -145,6 +145,12 @@ def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: f
     return (model.noise_level_db + gain_db).astype(np.float32)
 
 
+def level_span(level_db: Levels) -> str:
+    """Return the range of some levels, such as "20 to 95 dB"; levels that are not finite are left out."""
+    known = level_db[np.isfinite(level_db)]
+    return f"{known.min():.0f} to {known.max():.0f} dB" if known.size else "no levels"
+
+
 def labels_of(arrays: Mapping[str, Levels], name: str = "labels") -> Labels | None:
     """Return the label of each cell from a ping's arrays, or None if labels were not requested."""
     return arrays[name].astype(np.uint16) if name in arrays else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +16,14 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     Place,
     instrument,
     labels_of,
+    level_span,
     noise_db,
     whole_number,
 )
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +51,7 @@ class ForwardLooking(Acoustics):
     rays_per_column: int = 384
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SonarImage:
     """A picture taken by a forward-looking sonar.
 
@@ -64,6 +68,23 @@ class SonarImage:
     world_from_sonar: Matrix
     model: ForwardLooking
     labels: Labels | None = None
+
+    def __repr__(self) -> str:
+        bins, beams = self.level_db.shape
+        return (
+            f"<SonarImage: {beams} beams x {bins} ranges to {self.model.range_max_m:g} m, {level_span(self.level_db)}>"
+        )
+
+    def plot(self) -> Figure:
+        """Return a matplotlib Figure of the levels."""
+        from uwsim.instruments.sonars.imaging.plots import plot_fan  # imported here, since matplotlib takes a second
+
+        return plot_fan(self)
+
+    def _repr_png_(self) -> bytes:
+        from uwsim.instruments.sonars.imaging.plots import png
+
+        return png(self.plot())
 
 
 def look_ahead(

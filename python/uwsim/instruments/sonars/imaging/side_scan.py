@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +17,14 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     Place,
     instrument,
     labels_of,
+    level_span,
     noise_db,
     whole_number,
 )
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +51,7 @@ class SideScan(Acoustics):
     detection_db: float = 12.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Waterfall:
     """Side-scan sonar pings along a track, one per row.
 
@@ -67,6 +71,24 @@ class Waterfall:
     model: SideScan
     port_labels: Labels | None = None
     starboard_labels: Labels | None = None
+
+    def __repr__(self) -> str:
+        pings, bins = self.port_db.shape
+        reach = f"{self.model.range_max_m:g} m to either side"
+        return f"<Waterfall: {pings} pings x {bins} ranges to {reach}, {level_span(self.picture_db())}>"
+
+    def plot(self) -> Figure:
+        """Return a matplotlib Figure of the levels."""
+        from uwsim.instruments.sonars.imaging.plots import (
+            plot_waterfall,  # imported here, since matplotlib takes a second
+        )
+
+        return plot_waterfall(self)
+
+    def _repr_png_(self) -> bytes:
+        from uwsim.instruments.sonars.imaging.plots import png
+
+        return png(self.plot())
 
     def picture_db(self) -> Levels:
         """Return the picture, (pings, 2 bins) float32: port, mirrored, on the left and starboard on the right."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +16,14 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     Place,
     instrument,
     labels_of,
+    level_span,
     noise_db,
     whole_number,
 )
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +48,7 @@ class SingleBeam(Acoustics):
     detection_db: float = 15.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Profiles:
     """The pings of a single-beam sonar, one per angle.
 
@@ -63,6 +67,25 @@ class Profiles:
     world_from_sonar: Matrix
     model: SingleBeam
     labels: Labels | None = None
+
+    def __repr__(self) -> str:
+        angles, bins = self.level_db.shape
+        return (
+            f"<Profiles: {angles} angles x {bins} ranges to {self.model.range_max_m:g} m, {level_span(self.level_db)}>"
+        )
+
+    def plot(self) -> Figure:
+        """Return a matplotlib Figure of the levels."""
+        from uwsim.instruments.sonars.imaging.plots import (
+            plot_profiles,  # imported here, since matplotlib takes a second
+        )
+
+        return plot_profiles(self)
+
+    def _repr_png_(self) -> bytes:
+        from uwsim.instruments.sonars.imaging.plots import png
+
+        return png(self.plot())
 
     @property
     def points_world_m(self) -> NDArray[np.float64]:

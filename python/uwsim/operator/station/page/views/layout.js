@@ -32,7 +32,7 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
-  #large = '';
+  #large = new URLSearchParams(location.search).get('view') ?? ''; // as uwsim.view asks for the scene
   #isAboard = false; // whether views show the vehicle's own pictures, not those carried by the link
   #cameras = new Previews();
   #sonars = new Previews();

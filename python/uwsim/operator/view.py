@@ -1,0 +1,113 @@
+"""view: the operator's station over a simulator of one's own, from a script, a Python prompt or a notebook."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from contextlib import ExitStack
+from html import escape
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
+from uwsim.live.pace import Speed
+from uwsim.live.vehicle import LiveVehicle
+from uwsim.operator.station import Site, Station
+from uwsim.scenario import Scenario
+from uwsim.simulator.simulator import Simulator
+
+LOCAL_PAGES = "http://localhost:* http://127.0.0.1:*"
+"""Pages that may show the view in a frame: those of this machine, such as Jupyter's."""
+HEIGHT_PX = 600
+SCENE = "/?view=scene"
+"""The page with its 3D view as the large one."""
+
+
+class Viewer:
+    """The station's page over a running simulator; see `view`.
+
+    live: the LiveSimulator that steps it. url: the page. Close it with `close`, or use it as a context manager; the
+    simulator then stands where the viewer left it, and is stepped by its owner again.
+    """
+
+    live: LiveSimulator
+    url: str
+
+    def __init__(self, live: LiveSimulator) -> None:
+        self.live = live
+        self._owns = not live.running
+        station = Station(is_fixed=True)
+        with ExitStack() as open_things:
+            server = open_things.enter_context(
+                RosbridgeServer(None, port=0, guests=[station], site=Site(station, framed_by=LOCAL_PAGES))
+            )
+            open_things.enter_context(station.serving(server.show))
+            if self._owns:
+                open_things.enter_context(live)
+            station.run(lambda: live)
+            self.url = server.url.replace("ws", "http", 1) + SCENE
+            self._open_things = open_things.pop_all()
+
+    @property
+    def rov(self) -> LiveVehicle:
+        """The scenario's first vehicle, which accepts commands from any thread."""
+        return self.live.rov
+
+    def close(self) -> None:
+        """Close the page's server, and stop the simulator unless it was running before."""
+        self._open_things.close()  # also stops the simulator
+        if not self._owns and not self.live.running:
+            self.live.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Viewer at {self.url}: {self.live!r}>"
+
+    def _repr_html_(self) -> str:
+        """Return the page in a frame, for notebooks on this machine."""
+        size = f'width="100%" height="{HEIGHT_PX}" style="border: 0"'
+        return f'<iframe src="{escape(self.url)}" title="uwsim" {size}></iframe>'
+
+
+def view(
+    sim: Simulator | LiveSimulator | Scenario | str | Path = "lake",
+    *,
+    speed: Speed = 1.0,
+    paused: bool = False,
+    browser: bool | None = None,
+) -> Viewer:
+    """Open the station's own page, with its 3D view, over a simulator; return the Viewer.
+
+        sim = uwsim.Simulator("lake")
+        with uwsim.view(sim) as viewer:          # in a notebook, the last expression of a cell: uwsim.view(sim)
+            viewer.rov.set_effort(surge=0.5)     # or fly it on the page
+            viewer.live.clock.wait(10.0)         # simulated seconds
+        sim.advance(1.0)                         # it goes on from there
+
+    While it is open, the simulator steps itself: command it through `viewer.rov` or `viewer.live`, and do not step or
+    command `sim`. sim: a simulator, whose state is kept, a LiveSimulator, or the scenario to create one from. speed:
+    simulated seconds per wall second, or "max"; paused: whether it waits for `viewer.live.step(n)` or
+    `viewer.live.resume()`; both without effect on a LiveSimulator. browser: whether to open a browser's window; by
+    default on a desktop outside notebooks. The server listens on 127.0.0.1, on a free port. Raises ScenarioError or
+    ValueError for invalid arguments, OSError without a free port.
+    """
+    live = sim if isinstance(sim, LiveSimulator) else LiveSimulator(sim, speed=speed, paused=paused)
+    viewer = Viewer(live)
+    if browser if browser is not None else (has_display() and "ipykernel" not in sys.modules):
+        webbrowser.open(viewer.url)
+    return viewer
+
+
+def has_display() -> bool:
+    """Return whether a browser would open a window rather than take over the terminal."""
+    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
