@@ -79,6 +79,9 @@ __all__: list[str] = [
     "SensorKind",
     "SensorReading",
     "SensorSpec",
+    "ServoCounts",
+    "ServoExchange",
+    "ServoMotor",
     "Simulation",
     "SimulationSpec",
     "SolidProperties",
@@ -126,6 +129,7 @@ __all__: list[str] = [
     "network_trial",
     "packet_error",
     "pass_through",
+    "play_servo_frames",
     "points_above",
     "refracted",
     "register_cloud",
@@ -4121,6 +4125,113 @@ class Batch:
         Advance each member by its own number of steps, (n,). Can be interrupted by Ctrl-C.
         """
 
+class ServoMotor:
+    """
+    A motor of an autopilot's frame: the servo output that drives a thruster.
+    """
+    def __init__(
+        self,
+        output: typing.SupportsInt | typing.SupportsIndex,
+        thruster: str,
+        direction: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        output: index, from 0. direction: 1 or -1, the sign of the thruster's command at a pulse above 1500 us.
+        """
+    @property
+    def direction(self) -> float: ...
+    @property
+    def output(self) -> int: ...
+    @property
+    def thruster(self) -> str: ...
+
+class ServoCounts:
+    """
+    What a ServoExchange has received since it began.
+    """
+    @property
+    def cut(self) -> int:
+        """
+        Servo packets of a wrong length.
+        """
+    @property
+    def foreign(self) -> int:
+        """
+        Packets that are no servo packets.
+        """
+    @property
+    def frames(self) -> int:
+        """
+        Frames that made a step.
+        """
+    @property
+    def lost(self) -> int:
+        """
+        Frames missing between two that arrived.
+        """
+    @property
+    def others(self) -> int:
+        """
+        Frames of another autopilot, which are ignored.
+        """
+    @property
+    def repeated(self) -> int:
+        """
+        Frames that arrived again, without a step.
+        """
+    @property
+    def resets(self) -> int:
+        """
+        Autopilots that started again.
+        """
+
+class ServoExchange:
+    """
+    The physics side of ArduPilot's JSON interface: UDP, one frame of the autopilot for each step.
+    """
+    def __init__(
+        self,
+        simulation: Simulation,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        motors: collections.abc.Sequence[ServoMotor],
+        imu: typing.SupportsInt | typing.SupportsIndex,
+        altimeter: typing.SupportsInt | typing.SupportsIndex | None,
+        with_noise: bool,
+        watched: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        host: str,
+        port: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        imu, altimeter: indices of sensors, read with their errors if with_noise. watched: outputs whose change
+        ends a run. port: 0 for any free one. Raises ValueError, or OSError if the port is not available.
+        """
+    def run(
+        self,
+        simulation: Simulation,
+        steps: typing.SupportsInt | typing.SupportsIndex,
+        patience_s: typing.SupportsFloat | typing.SupportsIndex,
+        steers: bool,
+    ) -> tuple:
+        """
+        Make one step for each frame that arrives, at most `steps`; return the frames' outputs as bytes, 32
+        uint16 [us] a frame, and whether a watched output changed, which ends the call. It also ends if no frame
+        arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises ValueError.
+        """
+    @property
+    def counts(self) -> ServoCounts: ...
+    @property
+    def peer(self) -> str:
+        """
+        The autopilot's address and port; empty before its first frame.
+        """
+    @property
+    def port(self) -> int: ...
+    @property
+    def rate_hz(self) -> int:
+        """
+        The rate that the last frame announced.
+        """
+
 def absorption_db_km(
     frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
     temperature_deg_c: typing.SupportsFloat | typing.SupportsIndex,
@@ -4334,6 +4445,18 @@ def pass_through(
     """
     Return the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m], by pcl::PassThrough; (n,
     3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
+    """
+
+def play_servo_frames(
+    simulation: Simulation,
+    vehicle: typing.SupportsInt | typing.SupportsIndex,
+    motors: collections.abc.Sequence[ServoMotor],
+    frames: bytes,
+    steers: bool,
+) -> None:
+    """
+    Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] a frame. Releases the
+    GIL. Raises ValueError.
     """
 
 def points_above(

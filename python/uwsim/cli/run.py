@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from uwsim.cli.ardusub import (
+    Ardusub,
+    ArdusubFrame,
+    ArdusubHost,
+    ArdusubLights,
+    ArdusubNoise,
+    ArdusubPort,
+    ArdusubTilt,
+    Autopilot,
+)
 from uwsim.cli.bounds import readable
 from uwsim.cli.flights import (
     Autosave,
@@ -42,8 +53,10 @@ from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
     from uwsim.flight.record import FlightRecord
+    from uwsim.simulator.simulator import Simulator
 
 UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
+ALONE = "ArduSub cannot be put back to where it was, so its flight is neither saved nor resumed"
 
 
 def run(
@@ -95,6 +108,13 @@ def run(
     frequency: Frequency = None,
     mission_time: MissionTime = None,
     link: Link = None,
+    ardusub: Ardusub = False,
+    ardusub_port: ArdusubPort = None,
+    ardusub_host: ArdusubHost = None,
+    ardusub_frame: ArdusubFrame = None,
+    ardusub_noise: ArdusubNoise = False,
+    ardusub_lights: ArdusubLights = None,
+    ardusub_tilt: ArdusubTilt = None,
     threads: Threads = None,
     record: Record = None,
     record_topic: Annotated[
@@ -117,10 +137,17 @@ def run(
     simulated = {
         "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model, "--frequency": frequency,
         "--mission-time": mission_time, "--link": link, "--threads": threads, "--record": record,
+        "--ardusub": ardusub or None,
         **{name: value for name, value in of_map.items() if name != "--voxel"},
     }  # fmt: skip
     if mission is None and not resume:
         raise WithoutEffectError("needs the mission's file, such as my_mission.py")
+    autopilot = Autopilot(
+        ardusub=ardusub, ardusub_port=ardusub_port, ardusub_host=ardusub_host, ardusub_frame=ardusub_frame,
+        ardusub_noise=ardusub_noise, ardusub_lights=ardusub_lights, ardusub_tilt=ardusub_tilt,
+    )  # fmt: skip
+    if autopilot:
+        _refuse({"--autosave": autosave, "--resume": resume or None}, "--ardusub", ALONE)
     if connect is None:
         need("--connect", lockstep=lockstep, odometry=odometry)
     else:
@@ -140,10 +167,13 @@ def run(
         function=function, arguments=_arguments(argument or []) or None, vehicles=tuple(vehicle or ()) or None,
         map=make_map or None, voxel_m=voxel, time_limit_s=time_limit, report=report, screen=Terminal(),
     )  # fmt: skip
-    asked_of_simulator = given(
+    of_simulator = given(
         seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
-        mission_time_s=mission_time, link=link, threads=threads, estimate=estimate, engine=engine,
-        verify_map=verify_map or None, map_memory_mb=map_memory, outlier_filter=outlier_filter, autosave_s=autosave,
+        mission_time_s=mission_time, link=link, threads=threads,
+    )  # fmt: skip
+    of_flight = given(
+        estimate=estimate, engine=engine, verify_map=verify_map or None, map_memory_mb=map_memory,
+        outlier_filter=outlier_filter, autosave_s=autosave,
     )  # fmt: skip
     flown: FlightRecord
     if connect is not None:
@@ -156,15 +186,20 @@ def run(
     elif resume:
         from uwsim.flight.fly import resume as resume_flight
 
-        flown = resume_flight(out, mission=mission, scenario=scenario, **asked, **asked_of_simulator)
+        flown = resume_flight(out, mission=mission, scenario=scenario, **asked, **of_simulator, **of_flight)
     else:
         from uwsim.flight.fly import fly
 
         topics = tuple(record_topic or ()) or None
-        flown = fly(
-            mission, scenario or "lake", out, close_loops=close_loops, record=record, record_topics=topics,
-            **asked, **asked_of_simulator,
-        )  # fmt: skip
+        scene: str | Path | Simulator = scenario or "lake"
+        with ExitStack() as stack:
+            if autopilot:
+                scene, of_simulator = autopilot.simulator(scenario or "lake", **of_simulator), {}
+                typer.echo(" ".join(stack.enter_context(autopilot.flying(scene))))
+            flown = fly(
+                mission, scene, out, close_loops=close_loops, record=record, record_topics=topics,
+                **asked, **of_simulator, **of_flight,
+            )  # fmt: skip
     exit_as(flown, min_coverage)
 
 

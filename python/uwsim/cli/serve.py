@@ -7,6 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
+from uwsim.cli.ardusub import (
+    Ardusub,
+    ArdusubFrame,
+    ArdusubHost,
+    ArdusubLights,
+    ArdusubNoise,
+    ArdusubPort,
+    ArdusubTilt,
+    Autopilot,
+)
 from uwsim.cli.bounds import within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Rmw, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.choices import one_of
@@ -93,6 +103,13 @@ def serve(
     record_all: RecordAll = False,
     foxglove: Foxglove = False,
     foxglove_port: FoxglovePort = None,
+    ardusub: Ardusub = False,
+    ardusub_port: ArdusubPort = None,
+    ardusub_host: ArdusubHost = None,
+    ardusub_frame: ArdusubFrame = None,
+    ardusub_noise: ArdusubNoise = False,
+    ardusub_lights: ArdusubLights = None,
+    ardusub_tilt: ArdusubTilt = None,
     threads: Threads = None,
 ) -> None:
     """Run a scenario in real time for rosbridge.
@@ -108,11 +125,14 @@ def serve(
     from uwsim.channels.served import default_origin, served_table
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
-    from uwsim.simulator.simulator import Simulator
 
     bridges = Bridges(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
         ros_peer=ros_peer, rmw=rmw, foxglove=foxglove, foxglove_port=foxglove_port,
+    )  # fmt: skip
+    autopilot = Autopilot(
+        ardusub=ardusub, ardusub_port=ardusub_port, ardusub_host=ardusub_host, ardusub_frame=ardusub_frame,
+        ardusub_noise=ardusub_noise, ardusub_lights=ardusub_lights, ardusub_tilt=ardusub_tilt,
     )  # fmt: skip
     prefix = prefix_of(namespace, frame_prefix)
     if station and (prefix or tf != "truth"):
@@ -122,9 +142,12 @@ def serve(
     if record_topic and record_all:
         raise ValueError("--record-all: cannot be given with --record-topic, which selects the channels")
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
-    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
+    simulator = autopilot.simulator(
+        scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads
+    )
     origin = origin or default_origin(simulator.scenario)
-    with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
+    live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
+    with autopilot.flying(live) as flown, live, ExitStack() as sinks:
         feed = Feed(live)
 
         def record_from(table: Table) -> None:
@@ -172,6 +195,7 @@ def serve(
             server.channels, server.services, server.actions = shown.channels, shown.services, actions
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]
+        places += flown
         places += bridges.join(
             sinks,
             shown.channels,

@@ -11,7 +11,7 @@ from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
 from uwsim.commands.holds import HOLDS
 from uwsim.commands.notes import NOTE
 
-ALL_STOP = "all_stop"
+ALL_STOP, SERVO_FRAMES = "all_stop", "servo_frames"
 RIGHT_ANGLE_RAD = 0.5 * math.pi
 
 
@@ -30,6 +30,8 @@ def _aim_camera(carrier: Any, camera: str, pan_rad: float | None = None, tilt_ra
 
 
 def _hold(vehicle: Any, **on: bool) -> None:
+    if any(on.values()):
+        vehicle.gate.require_no_autopilot("hold")
     vehicle.gate.holds.set(**on)
 
 
@@ -170,6 +172,18 @@ ASHORE = [
         _note, is_piloted=False, is_ashore=True,
     ),
 ]  # fmt: skip
+AUTOPILOT = [
+    Command(
+        SERVO_FRAMES, "the servo outputs of an autopilot, 32 uint16 [us] for each step from a tick on",
+        (
+            Argument("vehicle", "text"),
+            Argument("frame", "text"),
+            Argument("from_tick", low=0),
+            Argument("frames", "bytes"),
+        ),
+        lambda sim, **arguments: sim.lockstep.play(sim, **arguments), of="simulator", is_piloted=False,
+    ),
+]  # fmt: skip
 LINK = [
     Command(
         "link_send", "give the link a message",
@@ -188,7 +202,8 @@ LINK = [
 ]  # fmt: skip
 
 COMMANDS: dict[str, Command] = {
-    command.name: command for command in (*DOCKING, *SAFETY, *STEERING, *INSTRUMENTS, *PARAMETERS, *ASHORE, *LINK)
+    command.name: command
+    for command in (*DOCKING, *SAFETY, *STEERING, *AUTOPILOT, *INSTRUMENTS, *PARAMETERS, *ASHORE, *LINK)
 }
 """All commands by name, except `reset` and `restore_state`, which belong to the simulator itself."""
 

@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from uwsim.commands import bound_command
+from uwsim.commands.table import SERVO_FRAMES
 from uwsim.scenario import Scenario
 from uwsim.simulator.simulator import Simulator
 
 ENTRIES_MAX = 1_000_000
 PAYLOAD_BYTES_MAX = 256_000_000
 CALL, RESET = "call", "reset"
+PAYLOADS = {"link_send": "payload", SERVO_FRAMES: "frames"}
 
 
 class Entry(NamedTuple):
@@ -32,7 +34,7 @@ class CommandLog:
     """The entries of a live run, in the order in which they took effect, and its initial state.
 
     Commands that raised an error changed nothing and are not included. The log keeps the newest ENTRIES_MAX entries,
-    and at most PAYLOAD_BYTES_MAX of link messages, since pictures over a cable are large. forgotten: the number of
+    and at most PAYLOAD_BYTES_MAX of link messages and of an autopilot's frames. forgotten: the number of
     entries dropped.
     """
 
@@ -63,7 +65,8 @@ class CommandLog:
 
 
 def _payload_bytes(entry: Entry) -> int:
-    return len(entry.arguments["payload"]) if entry.name == "link_send" else 0
+    key = PAYLOADS.get(entry.name)
+    return 0 if key is None else len(entry.arguments[key])
 
 
 def replay(

@@ -12,6 +12,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from uwsim.base.agenda import Rank, act, due_tick
+from uwsim.commands.table import SERVO_FRAMES
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request
@@ -217,15 +218,17 @@ class StepLoop:
             self._notice_jump(request, tick)
             request.future.set_exception(error)
             return
-        if request.name is not None and request.name != START_NAVIGATION:
+        if request.name is not None and request.name not in (START_NAVIGATION, SERVO_FRAMES):
             self.log.append(Entry(tick, request.name, request.arguments))
         self._notice_jump(request, tick)
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log the start of navigation, as on reading an estimate, since a replay must start it at the same tick."""
+        """Log what no request asked for: the start of navigation, as on reading an estimate, and autopilots' frames."""
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
+        elif name == SERVO_FRAMES:
+            self.log.append(Entry(arguments["from_tick"], name, arguments))
 
     def _notice_jump(self, request: Request, before: int) -> None:
         """If a request has changed simulated time, end all waits for times that no longer apply."""
@@ -247,7 +250,7 @@ class StepLoop:
             self._stepping = steps > 0
         if steps <= 0:
             return
-        began_s = time.monotonic()
+        began_s, before = time.monotonic(), self.sim.tick
         try:
             self.sim.step(steps)
         except Exception as error:
@@ -255,8 +258,14 @@ class StepLoop:
             self._halt(error)
             return
         self._tick = self.sim.tick
+        is_complete = self.sim.lockstep.is_free or self._tick - before == steps
+        if not is_complete:  # the autopilot is silent
+            steps = max(self._tick - before, 0)
         with self.lock:
-            self.pace.made(steps, began_s, time.monotonic())
+            if is_complete:
+                self.pace.made(steps, began_s, time.monotonic())
+            else:
+                self.pace.restart()
             self._stepping = False
             self.steps_made += steps
             self.lock.notify_all()

@@ -20,6 +20,7 @@ from uwsim.base.arguments import plain
 from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.commands.table import SERVO_FRAMES
 from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
@@ -285,7 +286,8 @@ class Recorder:
         self._put(self._reading(channel, message), needed=False)
 
     def _take_command(self, name: str, arguments: dict[str, Any]) -> None:
-        message = command_message(Command(self._sim.tick, name, plain(arguments, name)))
+        tick = arguments["from_tick"] if name == SERVO_FRAMES else self._sim.tick
+        message = command_message(Command(tick, name, plain(arguments, name)))
         self._put(self._reading(self._commands, message), needed=True)
 
     def _reading(self, channel: Channel, message: Any) -> Reading:

@@ -81,8 +81,8 @@ class CommandGate:
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
     move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; programs that command
-    periodically stop when this changes. changed: called when all stop is set or released. note: logs a
-    note.
+    periodically stop when this changes. changed: called when all stop is set or released. note: logs a note.
+    autopilot: the program that steers the vehicle step by step, if any.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
@@ -90,6 +90,7 @@ class CommandGate:
         self.holds: HoldsLike | None = None
         self.is_driven = False
         self.all_stopped = False
+        self.autopilot = ""
         self.stops = 0
         self.changed: Callable[[bool], object] = lambda on: None
         self.note: Callable[..., object] = lambda **values: None
@@ -122,6 +123,18 @@ class CommandGate:
         """Raise ValueError for a command that must not be issued while all stop is set."""
         if self.all_stopped:
             raise ValueError(f"vehicle '{self._vehicle}': {command}: {STOPPED}")
+
+    def require_no_autopilot(self, command: str) -> None:
+        """Raise ValueError for a command that would move a vehicle steered by an autopilot."""
+        if self.autopilot:
+            raise ValueError(f"vehicle '{self._vehicle}': {command}: has no effect while {self.autopilot} steers")
+
+    def admits_autopilot(self) -> bool:
+        """Return whether an autopilot's outputs move the vehicle; if so, end the holds."""
+        if self.all_stopped or (self.failsafe is not None and self.failsafe.has_control):
+            return False
+        self.end_holds("an autopilot steers")
+        return True
 
     def hears(self) -> None:
         """Notify the failsafe of a command."""

@@ -38,6 +38,7 @@ from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
+from uwsim.simulator.servo_frames import Lockstep
 from uwsim.simulator.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
@@ -53,14 +54,14 @@ class Simulator(Sealed):
     key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
-    Concurrent calls from several threads are serialised. cameras: the station's cameras, by name. events: the faults,
-    alarms and failsafe reactions so far. world: the world as built; read-only.
+    Concurrent calls are serialised. cameras: the station's. events: faults, alarms and failsafe reactions so far.
     """
 
     threads: int
     scene: _core.RayScene
     agenda: Agenda
     journal: Journal
+    lockstep: Lockstep
     cameras: Named[Camera]
     events: EventLog
     faults: Faults
@@ -104,6 +105,7 @@ class Simulator(Sealed):
         self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
         self.agenda = Agenda(partial(getattr, self._core, "tick"))
         self.journal = Journal(self.agenda)
+        self.lockstep = Lockstep(self._core)
         self._specs: list[_core.VehicleSpec] = []
         self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
@@ -192,7 +194,7 @@ class Simulator(Sealed):
 
     @property
     def optics(self) -> Optics:
-        """The optical properties used by cameras: those of the scenario, or as last set."""
+        """The optical properties used by cameras."""
         return self.parameters.scenario.optics
 
     def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
@@ -220,8 +222,7 @@ class Simulator(Sealed):
     def around(self, vehicle: str | None = None) -> Surroundings:
         """Return the current surroundings of a sonar: the world and all vehicles except the sonar's carrier.
 
-        Used for imaging sonars and depth maps from arbitrary poses. `scene` contains only the world, without vehicles.
-        Raises ValueError for an unknown vehicle.
+        For imaging sonars and depth maps from arbitrary poses. `scene` has no vehicles. Raises ValueError.
         """
         names = list(self.vehicles)
         if vehicle is not None and vehicle not in names:
@@ -246,7 +247,7 @@ class Simulator(Sealed):
 
     @property
     def version(self) -> int:
-        """A counter that changes whenever observations may change: with time, vehicle poses and sonar elevations."""
+        """A counter that changes whenever observations may: with time, vehicle poses and sonar elevations."""
         return self._core.version
 
     @property
@@ -267,7 +268,7 @@ class Simulator(Sealed):
             for vehicle in self.vehicles.values():
                 vehicle.warn_if_docked()
         for steps in (int(n),) if self.agenda.is_empty else self.agenda.parts(int(n)):
-            self._core.step(steps)
+            self.lockstep.advance(steps)
 
     def advance(self, duration_s: float) -> None:
         """Advance by a duration. Raises ValueError unless it is a whole number of steps."""
@@ -324,8 +325,7 @@ class Simulator(Sealed):
     def restore_state(self, state: bytes) -> None:
         """Continue from a state returned by `save_state`.
 
-        Raises ValueError, changing nothing, if the state is damaged or belongs to another scenario; warns if it was
-        saved by another build.
+        Raises ValueError, changing nothing, if it is damaged or of another scenario; warns if another build saved it.
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes returned by save_state")

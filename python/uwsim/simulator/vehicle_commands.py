@@ -72,6 +72,8 @@ class CommandedVehicle(Sealed, Placeable):
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
+        if self.gate.autopilot and any(efforts):
+            self.gate.require_no_autopilot(EFFORT)
         self.gate.hears()
         self._simulation.set_effort(self._index, *efforts)
         if self._idle_axes:
@@ -99,6 +101,7 @@ class CommandedVehicle(Sealed, Placeable):
             if np.shape(part) != (3,):
                 raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
             parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
+        self.gate.require_no_autopilot("set_wrench")
         self.gate.hears()
         self._simulation.set_wrench(self._index, np.array(parts))
         self.gate.yields(moves=any(parts))
@@ -108,6 +111,7 @@ class CommandedVehicle(Sealed, Placeable):
         """Command thrusters in [-1, 1] by name; those not named stop. Fins are not affected. Raises ValueError."""
         known = [name for name, _ in self._simulation.thruster_commands(self._index)]
         pairs = numbers_by_name(commands, "thrusters", known)
+        self.gate.require_no_autopilot("set_thrusters")
         self.gate.hears()
         self._simulation.set_thrusters(self._index, pairs)
         self.gate.yields(moves=any(value for _, value in pairs))

@@ -30,6 +30,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
     "sonar": {"core", "world", "acoustics", "rays"},
     "camera": {"core", "world", "rays"},
     "sim": {"core", "world", "vehicle", "acoustics", "rays", "dynamics", "sensors", "sonar"},
+    "bridges": {"core", "sim", "vehicle", "sensors"},  # a simulation that another program drives
 }
 
 # C++: a library's include pattern, and the files that may include it.

@@ -150,6 +150,7 @@ class Scenario(Model):
         sonar_frequency_khz: float | None = None,
         vehicle_model: VehicleModel | None = None,
         modem: str | Path | None = None,
+        step_s: float | None = None,
     ) -> Scenario:
         """Return a validated copy with some values replaced; sonar values apply to every vehicle. Raises ScenarioError.
 
@@ -158,6 +159,8 @@ class Scenario(Model):
         data = self.given()
         if seed is not None:
             data["seed"] = seed
+        if step_s is not None:
+            data["step_s"] = step_s
         if mission_time_s is not None:
             data["mission_time_s"] = mission_time_s
         if modem is not None:

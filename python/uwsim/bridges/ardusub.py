@@ -1,0 +1,263 @@
+"""ArduSub: the physics behind ArduPilot's JSON interface, so that a compiled ArduSub flies a simulated vehicle."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
+
+from uwsim import _core
+from uwsim.bridges.admission import warn_beyond_loopback
+from uwsim.bridges.rare_log import RareLog
+from uwsim.commands.table import SERVO_FRAMES
+from uwsim.live import LiveSimulator
+from uwsim.live.command_log import Entry
+from uwsim.scenario import Scenario
+from uwsim.simulator.servo_frames import FRAME_BYTES, frame_of, servo_motors, thrusters_of, unpacked
+from uwsim.simulator.simulator import Simulator
+
+PORT = 9002
+RATE_HZ = 400
+"""ArduSub's loop (SCHED_LOOP_RATE); physics with a longer step would slow it down."""
+VEHICLE = "bluerov2_heavy"
+"""The model that replaces a first vehicle without thrusters."""
+LIVE_PATIENCE_S = 0.05  # longest time for which a live simulator's thread waits for a frame
+SILENT_S = 1.0  # silence after which the world counts as paused
+STEPS_AT_ONCE = 2000
+LIGHTS_OFF_US, CENTRE_US, SPAN_US = 1100, 1500, 400
+TILT_AT_SPAN_RAD = math.radians(45)
+"""ArduSub's camera mount: MNT1_PITCH_MIN and MAX of -45 and 45 degrees at 1100 and 1900 us, up is positive."""
+
+logger = logging.getLogger("uwsim.bridges.ardusub")
+
+
+class SilentAutopilotError(TimeoutError):
+    """Raised by Simulator.step if no frame of the autopilot arrives."""
+
+
+def prepared(scenario: Scenario) -> Scenario:
+    """Return a scenario that ArduSub can fly: with steps of 1/400 s or shorter, and a first vehicle with thrusters.
+
+    A vehicle without thrusters is replaced by a BlueROV2 Heavy. Raises ScenarioError.
+    """
+    from uwsim.scenario.spec.vehicle import load_vehicle
+
+    model = None if scenario.vehicles[0].model.thrusters else load_vehicle(VEHICLE)
+    return scenario.with_changes(step_s=min(scenario.step_s, 1 / RATE_HZ), vehicle_model=model)
+
+
+class ArduSub:
+    """Lets a compiled ArduSub (ArduPilot's simulation "JSON") make every step of a simulator, one for each frame.
+
+        with Simulator(prepared(load("lagoon"))) as sim, ArduSub(sim):
+            sim.advance(60)          # as fast as the firmware sends its frames
+
+    The firmware sends its servo outputs by UDP and gets the vehicle's motion after one step; see ServoExchange for the
+    protocol. While attached, other commands that would move the vehicle raise ValueError; all stop and the failsafe
+    still take precedence over the firmware's outputs. The frames are journalled as commands, so that recordings and
+    logs replay to the byte. A docked vehicle is undocked.
+
+    simulator: a Simulator, whose `step` then waits for frames, and raises SilentAutopilotError after patience_s without
+    any; or a LiveSimulator, which is paused by a silent firmware, and continues with it. vehicle: its name; by default
+    the first. frame: "vectored" or "vectored_6dof"; by default the one that fits its thrusters. port: 0 for any free
+    one. host: the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in
+    addition to those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that switch the
+    lamps and tilt the cameras. Raises ValueError, or OSError if the port is not available.
+    """
+
+    def __init__(
+        self,
+        simulator: Simulator | LiveSimulator,
+        *,
+        vehicle: str | None = None,
+        frame: str | None = None,
+        port: int = PORT,
+        host: str = "127.0.0.1",
+        with_noise: bool = False,
+        lights: int | None = None,
+        tilt: int | None = None,
+        patience_s: float = 10.0,
+    ) -> None:
+        self._live = simulator if isinstance(simulator, LiveSimulator) else None
+        self._sim = sim = simulator.simulator if isinstance(simulator, LiveSimulator) else simulator
+        if vehicle is not None and vehicle not in sim.vehicles:
+            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(sim.vehicles)}")
+        self.vehicle = vehicle or next(iter(sim.vehicles))
+        if sim.step_s > 1 / RATE_HZ + 1e-12:
+            rule = f"must be at most {1 / RATE_HZ:g} s for ArduSub: take scenario.with_changes(step_s={1 / RATE_HZ:g})"
+            raise ValueError(f"step_s = {sim.step_s:g} s: {rule}")
+        for name, output in (("lights", lights), ("tilt", tilt)):
+            if output is not None and not 1 <= output <= 32:
+                raise ValueError(f"{name} = {output}: must be the number of a servo output, in [1, 32]")
+        thrusters = thrusters_of(sim, self.vehicle)
+        self.frame = frame or frame_of(thrusters, self.vehicle)
+        self.with_noise = with_noise
+        self._patience_s = patience_s
+        self._lights, self._tilt = lights, tilt
+        self._rov = rov = sim.vehicles[self.vehicle]
+        kinds = [sensor.kind for sensor in rov.sensors.values()]
+        if "imu" not in kinds:
+            raise ValueError(f"vehicle '{self.vehicle}': has no IMU, which ArduSub needs")
+        self._core = sim._core  # the exchange steps the native simulation
+        self._exchange = _core.ServoExchange(
+            self._core,
+            list(sim.vehicles).index(self.vehicle),
+            servo_motors(self.frame, thrusters, self.vehicle),
+            imu=kinds.index("imu"),
+            altimeter=kinds.index("altitude") if "altitude" in kinds else None,
+            with_noise=with_noise,
+            watched=[output - 1 for output in (lights, tilt) if output is not None],
+            host=host,
+            port=port,
+        )
+        warn_beyond_loopback(host, None, tls=False)
+        self.address = f"{host}:{self._exchange.port}"
+        self._log = RareLog(logger)
+        self._told = self._exchange.counts
+        self._set: dict[str, int] = {}
+        self._auxiliary: dict[str, int] = {}
+        self._since_s = time.monotonic()  # of the last frame
+        self._is_silent = False
+
+    @property
+    def counts(self) -> _core.ServoCounts:
+        """The numbers of frames and packets received so far."""
+        return self._exchange.counts
+
+    @property
+    def port(self) -> int:
+        """The UDP port."""
+        return self._exchange.port
+
+    @property
+    def peer(self) -> str:
+        """The firmware's address and port; empty before its first frame."""
+        return self._exchange.peer
+
+    def start(self) -> Self:
+        """Take over the simulator's steps; return self. Raises ValueError."""
+        self._between_steps(self._attach)
+        return self
+
+    def close(self) -> None:
+        """Give the steps back to the simulator; the thrusters stop."""
+        self._between_steps(self._detach)
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close."""
+        self.close()
+
+    def _between_steps(self, function: Callable[[], None]) -> None:
+        if self._live is not None and self._live.running:
+            self._live.read(lambda sim: function()).result()
+        else:
+            function()
+
+    def _attach(self) -> None:
+        if not self._sim.lockstep.is_free:
+            raise ValueError("an autopilot makes the steps of this simulator already")
+        if not self._rov.released:
+            self._command("undock")
+        self._sim.lockstep.attach(self._advance)
+        self._rov.gate.autopilot = "ArduSub"
+        self._since_s = time.monotonic()
+
+    def _detach(self) -> None:
+        self._sim.lockstep.detach()
+        self._rov.gate.autopilot = ""
+        self._command("set_effort")
+
+    def _command(self, name: str, **arguments: object) -> None:
+        """Issue a command on the stepping thread, so that a live simulator logs it, too."""
+        if self._live is not None and self._live.running:
+            self._live.command(name, vehicle=self.vehicle, **arguments).result()
+            return
+        self._rov.command(name, **arguments)
+        if self._live is not None:
+            self._live.log.append(Entry(self._sim.tick, name, {"vehicle": self.vehicle, **arguments}))
+
+    def _advance(self, steps: int) -> None:
+        """Make one step for each frame; a live simulator's step ends early if the firmware is silent."""
+        while steps:
+            made = self._run(steps)
+            steps -= made
+            silent_s = 0.0 if made else time.monotonic() - self._since_s
+            if not made and self._live is not None:
+                self._note_silence(silent_s)
+                return
+            if silent_s > self._patience_s:
+                where = f"since {self._sim.time_s:.4f} s" if self.peer else f"on UDP {self.address}"
+                raise SilentAutopilotError(f"ArduSub: no frame {where} for {self._patience_s:g} s: is it running?")
+
+    def _run(self, steps: int) -> int:
+        """Return the number of steps made."""
+        self._set_auxiliary()
+        tick, gate = self._sim.tick, self._rov.gate
+        patience_s = min(LIVE_PATIENCE_S, self._patience_s)
+        frames, changed = self._exchange.run(self._core, min(steps, STEPS_AT_ONCE), patience_s, gate.admits_autopilot())
+        self._report()
+        if not frames:
+            return 0
+        gate.hears()
+        self._sim.journal.note(SERVO_FRAMES, vehicle=self.vehicle, frame=self.frame, from_tick=tick, frames=frames)
+        if changed:
+            last = unpacked(frames)[-1]
+            outputs = {"lights": self._lights, "tilt": self._tilt}
+            self._auxiliary = {name: int(last[output - 1]) for name, output in outputs.items() if output is not None}
+        if self._is_silent:
+            logger.warning("ArduSub: frames arrive again: the world continues")
+        self._since_s, self._is_silent = time.monotonic(), False
+        return len(frames) // FRAME_BYTES
+
+    def _set_auxiliary(self) -> None:
+        """Switch lamps and tilt cameras as the last outputs demand; they take effect from the next step on."""
+        for name, pulse_us in self._auxiliary.items():
+            if not pulse_us or self._set.get(name) == pulse_us:
+                continue
+            self._set[name] = pulse_us
+            if name == "lights":
+                for lamp in self._rov.lamps:
+                    self._command("set_lamp", lamp=lamp, on=pulse_us > LIGHTS_OFF_US)
+            else:
+                tilt_rad = -TILT_AT_SPAN_RAD * max(-1.0, min((pulse_us - CENTRE_US) / SPAN_US, 1.0))
+                for camera in self._rov.cameras:
+                    self._tilt_camera(camera, tilt_rad)
+        self._auxiliary = {}
+
+    def _tilt_camera(self, camera: str, tilt_rad: float) -> None:
+        try:
+            self._command("aim_camera", camera=camera, tilt_rad=tilt_rad)
+        except ValueError as error:
+            self._log.warning(f"ArduSub: {error}")
+
+    def _note_silence(self, silent_s: float) -> None:
+        if silent_s > SILENT_S and not self._is_silent:
+            self._is_silent = True
+            if self.peer:
+                logger.warning("ArduSub: no frame for %g s: the world is paused at %.4f s", SILENT_S, self._sim.time_s)
+            else:
+                logger.warning("ArduSub: waits for its first frame on UDP %s", self.address)
+
+    def _report(self) -> None:
+        """Log what was wrong with the packets since the last call, at most once a minute for each kind."""
+        now, told = self._exchange.counts, self._told
+        self._told = now
+        where = f"ArduSub: UDP {self.address}"
+        if now.foreign > told.foreign:
+            self._log.warning(f"{where}: packets that are no servo packets are ignored")
+        if now.cut > told.cut:
+            self._log.warning(f"{where}: servo packets of a wrong length are ignored")
+        if now.others > told.others:
+            self._log.warning(f"{where}: a second autopilot is ignored while {self.peer} sends frames")
+        if now.lost > told.lost:
+            self._log.warning(f"{where}: frames were lost")
+        if now.resets > told.resets:
+            self._log.warning(f"{where}: the autopilot started again; the vehicle stays where it is")

@@ -1,0 +1,222 @@
+"""The physics behind ArduPilot's JSON interface, flown by a stand-in for the firmware."""
+
+import logging
+import socket
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from servo_standin import NEUTRAL, Standin, packet
+from uwsim import Simulator
+from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
+from uwsim.live import LiveSimulator
+from uwsim.live.command_log import replay as replay_log
+from uwsim.recording import Recorder
+from uwsim.recording.replay import replay
+from uwsim.scenario import Scenario, load, load_vehicle
+from uwsim.simulator.servo_frames import FRAMES, frame_of, servo_motors
+
+CENTRE, SPAN = 1500, 400
+
+
+@pytest.fixture(scope="module")
+def scenario() -> Scenario:
+    return prepared(load("lagoon"))
+
+
+@pytest.fixture
+def sim(scenario: Scenario) -> Simulator:
+    return Simulator(scenario)
+
+
+def demand(frame: str, **demands: float) -> list[int]:
+    """Return the pulse widths for demands such as forward=0.5, mixed by the frame's own factors."""
+    return [
+        round(CENTRE + SPAN * sum(getattr(motor, name) * value for name, value in demands.items()))
+        for motor in FRAMES[frame]
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "frame"),
+    [("bluerov2_heavy", "vectored_6dof"), ("bluerov2_heavy_cfd", "vectored_6dof"), ("bluerov2_wu", "vectored"),
+     ("bluerov2_tank", "vectored")],
+)  # fmt: skip
+def test_each_motor_drives_the_thruster_at_its_place(name: str, frame: str) -> None:
+    """Motors 1 to 4 are front right, front left, rear right, rear left; positive pulses on verticals push down."""
+    thrusters = load_vehicle(name).thrusters
+    assert frame_of(thrusters, name) == frame
+    motors = servo_motors(frame, thrusters, name)
+    assert [motor.thruster for motor in motors[:4]] == ["front_right", "front_left", "rear_right", "rear_left"]
+    sides = ["vertical_right", "vertical_left"]
+    if frame == "vectored_6dof":
+        sides = [f"vertical_{end}_{side}" for end in ("front", "rear") for side in ("right", "left")]
+    assert [motor.thruster for motor in motors[4:]] == sides
+    for motor in motors:
+        down = -motor.direction * thrusters[motor.thruster].axis[2]
+        ahead = motor.direction * thrusters[motor.thruster].axis[0]
+        assert down > 0 if motor.output >= 4 else ahead * (-1 if motor.output < 2 else 1) > 0
+
+
+def test_a_frame_that_does_not_fit_is_refused(sim: Simulator) -> None:
+    with pytest.raises(ValueError, match=r"frame = 'vectored': has 6 motors, .* 8 thrusters of vehicle 'rov'"):
+        ArduSub(sim, frame="vectored", port=0)
+    with pytest.raises(ValueError, match="vehicle 'remus': its thrusters fit none of ArduSub's frames"):
+        frame_of(load_vehicle("remus100").thrusters, "remus")
+
+
+@pytest.mark.parametrize(
+    ("demands", "axis", "sign"),
+    [({"forward": 0.5}, 0, 1), ({"lateral": 0.5}, 1, -1), ({"throttle": 0.5}, 2, 1), ({"roll": 0.3}, 3, 1),
+     ({"pitch": 0.3}, 4, -1), ({"yaw": 0.3}, 5, -1)],
+)  # fmt: skip
+def test_each_demand_moves_the_vehicle_its_way(sim: Simulator, demands: dict[str, float], axis: int, sign: int) -> None:
+    """Demands are forward, right, up, and right-handed about forward, right, down; ours are forward, left, up."""
+    with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, lambda state: demand(ardusub.frame, **demands)):
+        sim.step(80)
+    velocity = np.array([*sim.rov.velocity.linear_body_m_s, *sim.rov.velocity.angular_body_rad_s])
+    scale = np.array([1, 1, 1, 0.2, 0.2, 0.2])
+    assert sign * velocity[axis] > 0.01 * scale[axis]
+    assert int(np.argmax(np.abs(velocity / scale))) == axis
+
+
+def test_steps_are_frames_and_a_silent_autopilot_ends_them(sim: Simulator) -> None:
+    with ArduSub(sim, port=0, patience_s=0.2) as ardusub:
+        with pytest.raises(SilentAutopilotError, match=r"no frame on UDP 127\.0\.0\.1"):
+            sim.step(5)
+        assert sim.tick == 0
+        with Standin(ardusub.port, lambda state: [NEUTRAL] * 8, frames=3) as autopilot:
+            with pytest.raises(SilentAutopilotError, match=r"since 0\.0075 s"):
+                sim.step(5)
+            assert sim.tick == len(autopilot.lines) == 3
+    sim.step(5)  # freely again
+    assert sim.tick == 8
+
+
+def test_lines_are_of_the_simulated_motion(sim: Simulator) -> None:
+    def dive(state: dict[str, object]) -> list[int]:
+        return demand("vectored_6dof", throttle=-0.5, yaw=0.1)
+
+    with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, dive) as autopilot:
+        sim.step(400)
+    line = autopilot.lines[399]
+    east, north, up = sim.rov.pose.position_world_m
+    np.testing.assert_allclose(line["position"], (north, east, -up), rtol=0, atol=1e-12)
+    axes = sim.rov.pose.world_from_body[:3, :3]
+    east, north, up = axes @ sim.rov.velocity.linear_body_m_s
+    np.testing.assert_allclose(line["velocity"], (north, east, -up), rtol=0, atol=1e-12)
+    altitude = sim.rov.sensors["altitude"].read(noise=False)
+    assert line["rng_1"] == pytest.approx(altitude, abs=0.02)
+    w, x, y, z = line["quaternion"]  # heading from north, to the right
+    heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    assert heading == pytest.approx(np.arctan2(axes[0, 0], axes[1, 0]), abs=1e-9)
+    imu = sim.rov.sensors["imu"].read(noise=False)
+    np.testing.assert_allclose(line["imu"]["gyro"], imu.angular_velocity_rad_s * (1, -1, -1), atol=1e-12)
+    np.testing.assert_allclose(line["imu"]["accel_body"], imu.linear_acceleration_m_s2 * (1, -1, -1), atol=1e-12)
+
+
+def wandering(frame: str = "vectored_6dof") -> Callable[[dict[str, object]], list[int]]:
+    """Return an autopilot that holds a depth of 4 m by the lines it gets, and yaws to and fro."""
+
+    def decide(state: dict[str, object]) -> list[int]:
+        if not state:
+            return [NEUTRAL] * 8
+        down, speed = state["position"][2], state["velocity"][2]  # type: ignore[index]
+        throttle = float(np.clip(1.5 * (down - 4) + 2 * speed, -0.6, 0.6))
+        return demand(frame, throttle=throttle, yaw=0.2 * float(np.sin(state["timestamp"])), forward=0.2)  # type: ignore[call-overload]
+
+    return decide
+
+
+def test_a_recording_of_its_flight_replays_to_the_byte(sim: Simulator, tmp_path: Path) -> None:
+    """The servo outputs are in the recording, by their ticks: no autopilot is needed to repeat it."""
+    path = tmp_path / "flight.mcap"
+    with (
+        Recorder(sim, path, topics=["odom", "imu", "scan"]),
+        ArduSub(sim, port=0) as ardusub,
+        Standin(ardusub.port, wandering()),
+    ):
+        sim.step(777)
+        sim.rov.all_stop()
+        sim.step(100)
+        sim.rov.all_stop(False)
+        sim.step(123)
+    result = replay(path)
+    assert result.difference is None
+    assert result.state_compared and result.messages["odom"] > 50
+
+
+def test_twice_the_same_frames_make_the_same_bytes(scenario: Scenario) -> None:
+    def flown() -> bytes:
+        sim = Simulator(scenario)
+        with ArduSub(sim, port=0, with_noise=True) as ardusub, Standin(ardusub.port, wandering()):
+            sim.step(400)
+        return sim.save_state()
+
+    assert flown() == flown()
+
+
+def test_other_commands_are_refused_while_it_steers(sim: Simulator) -> None:
+    with ArduSub(sim, port=0):
+        with pytest.raises(ValueError, match="set_effort: has no effect while ArduSub steers"):
+            sim.rov.set_effort(surge=1)
+        with pytest.raises(ValueError, match="set_thrusters: has no effect while ArduSub steers"):
+            sim.rov.set_thrusters({"front_left": 1})
+        with pytest.raises(ValueError, match="makes the steps of this simulator already"):
+            ArduSub(sim, port=0).start()
+    sim.rov.set_effort(surge=1)
+
+
+@pytest.fixture
+def live(sim: Simulator) -> Iterator[LiveSimulator]:
+    with LiveSimulator(sim, speed="max") as live:
+        yield live
+
+
+def until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
+    end = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < end, "not in time"
+        time.sleep(0.01)
+
+
+def test_a_live_simulator_pauses_with_it_and_answers_meanwhile(
+    live: LiveSimulator, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.WARNING)
+    with ArduSub(live, port=0) as ardusub:
+        at = live.tick
+        until(lambda: "waits for its first frame" in caplog.text)
+        assert live.tick == at
+        with Standin(ardusub.port, wandering(), frames=50):
+            until(lambda: live.tick == at + 50)
+            until(lambda: "the world is paused" in caplog.text)
+        began_s = time.monotonic()
+        assert live.read(lambda sim: sim.tick).result() == at + 50
+        assert time.monotonic() - began_s < 1.0
+        with Standin(ardusub.port, wandering(), frames=50):
+            until(lambda: live.tick == at + 100)
+        assert "started again" in caplog.text and "arrive again" in caplog.text
+        live.pause()
+    end, state = live.tick, live.read(lambda sim: sim.save_state()).result()
+    assert replay_log(Simulator(live.simulator.scenario), live.log, end).save_state() == state
+
+
+def test_hostile_packets_get_one_line_each(sim: Simulator, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.WARNING)
+    with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, wandering()):
+        sim.step(10)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as foe:
+            foe.connect(("127.0.0.1", ardusub.port))
+            for _ in range(3):
+                for bad in (b"", b"x", packet(7, [1100] * 8)[:-1], packet(0, [1900] * 8), b"\xff" * 3000):
+                    foe.send(bad)
+                sim.step(10)
+        assert sim.tick == 40
+        counts = ardusub.counts
+        assert (counts.foreign, counts.cut, counts.others, counts.lost) == (9, 3, 3, 0)
+    for words in ("no servo packets", "wrong length", "second autopilot"):
+        assert caplog.text.count(words) == 1, caplog.text
