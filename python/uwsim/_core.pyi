@@ -4211,11 +4211,16 @@ class ServoExchange:
         steps: typing.SupportsInt | typing.SupportsIndex,
         patience_s: typing.SupportsFloat | typing.SupportsIndex,
         steers: bool,
-    ) -> tuple:
+    ) -> tuple[bytes, bool]:
         """
         Make one step for each frame that arrives, at most `steps`; return the frames' outputs as bytes, 32
         uint16 [us] a frame, and whether a watched output changed, which ends the call. It also ends if no frame
         arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises ValueError.
+        """
+    def wait(self, patience_s: typing.SupportsFloat | typing.SupportsIndex) -> bool:
+        """
+        Wait until a packet has arrived; return whether one has. From then on, until the next step, an autopilot in
+        lockstep is waiting, too: what other sockets deliver to it meanwhile does not depend on the wall clock.
         """
     @property
     def counts(self) -> ServoCounts: ...

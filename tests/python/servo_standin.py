@@ -6,14 +6,23 @@ import json
 import socket
 import struct
 import threading
+import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
-NEUTRAL = 1500
+from uwsim.simulator.servo_frames import FRAMES
+
+NEUTRAL, SPAN = 1500, 400
 REPEAT_S = 0.2  # ArduSub: 1 s
 Decide = Callable[[dict[str, Any]], Sequence[int]]
 """Returns the pulse widths [us] of the next frame from the last line; {} before the first."""
+
+
+def mixed(frame: str, **demands: float) -> list[int]:
+    """Return the pulse widths [us] for demands such as forward=0.5, mixed by the frame's own factors."""
+    totals = [sum(getattr(motor, name) * value for name, value in demands.items()) for motor in FRAMES[frame]]
+    return [round(NEUTRAL + SPAN * total) for total in totals]
 
 
 def packet(number: int, outputs_us: Sequence[int], rate_hz: int = 400) -> bytes:
@@ -56,7 +65,9 @@ class Standin:
                     state = json.loads(self._socket.recv(2000))
                     self.lines.append(state)
                     break
-                except (TimeoutError, ConnectionRefusedError):
+                except TimeoutError:
                     continue
+                except ConnectionRefusedError:  # nothing listens yet
+                    time.sleep(0.02)
             if self._ends.is_set():
                 return

@@ -90,6 +90,15 @@ void bind_bridges(py::module_& m) {
            "Make one step for each frame that arrives, at most `steps`; return the frames' outputs as bytes, 32\n"
            "uint16 [us] a frame, and whether a watched output changed, which ends the call. It also ends if no frame\n"
            "arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises ValueError.")
+      .def(
+          "wait",
+          [](const ServoExchange& exchange, double patience_s) {
+            const GilReleased unlocked;
+            return exchange.wait(patience_s);
+          },
+          py::arg("patience_s"),
+          "Wait until a packet has arrived; return whether one has. From then on, until the next step, an autopilot in\n"
+          "lockstep is waiting, too: what other sockets deliver to it meanwhile does not depend on the wall clock.")
       .def_property_readonly("port", &ServoExchange::port)
       .def_property_readonly("peer", &ServoExchange::peer,
                              "The autopilot's address and port; empty before its first frame.")

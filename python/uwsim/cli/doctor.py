@@ -22,6 +22,7 @@ def doctor(
         int, typer.Option(help="Port of the rosbridge, running or planned.", callback=within(1, 65535))
     ] = 9090,
     foxglove_port: Annotated[int, typer.Option(help="Port for Foxglove.", callback=within(1, 65535))] = 8765,
+    ardusub_port: Annotated[int, typer.Option(help="UDP port for ArduSub's frames.", callback=within(1, 65535))] = 9002,
     listen: Annotated[
         float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
     ] = 3.0,
@@ -43,7 +44,7 @@ def doctor(
     console, table = Console(), Table("", "", "found", "what to do", show_edge=False)
     wrong = 0
     with console.status(f"looking and listening for {listen:g} s"):
-        for finding in examine(Plan(settings, port, foxglove_port, listen), os.environ):
+        for finding in examine(Plan(settings, port, foxglove_port, ardusub_port, listen), os.environ):
             wrong += finding.verdict == "wrong"
             table.add_row(MARKS[finding.verdict], finding.what, finding.found, finding.advice)
     console.print(table)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from servo_standin import NEUTRAL, Standin, packet
+from servo_standin import NEUTRAL, Standin, mixed, packet
 from uwsim import Simulator
 from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
 from uwsim.live import LiveSimulator
@@ -17,9 +17,9 @@ from uwsim.live.command_log import replay as replay_log
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, load, load_vehicle
-from uwsim.simulator.servo_frames import FRAMES, frame_of, servo_motors
+from uwsim.simulator.servo_frames import frame_of, servo_motors
 
-CENTRE, SPAN = 1500, 400
+RECORDED = Path(__file__).parents[1] / "data" / "ardusub_exchange.npz"
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +30,6 @@ def scenario() -> Scenario:
 @pytest.fixture
 def sim(scenario: Scenario) -> Simulator:
     return Simulator(scenario)
-
-
-def demand(frame: str, **demands: float) -> list[int]:
-    """Return the pulse widths for demands such as forward=0.5, mixed by the frame's own factors."""
-    return [
-        round(CENTRE + SPAN * sum(getattr(motor, name) * value for name, value in demands.items()))
-        for motor in FRAMES[frame]
-    ]
 
 
 @pytest.mark.parametrize(
@@ -75,7 +67,7 @@ def test_a_frame_that_does_not_fit_is_refused(sim: Simulator) -> None:
 )  # fmt: skip
 def test_each_demand_moves_the_vehicle_its_way(sim: Simulator, demands: dict[str, float], axis: int, sign: int) -> None:
     """Demands are forward, right, up, and right-handed about forward, right, down; ours are forward, left, up."""
-    with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, lambda state: demand(ardusub.frame, **demands)):
+    with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, lambda state: mixed(ardusub.frame, **demands)):
         sim.step(80)
     velocity = np.array([*sim.rov.velocity.linear_body_m_s, *sim.rov.velocity.angular_body_rad_s])
     scale = np.array([1, 1, 1, 0.2, 0.2, 0.2])
@@ -98,7 +90,7 @@ def test_steps_are_frames_and_a_silent_autopilot_ends_them(sim: Simulator) -> No
 
 def test_lines_are_of_the_simulated_motion(sim: Simulator) -> None:
     def dive(state: dict[str, object]) -> list[int]:
-        return demand("vectored_6dof", throttle=-0.5, yaw=0.1)
+        return mixed("vectored_6dof", throttle=-0.5, yaw=0.1)
 
     with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, dive) as autopilot:
         sim.step(400)
@@ -126,7 +118,7 @@ def wandering(frame: str = "vectored_6dof") -> Callable[[dict[str, object]], lis
             return [NEUTRAL] * 8
         down, speed = state["position"][2], state["velocity"][2]  # type: ignore[index]
         throttle = float(np.clip(1.5 * (down - 4) + 2 * speed, -0.6, 0.6))
-        return demand(frame, throttle=throttle, yaw=0.2 * float(np.sin(state["timestamp"])), forward=0.2)  # type: ignore[call-overload]
+        return mixed(frame, throttle=throttle, yaw=0.2 * float(np.sin(state["timestamp"])), forward=0.2)  # type: ignore[call-overload]
 
     return decide
 
@@ -147,6 +139,27 @@ def test_a_recording_of_its_flight_replays_to_the_byte(sim: Simulator, tmp_path:
     result = replay(path)
     assert result.difference is None
     assert result.state_compared and result.messages["odom"] > 50
+
+
+def test_a_recorded_exchange_ends_where_it_did(sim: Simulator) -> None:
+    """Frames of a dive, a turn and a stop at the bottom, and the positions that the backend answered once a second.
+
+    The stand-in closed the loop over the lines when it was recorded (20 s, 8,000 frames); here the frames are sent again
+    as they are. Positions may differ between kinds of CPU by rounding alone.
+    """
+    with np.load(RECORDED) as recorded:
+        frames, positions = recorded["outputs_us"], recorded["positions_ned_m"]
+    sent = iter(frames)
+    with (
+        ArduSub(sim, port=0) as ardusub,
+        Standin(ardusub.port, lambda state: next(sent), frames=len(frames)) as autopilot,
+    ):
+        sim.step(len(frames))
+        counts = ardusub.counts
+    answered = np.array([line["position"] for line in autopilot.lines])
+    assert (counts.frames, counts.lost, counts.resets) == (len(frames), 0, 0)
+    np.testing.assert_allclose(answered[399::400], positions, rtol=0, atol=1e-6)
+    assert np.ptp(positions[:, 2]) > 1.0  # it did dive
 
 
 def test_twice_the_same_frames_make_the_same_bytes(scenario: Scenario) -> None:

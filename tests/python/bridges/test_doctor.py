@@ -10,6 +10,7 @@ import pytest
 from command_line import uwsim, uwsim_process
 from fast_dds import BINARY, fast_dds_peer
 from ros2_tools import free_domain, until
+from servo_standin import NEUTRAL, Standin
 from uwsim.bridges.doctor import network, servers, software
 from uwsim.bridges.doctor.discovery import discovery
 from uwsim.bridges.doctor.environment import environment
@@ -82,6 +83,12 @@ def test_a_port_is_free_ours_or_taken():
         assert taken.verdict == "wrong" and "another rosbridge" in taken.found
         port = server.port
     assert servers.rosbridge_port(port).found == "free"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ardusub:
+        ardusub.bind(("127.0.0.1", 0))
+        assert "taken" in servers.ardusub_port(ardusub.getsockname()[1], 0.1).found
+    assert "nothing sends" in servers.ardusub_port(port, 0.1).found
+    with Standin(port, lambda line: [NEUTRAL] * 8):
+        assert servers.ardusub_port(port, 1.0).found == "free; an ArduSub waits: frame 0, 16 outputs, 400 Hz"
     with http.server.HTTPServer(("127.0.0.1", 0), Silent) as web:
         threading.Thread(target=web.serve_forever, daemon=True).start()
         assert servers.rosbridge_port(web.server_port).found == "taken, but not by a rosbridge"

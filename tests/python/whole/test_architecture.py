@@ -48,7 +48,7 @@ LIBRARIES: dict[str, tuple[str, str]] = {
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),
 }
 STANDARD_HEADER = re.compile(r"[a-z_0-9]+")
-SYSTEM_HEADER = re.compile(r"(sys/)?\w+\.h")
+SYSTEM_HEADER = re.compile(r"((sys|arpa|netinet)/)?\w+\.h")
 
 # Python: modules that the command line may import before it knows the command, to keep `uwsim --help` fast.
 EAGER_IN_CLI = sys.stdlib_module_names | {"typer", "rich"}

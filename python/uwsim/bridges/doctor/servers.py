@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
+import struct
 from http import HTTPStatus
 
 from websockets.exceptions import InvalidStatus, WebSocketException
@@ -13,6 +14,9 @@ from websockets.typing import Subprotocol
 from uwsim.bridges.doctor.finding import Finding
 
 ANSWER_S = 2.0
+ARDUSUB_REPEATS_S = 1.2
+SERVO_CHANNELS = {struct.pack("<H", 18458): 16, struct.pack("<H", 29569): 32}
+"""Servo outputs by the magic number of a packet, see ServoFrame."""
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")
 LOCKED = "taken, by a server that requires a token, like uwsim serve --token"
 
@@ -46,6 +50,27 @@ def foxglove_port(port: int) -> Finding:
             return Finding(what, LOCKED)
         return Finding(what, "taken, but not by a Foxglove server", "note", "end it, or uwsim serve --foxglove-port N")
     return Finding(what, f"{name or 'a Foxglove server'} serves here")
+
+
+def ardusub_port(port: int, listen_s: float) -> Finding:
+    """Return a finding about the UDP port for ArduSub's frames, each of which is repeated until it is answered."""
+    what = f"ArduSub, UDP port {port}"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
+        try:
+            listener.bind(("127.0.0.1", port))
+        except OSError:
+            return Finding(what, "taken, for instance by uwsim serve --ardusub")
+        listener.settimeout(min(listen_s, ARDUSUB_REPEATS_S))
+        try:
+            packet = listener.recv(128)
+        except TimeoutError:
+            return Finding(what, "free, and nothing sends frames to it")
+    channels = SERVO_CHANNELS.get(packet[:2])
+    if channels is None or len(packet) != 8 + 2 * channels:
+        return Finding(what, f"free, but receives packets of {len(packet)} bytes that are not ArduSub's", "note")
+    rate_hz, number = struct.unpack_from("<HI", packet, 2)
+    found = f"free; an ArduSub waits: frame {number}, {channels} outputs, {rate_hz} Hz"
+    return Finding(what, found, "note", "uwsim serve lagoon --ardusub")
 
 
 def _is_taken(port: int) -> bool:
