@@ -28,6 +28,7 @@ EXTRA_OF = {
     "cyclonedds": "ros2",
     "zenoh": "zenoh",
     "foxglove": "foxglove",
+    "pymavlink": "mavlink",
     "pandas": "tables",
     "pyarrow": "tables",
     "xarray": "tables",

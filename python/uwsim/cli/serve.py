@@ -56,6 +56,14 @@ Tf = Annotated[
         **one_of("truth", "odom", "none"),
     ),
 ]
+Mavlink = Annotated[
+    str | None,
+    typer.Option(
+        "--mavlink",
+        help="Speak MAVLink as ArduSub does: udpout, udpin or tcp, with [:HOST]:PORT; see "
+        "docs/connections/ardupilot.md.",
+    ),
+]
 Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume starts it.")]
 
 
@@ -103,6 +111,7 @@ def serve(
     record_all: RecordAll = False,
     foxglove: Foxglove = False,
     foxglove_port: FoxglovePort = None,
+    mavlink: Mavlink = None,
     ardusub: Ardusub = False,
     ardusub_port: ArdusubPort = None,
     ardusub_host: ArdusubHost = None,
@@ -134,6 +143,13 @@ def serve(
         ardusub=ardusub, ardusub_port=ardusub_port, ardusub_host=ardusub_host, ardusub_frame=ardusub_frame,
         ardusub_noise=ardusub_noise, ardusub_lights=ardusub_lights, ardusub_tilt=ardusub_tilt,
     )  # fmt: skip
+    meeting = None
+    if mavlink is not None:
+        from uwsim.bridges.mavlink import Endpoint
+
+        if ardusub:
+            raise ValueError("--mavlink: cannot be given with --ardusub: the firmware speaks MAVLink itself")
+        meeting = Endpoint.parse(mavlink)
     prefix = prefix_of(namespace, frame_prefix)
     if station and (prefix or tf != "truth"):
         raise ValueError("--station: its page needs --tf truth, and neither --namespace nor --frame-prefix")
@@ -196,6 +212,14 @@ def serve(
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]
         places += flown
+        if meeting is not None:
+            from uwsim.bridges.mavlink import MavlinkVehicle
+
+            flights = {action.source.name: action for action in actions if action.name.endswith("fly_path")}
+            ground = MavlinkVehicle(
+                live, meeting, shown.channels, shown.services, action=flights.get(simulator.rov.name), feed=feed
+            )
+            places.append(f"MAVLink at {sinks.enter_context(ground).endpoint}")
         places += bridges.join(
             sinks,
             shown.channels,

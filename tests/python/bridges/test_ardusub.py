@@ -144,8 +144,8 @@ def test_a_recording_of_its_flight_replays_to_the_byte(sim: Simulator, tmp_path:
 def test_a_recorded_exchange_ends_where_it_did(sim: Simulator) -> None:
     """Frames of a dive, a turn and a stop at the bottom, and the positions that the backend answered once a second.
 
-    The stand-in closed the loop over the lines when it was recorded (20 s, 8,000 frames); here the frames are sent again
-    as they are. Positions may differ between kinds of CPU by rounding alone.
+    The stand-in closed the loop over the lines when it was recorded (20 s, 8,000 frames); here the frames are sent
+    again as they are. Positions may differ between kinds of CPU by rounding alone.
     """
     with np.load(RECORDED) as recorded:
         frames, positions = recorded["outputs_us"], recorded["positions_ned_m"]

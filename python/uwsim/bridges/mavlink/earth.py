@@ -1,0 +1,48 @@
+"""Between the world frame (ENU) and MAVLink's north-east-down, and latitude and longitude."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+RADIUS_M, FLATTENING = 6378137.0, 1 / 298.257223563  # WGS 84
+NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+FRD = np.array([1.0, -1.0, -1.0])
+"""Factors between body axes forward, left, up and forward, right, down."""
+
+
+class Home(NamedTuple):
+    """The location of the world's origin [deg]; the water's surface there has altitude 0."""
+
+    lat_deg: float
+    lon_deg: float
+
+    def _metres_per_degree(self) -> tuple[float, float]:
+        """Along the meridian and the parallel (radii of curvature of WGS 84), for distances of a few kilometres."""
+        sine = math.sin(math.radians(self.lat_deg))
+        squared = FLATTENING * (2 - FLATTENING)
+        w = math.sqrt(1 - squared * sine * sine)
+        north = RADIUS_M * (1 - squared) / w**3
+        east = RADIUS_M / w * math.cos(math.radians(self.lat_deg))
+        return math.radians(north), math.radians(east)
+
+    def degrees(self, position_world_m: Vector) -> tuple[float, float]:
+        """Return latitude and longitude [deg] of a position (3,)."""
+        north, east = self._metres_per_degree()
+        return self.lat_deg + position_world_m[1] / north, self.lon_deg + position_world_m[0] / east
+
+    def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float) -> Vector:
+        """Return the position (3,) of a place."""
+        north, east = self._metres_per_degree()
+        return np.array([(lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north, altitude_m])
+
+
+def euler_rad(world_from_body: Vector) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw (from north, to the right) of a pose's matrix."""
+    r = NED_FROM_ENU @ world_from_body[:3, :3] * FRD
+    return math.atan2(r[2, 1], r[2, 2]), -math.asin(min(max(r[2, 0], -1.0), 1.0)), math.atan2(r[1, 0], r[0, 0])

@@ -1,0 +1,87 @@
+"""The simulator's parameters under the names of at most 16 characters that MAVLink's parameter protocol allows."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from uwsim.bridges.mavlink.endpoint import Peer
+from uwsim.live import LiveSimulator
+
+ID_CHARACTERS = 16
+AT_ONCE = 20
+INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
+
+Send = Callable[..., None]
+"""Sends a message to a peer, or to all."""
+DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+
+
+def ids_of(values: Mapping[str, Any], vehicles: Iterable[str]) -> dict[str, str]:
+    """Return the names of all numbers and flags by their ids.
+
+    An id is the name without its vehicle, in capitals; one that is too long consists of its end and the number of the
+    parameter in base 36, and a name that occurs twice gets that number, too.
+    """
+    numeric = [name for name, value in values.items() if isinstance(value, bool | int | float)]
+    own = tuple(f"{vehicle}." for vehicle in vehicles)[:1]
+    found: dict[str, str] = {}
+    for index, name in enumerate(numeric):
+        plain = re.sub(r"\W", "_", name.removeprefix(own[0]) if own else name).upper()
+        if len(plain) > ID_CHARACTERS or plain in found:
+            number = DIGITS[index // 36 // 36 % 36] + DIGITS[index // 36 % 36] + DIGITS[index % 36]
+            plain = f"{plain[-ID_CHARACTERS + 4 :].lstrip('_')}_{number}"
+        found[plain] = name
+    return found
+
+
+def as_value(number: float, present: Any) -> Any:
+    """Return a received number as the type of the parameter's present value."""
+    if isinstance(present, bool):
+        return number != 0
+    return round(number) if isinstance(present, int) else float(number)
+
+
+class ParameterServer:
+    """Lists, reads and sets parameters for ground stations. ids: names by id. For one thread."""
+
+    def __init__(self, live: LiveSimulator, mav: Any, send: Send) -> None:
+        self._live, self._mav, self._send = live, mav, send
+        self.ids = ids_of(live.simulator.parameters, live.vehicles)
+        self._indices = {name: index for index, name in enumerate(self.ids)}
+        self._due: deque[tuple[Peer, str]] = deque()
+
+    def send_some(self) -> None:
+        """Send the next parameters of a list that a peer has requested."""
+        for _ in range(min(AT_ONCE, len(self._due))):
+            peer, name = self._due.popleft()
+            self._send(self._value(name), peer)
+
+    def _value(self, name: str) -> Any:
+        value = self._live.simulator.parameters[self.ids[name]]
+        kind = INT32 if isinstance(value, int) else REAL32
+        return self._mav.param_value_encode(name.encode(), float(value), kind, len(self.ids), self._indices[name])
+
+    def on_param_request_list(self, peer: Peer, message: Any) -> None:
+        """Send all parameters, a few at a time."""
+        self._due = deque((peer, name) for name in self.ids)
+
+    def on_param_request_read(self, peer: Peer, message: Any) -> None:
+        """Send one parameter, by id or by index."""
+        index = message.param_index
+        name = message.param_id if index < 0 else next(iter(list(self.ids)[index : index + 1]), "")
+        if name in self.ids:
+            self._send(self._value(name), peer)
+
+    def on_param_set(self, peer: Peer, message: Any) -> None:
+        """Set a parameter, and send its value, which is the old one if the new one is refused. Raises ValueError."""
+        name = message.param_id
+        if name not in self.ids:
+            raise ValueError(f"parameter '{name}': unknown")
+        value = as_value(message.param_value, self._live.simulator.parameters[self.ids[name]])
+        try:
+            self._live.command("set_parameter", name=self.ids[name], value=value).result(timeout=5.0)
+        finally:
+            self._send(self._value(name))
