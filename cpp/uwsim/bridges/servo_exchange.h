@@ -21,7 +21,7 @@ struct ServoExchangeSpec {
   std::vector<std::size_t> watched;      ///< outputs of lights and camera mounts, see ServoRun::changed
 };
 
-/// What the exchange has received since it began.
+/// Counts of what the exchange has received since it began.
 struct ServoCounts {
   std::uint64_t frames = 0;    ///< frames that made a step
   std::uint64_t lost = 0;      ///< frames missing between two that arrived

@@ -14,8 +14,9 @@ namespace uwsim {
 /// Pulse widths by servo output [us]; 0: no output.
 using ServoOutputs = std::array<std::uint16_t, 32>;
 
-/// What an autopilot sends for each frame: the servo packet of ArduPilot's JSON interface (libraries/SITL/SIM_JSON.h),
-/// little-endian: uint16 magic, uint16 frame rate, uint32 frame number, and 16 or 32 pulse widths of 16 bits.
+/// A message that an autopilot sends for each frame: the servo packet of ArduPilot's JSON interface
+/// (libraries/SITL/SIM_JSON.h), little-endian: uint16 magic, uint16 frame rate, uint32 frame number, and 16 or 32 pulse
+/// widths of 16 bits.
 struct ServoFrame {
   std::uint16_t rate_hz = 0;
   std::uint32_t number = 0;

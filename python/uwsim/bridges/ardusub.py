@@ -116,7 +116,7 @@ class ArduSub:
         warn_beyond_loopback(host, None, tls=False)
         self.address = f"{host}:{self._exchange.port}"
         self._log = RareLog(logger)
-        self._told = self._exchange.counts
+        self._reported = self._exchange.counts
         self._set: dict[str, int] = {}
         self._auxiliary: dict[str, int] = {}
         self._since_s = time.monotonic()  # of the last frame
@@ -136,6 +136,15 @@ class ArduSub:
     def peer(self) -> str:
         """The firmware's address and port; empty before its first frame."""
         return self._exchange.peer
+
+    def wait(self) -> None:
+        """Wait until the firmware has sent its next frame, after which it waits for the next step.
+
+        A MAVLink message that reaches the firmware from then on, before the next step, reaches it at the same frame in
+        each run. Raises SilentAutopilotError.
+        """
+        if not self._exchange.wait(self._patience_s):
+            raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
 
     def start(self) -> Self:
         """Take over the simulator's steps; return self. Raises ValueError."""
@@ -206,7 +215,7 @@ class ArduSub:
         self._report()
         if not frames:
             return 0
-        gate.hears()
+        gate.notice_autopilot()
         self._sim.journal.note(SERVO_FRAMES, vehicle=self.vehicle, frame=self.frame, from_tick=tick, frames=frames)
         if changed:
             last = unpacked(frames)[-1]
@@ -248,16 +257,16 @@ class ArduSub:
 
     def _report(self) -> None:
         """Log what was wrong with the packets since the last call, at most once a minute for each kind."""
-        now, told = self._exchange.counts, self._told
-        self._told = now
+        now, before = self._exchange.counts, self._reported
+        self._reported = now
         where = f"ArduSub: UDP {self.address}"
-        if now.foreign > told.foreign:
+        if now.foreign > before.foreign:
             self._log.warning(f"{where}: packets that are no servo packets are ignored")
-        if now.cut > told.cut:
+        if now.cut > before.cut:
             self._log.warning(f"{where}: servo packets of a wrong length are ignored")
-        if now.others > told.others:
+        if now.others > before.others:
             self._log.warning(f"{where}: a second autopilot is ignored while {self.peer} sends frames")
-        if now.lost > told.lost:
+        if now.lost > before.lost:
             self._log.warning(f"{where}: frames were lost")
-        if now.resets > told.resets:
+        if now.resets > before.resets:
             self._log.warning(f"{where}: the autopilot started again; the vehicle stays where it is")

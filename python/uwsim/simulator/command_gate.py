@@ -136,6 +136,11 @@ class CommandGate:
         self.end_holds("an autopilot steers")
         return True
 
+    def notice_autopilot(self) -> None:
+        """Notify the failsafe of an autopilot's outputs."""
+        if self.failsafe is not None:
+            self.failsafe.heard()
+
     def hears(self) -> None:
         """Notify the failsafe of a command."""
         if self.failsafe is not None:

@@ -115,7 +115,7 @@ class Lockstep:
 
     @property
     def is_free(self) -> bool:
-        """Whether every requested step is made."""
+        """True if every requested step is made."""
         return self.advance == self._free
 
     def attach(self, advance: Callable[[int], object]) -> None:
@@ -163,7 +163,7 @@ class _Playback:
             self._sim.lockstep.detach()
         if taken:
             _core.play_servo_frames(core, self._index, self._motors, taken, self._gate.admits_autopilot())
-            self._gate.hears()
+            self._gate.notice_autopilot()
         count = len(taken) // FRAME_BYTES
         if count < steps:
             core.step(steps - count)

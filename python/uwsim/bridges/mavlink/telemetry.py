@@ -1,4 +1,4 @@
-"""What a MAVLink vehicle reports of itself, from one reading of the simulator."""
+"""The messages in which a MAVLink vehicle reports its state, from one reading of the simulator."""
 
 from __future__ import annotations
 

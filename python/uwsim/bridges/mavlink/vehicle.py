@@ -98,7 +98,7 @@ class MavlinkVehicle(Bridge):
         self._thread = threading.Thread(target=self._run, name="uwsim-mavlink", daemon=True)
 
     def _stick_channel(self) -> Channel | None:
-        """Return the command channel of MANUAL_CONTROL, which a vehicle that hears no more sticks obeys no longer."""
+        """Return the command channel of MANUAL_CONTROL, which ends after a time without sticks."""
         if self._action is None:
             return None
         steering, name = self._action.steering, self.vehicle
