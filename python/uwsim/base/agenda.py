@@ -9,6 +9,7 @@ tests/python/base/test_agenda.py.
 |                | `FRAME`    | readings of time and transforms, which others refer to | as subscribed        |
 |                | `READING`  | other readings of `LiveSimulator.every`                | as subscribed        |
 |                | `DELIVERY` | links deliver arrived messages and send due ones       | arrivals first       |
+|                | `REPLAY`   | a recording that is replayed issues its commands       | as recorded          |
 | the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
 |                | `HOLD`     | holds steer beside the stick                           | as engaged           |
@@ -36,12 +37,13 @@ class Rank(IntEnum):
     FRAME = 1
     READING = 2
     DELIVERY = 3
-    FAULT = 4
-    HOLD = 5
-    FAILSAFE = 6
+    REPLAY = 4
+    FAULT = 5
+    HOLD = 6
+    FAILSAFE = 7
 
 
-REACHED = (Rank.OBSERVER, Rank.FRAME, Rank.READING, Rank.DELIVERY)
+REACHED = (Rank.OBSERVER, Rank.FRAME, Rank.READING, Rank.DELIVERY, Rank.REPLAY)
 LEFT = (Rank.FAULT, Rank.HOLD, Rank.FAILSAFE)
 
 

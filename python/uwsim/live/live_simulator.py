@@ -47,6 +47,8 @@ class LiveSimulator:
     longer delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the
     reason, and `reset` continues.
 
+    refusal: if not empty, why commands, calls and resets are refused with a ValueError, as during a replay.
+
     The attribute simulator is for fixed properties and single readings; do not step or command it directly. vehicles,
     rov: accept commands from any thread. log: the CommandLog.
     """
@@ -60,6 +62,7 @@ class LiveSimulator:
         self._pace = Pace(speed, self.simulator.step_s)
         self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
         self._thread: threading.Thread | None = None
+        self.refusal = ""
 
     def __repr__(self) -> str:
         state = "stopped" if not self.running else "paused" if self.paused else f"at speed {self.speed}"
@@ -232,6 +235,10 @@ class LiveSimulator:
         """Call function(simulator) between two steps, without logging it. The function must not change anything."""
         return self._submit(function, None, {})
 
+    def follow(self, function: Callable[[Simulator], T]) -> Future[T]:
+        """Call function(simulator) between two steps, even if commands are refused; for a replay that sets the time."""
+        return self._submit(function, None, {})
+
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
         """Issue one of uwsim.live.COMMANDS at the start of the next step. Arguments must be of JSON types or arrays.
 
@@ -267,6 +274,8 @@ class LiveSimulator:
         return threading.current_thread() is self._thread
 
     def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
+        if name is not None and self.refusal:
+            raise ValueError(self.refusal)
         is_vital = name in COMMANDS and COMMANDS[name].is_vital
         request = Request(function, name, arguments, is_vital=is_vital)
         if self._on_loop:  # for example a sink, which issues commands between two steps

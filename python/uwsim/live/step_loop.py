@@ -25,7 +25,7 @@ REQUESTS_MAX = 10_000  # limit of the queue; more are refused, so that a flood c
 REQUESTS_PER_STEP = 1_000  # answered between two steps, so that a flood cannot stop time
 START_NAVIGATION = "start_navigation"
 # Items of the agenda that others wait for: they must be on time, so steps are not batched across them.
-AWAITED = (Rank.FRAME, Rank.READING, Rank.DELIVERY)
+AWAITED = (Rank.FRAME, Rank.READING, Rank.DELIVERY, Rank.REPLAY)
 
 logger = logging.getLogger("uwsim.live")
 

@@ -91,14 +91,30 @@ def replay(
     )
 
 
-def give(sim: Simulator, table: Table, command: Command) -> None:
-    """Apply a recorded command to a simulator at its current tick. Raises ValueError."""
+def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[Channel]]:
+    """Return a table with a recording's options, and its channels as the recorder could choose from them."""
+    start = recording.start
+    table = Table(sim, origin=start.origin, truth=start.truth, tf=start.tf, frame_prefix=start.frame_prefix)
+    known = seen_channels(sim, table) if start.through_link else table.channels
+    for key, stream in start.streams.items():
+        table.pictures.set_stream(key, stream)
+    if start.kind != SURVEY:  # a survey has its own ping times: its pings are repeated at their recorded times
+        known = known + [ping_channel(pings) for pings in table.pings.values()]
+    return table, known
+
+
+def give(sim: Simulator, table: Table | None, command: Command) -> None:
+    """Apply a recorded command to a simulator at its current tick. Raises ValueError.
+
+    table: of the pictures that were recorded, if they matter.
+    """
     try:
         if command.name in JUMPS:
             getattr(sim, command.name)(**command.arguments)
         elif command.name == SET_STREAM:
             arguments = dict(command.arguments)
-            table.pictures.set_stream(arguments.pop("key"), Stream(**arguments))
+            if table is not None:
+                table.pictures.set_stream(arguments.pop("key"), Stream(**arguments))
         else:
             bound_command(command.name, command.arguments)(sim)
     except (KeyError, TypeError) as error:  # for arguments that no recorder writes
@@ -118,17 +134,9 @@ class _Replay:
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._is_survey = recording.start.kind == SURVEY
         start = recording.start
-        self._table = table = Table(
-            sim, origin=start.origin, truth=start.truth, tf=start.tf, frame_prefix=start.frame_prefix
-        )
-        known = table.channels
-        pictures = [channel for channel in known if channel.late]
-        if start.through_link:
-            known = seen_channels(sim, table)
-        for key, stream in start.streams.items():
-            table.pictures.set_stream(key, stream)
-        if not self._is_survey:  # a survey has its own ping times: its pings are repeated at their recorded times
-            known = known + [ping_channel(pings) for pings in table.pings.values()]
+        self._table, known = offered_channels(recording, sim)
+        table = self._table
+        pictures = [channel for channel in table.channels if channel.late]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
         unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # has pings from before the recording
         on_wall_clock = recording.was_on_wall_clock

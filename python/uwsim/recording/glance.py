@@ -1,0 +1,36 @@
+"""Reads what a finished recording states about itself at both ends, without reading its messages."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+from mcap.exceptions import McapError
+from mcap.reader import SeekingReader
+
+from uwsim.recording.mcap_sink import END, START, VERSION
+from uwsim.recording.metadata import End, Start, checked
+
+RECORD_BYTES_MAX = 1 << 24  # no record that is read here is as long
+_UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, KeyError, EOFError, OverflowError, MemoryError)
+
+
+def glance(path: Path) -> tuple[Start, End]:
+    """Return the metadata at the start and at the end. Nothing else is verified: see Recording.
+
+    Raises ValueError if the file is no recording, was cut off, or has another version, or OSError.
+    """
+    with path.open("rb") as file:
+        try:
+            reader = SeekingReader(file, record_size_limit=RECORD_BYTES_MAX)
+            said = {each.name: each.metadata for each in reader.iter_metadata()}
+        except _UNREADABLE:
+            raise ValueError(f"recording '{path}': is cut off, or is no recording") from None
+    if START not in said or END not in said:
+        raise ValueError(f"recording '{path}': was not written by uwsim")
+    if said[START].get("version", VERSION) != VERSION:
+        raise ValueError(f"recording '{path}': has version {said[START]['version']:.20}: this uwsim reads {VERSION}")
+    try:
+        return checked(Start, said[START]), checked(End, said[END])
+    except ValueError as error:
+        raise ValueError(f"recording '{path}': {error}") from None

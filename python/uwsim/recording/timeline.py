@@ -1,0 +1,280 @@
+"""Timeline: a recorded run simulated once more, with saved states from which any of its moments is reached quickly."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.journal import EFFORT, JUMPS
+from uwsim.channels.services import SET_STREAM
+from uwsim.recording.commands import COMMANDS, Command, command_of
+from uwsim.recording.mcap_sink import LIVE
+from uwsim.recording.reader import Recording
+from uwsim.recording.recorder import state_digest
+from uwsim.recording.replay import give, new_simulator, offered_channels
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.simulator.failures import Event
+from uwsim.simulator.simulator import Simulator
+
+SPACING_S = 1.0  # simulated time between saved states, doubled whenever they exceed KEPT_BYTES
+KEPT_BYTES = 64 << 20
+SAMPLE_S = 0.2  # between samples of the track
+LONGEST_S = 12 * 3600.0
+EVENTS_MAX = 500
+MERGED_S = 2.0  # repeats of a command within this time are one event
+UNSEEN = frozenset({EFFORT, SET_STREAM, "start_navigation", "link_send"})
+"""Commands that are no events: they are issued in every period, or by programs."""
+
+
+class SavedMoment(NamedTuple):
+    """A state at a tick, before the commands of that tick. place: index of the first of these, or later, commands."""
+
+    tick: int
+    state: bytes
+    place: int
+
+
+class Happening(NamedTuple):
+    """An event of a run. kind: `command`, `alarm` (faults and failsafes, too) or `collision`."""
+
+    time_s: float
+    kind: str
+    text: str
+
+
+@dataclass
+class Track:
+    """Where the first vehicle truly was. poses: (n, 7), position in the world [m] and quaternion x, y, z, w."""
+
+    times_s: list[float] = field(default_factory=list)
+    poses: list[NDArray[np.float64]] = field(default_factory=list)
+
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return times (n,) and poses (n, 7) as arrays."""
+        return np.array(self.times_s), np.array(self.poses).reshape(-1, 7)
+
+
+class Timeline:
+    """The moments of a recorded run, from its first tick to its last or, if time was ever reset, to the first reset.
+
+    Creating one simulates the whole run and compares its final state with the recorded one, so that a run that cannot
+    be repeated to the bit is refused. go_on: called now and then; returning False gives up, which raises RuntimeError.
+    Raises ValueError if the recording was cut off, edited, or made by another build or for another purpose, or OSError.
+
+    commands: in order. events: at most EVENTS_MAX. track: sampled every SAMPLE_S.
+    """
+
+    def __init__(
+        self, recording: Recording, threads: int | None = None, go_on: Callable[[], bool] = lambda: True
+    ) -> None:
+        self.recording = recording
+        self.threads = threads
+        self._go_on = go_on
+        self._require_whole()
+        self.commands = list(recording.commands())
+        self._ticks = [command.tick for command in self.commands]
+        self.events: list[Happening] = []
+        self.track = Track()
+        self.start_tick = recording.start.tick
+        self.end_tick = self._end_tick()
+        self._saved: list[SavedMoment] = []
+        self._retrace(self.simulator())
+
+    @property
+    def step_s(self) -> float:
+        """The duration of a step [s]."""
+        return self.recording.start.step_s
+
+    def simulator(self) -> Simulator:
+        """Return a simulator at the first tick. Raises ValueError."""
+        sim = new_simulator(self.recording, self.threads)
+        if scenario_fingerprint(sim.scenario) != self.recording.start.fingerprint:
+            raise self._refusal("its scenario was edited")
+        self._read_as_recorded(sim)
+        return sim
+
+    def saved_before(self, tick: int) -> SavedMoment:
+        """Return the last saved state at or before a tick."""
+        return self._saved[max(bisect_right(self._saved, tick, key=lambda saved: saved.tick) - 1, 0)]
+
+    def place(self, tick: int) -> int:
+        """Return the index of the first command at or after a tick."""
+        return bisect_left(self._ticks, tick)
+
+    def next_command_tick(self, place: int) -> int | None:
+        """Return the tick of the command at an index; None after the last one of this timeline."""
+        return self._ticks[place] if place < len(self._ticks) and self._ticks[place] < self.end_tick else None
+
+    def give(self, sim: Simulator, place: int) -> None:
+        """Apply the command at an index. Raises ValueError."""
+        command = self.commands[place]
+        try:
+            give(sim, None, command)
+        except ValueError as error:
+            raise self._refusal(f"tick {command.tick}: {error}") from None
+
+    def go_to(self, sim: Simulator, tick: int, place: int | None = None) -> int:
+        """Bring a simulator to a tick, before its commands; return the index of the first of these. Raises ValueError.
+
+        place: index of the first command that the simulator has not received yet, if it has followed this recording so
+        far; it then goes on without a jump in time where that is shorter.
+        """
+        tick = min(max(tick, self.start_tick), self.end_tick)
+        saved = self.saved_before(tick)
+        if place is None or not saved.tick <= sim.tick <= tick:
+            sim.restore_state(saved.state)
+            place = saved.place
+        while (due := self.next_command_tick(place)) is not None and due < tick:
+            sim.step(max(due - sim.tick, 0))
+            self.give(sim, place)
+            place += 1
+        sim.step(tick - sim.tick)
+        return place
+
+    def _require_whole(self) -> None:
+        recording = self.recording
+        if not recording.complete or recording.end is None:
+            raise self._refusal("is cut off: the program that wrote it was ended")
+        if recording.start.kind != LIVE:
+            raise self._refusal("is of a survey, which `uwsim replay` repeats")
+        build = recording.start.build
+        if build != build_fingerprint():
+            raise self._refusal(f"was made by another build of uwsim ({build}, this is {build_fingerprint()})")
+
+    def _end_tick(self) -> int:
+        assert self.recording.end is not None
+        jumps = (k for k, command in enumerate(self.commands) if command.name in JUMPS)
+        end = self.recording.end.tick
+        if (first := next(jumps, None)) is not None:  # its tick is the one that it led to
+            end = self._last_ns_before_jump() // self.recording.step_ns
+            self._ticks = self._ticks[:first]
+        duration_s = (end - self.start_tick) * self.step_s
+        if not 0.0 <= duration_s <= LONGEST_S:
+            raise self._refusal(f"lasts {duration_s:g} s: must last 0 to {LONGEST_S:g} s")
+        return end
+
+    def _last_ns_before_jump(self) -> int:
+        last_ns = 0
+        for recorded in self.recording.messages():
+            if recorded.topic == COMMANDS and command_of(recorded.message).name in JUMPS:
+                break
+            last_ns = max(last_ns, recorded.time_ns)
+        return last_ns
+
+    def _retrace(self, sim: Simulator) -> None:
+        """Simulate the run, save states, and compare the end."""
+        spacing = max(round(SPACING_S / self.step_s), 1)
+        sample = max(round(SAMPLE_S / self.step_s), 1)
+        vehicle = sim.rov
+        collisions, place, kept_bytes = vehicle.collisions, 0, 0
+        next_saved = next_sample = sim.tick
+        while True:
+            if sim.tick >= next_sample or sim.tick == self.end_tick:
+                next_sample = sim.tick + sample
+                pose = vehicle.pose
+                self.track.times_s.append(round(sim.tick * self.step_s, 9))
+                self.track.poses.append(np.concatenate([pose.position_world_m, pose.orientation_xyzw]))
+                if vehicle.collisions > collisions:
+                    self._note(sim.tick, "collision", "collision")
+                collisions = vehicle.collisions
+            if sim.tick >= next_saved:
+                if not self._go_on():
+                    raise RuntimeError("the recording is not wanted any more")
+                self._saved.append(SavedMoment(sim.tick, sim.save_state(), place))
+                next_saved = sim.tick + spacing
+                kept_bytes += len(self._saved[-1].state)
+                if kept_bytes > KEPT_BYTES:
+                    self._saved, spacing = self._saved[::2], 2 * spacing
+                    kept_bytes = sum(len(each.state) for each in self._saved)
+            due = self.next_command_tick(place)
+            if due is not None and due <= sim.tick:
+                self._note_command(self.commands[place])
+                self.give(sim, place)
+                place += 1
+                continue
+            if sim.tick >= self.end_tick:
+                break
+            goal = min(self.end_tick, next_sample, next_saved, self.end_tick if due is None else due)
+            sim.step(goal - sim.tick)
+        alarms = [_happening(event) for event in sim.events if event.tick >= self.start_tick]
+        self.events = sorted(self.events + alarms, key=lambda event: event.time_s)[:EVENTS_MAX]
+        self._compare_end(sim, place)
+
+    def _compare_end(self, sim: Simulator, place: int) -> None:
+        """Go on after a reset, if any, to the end of the recording, and compare the states."""
+        end = self.recording.end
+        assert end is not None
+        for index in range(place, len(self.commands)):
+            command = self.commands[index]
+            if command.name not in JUMPS:
+                sim.step(max(command.tick - sim.tick, 0))
+            self.give(sim, index)
+            if command.name in JUMPS:
+                self._read_as_recorded(sim)
+        sim.step(max(end.tick - sim.tick, 0))
+        if state_digest(sim) != end.state:
+            raise self._refusal("was edited, or made on another kind of machine: it leads to another state")
+
+    def _read_as_recorded(self, sim: Simulator) -> None:
+        """Read the recorded channels once, as the recorder did: the first reading of an estimate starts the filter."""
+        _, channels = offered_channels(self.recording, sim)
+        for channel in channels:
+            if channel.name in self.recording.channels and channel.direction == "out" and not channel.late:
+                channel.read(sim)
+
+    def _note_command(self, command: Command) -> None:
+        if command.name in UNSEEN:
+            return
+        vehicle = command.arguments.get("vehicle", "")
+        values = [
+            f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
+            for key, value in command.arguments.items()
+            if key != "vehicle" and isinstance(value, str | bool | int | float)
+        ]
+        name = command.name.replace("_", " ")
+        self._note(command.tick, "command", f"{name} {vehicle}".strip() + (f": {', '.join(values)}" if values else ""))
+
+    def _note(self, tick: int, kind: str, text: str) -> None:
+        """Add an event, unless it repeats the last one: a head that is turned is one event, not one in 0.2 s."""
+        event = Happening(round(tick * self.step_s, 9), kind, text)
+        last = self.events[-1] if self.events else None
+        head = text.partition(":")[0]
+        is_repeat = last is not None and kind == last.kind and head == last.text.partition(":")[0]
+        if last is not None and is_repeat and event.time_s - last.time_s < MERGED_S:
+            self.events[-1] = event._replace(time_s=last.time_s)
+        else:
+            self.events.append(event)
+
+    def _refusal(self, why: str) -> ValueError:
+        return ValueError(f"recording '{self.recording.path}': {why}")
+
+
+def _happening(event: Event) -> Happening:
+    values = ", ".join(str(value) for value in event.values.values() if value not in (None, ""))
+    return Happening(event.time_s, "alarm", " ".join(filter(None, (event.name.replace("_", " "), values))))
+
+
+def distances(one: Timeline, other: Timeline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return how far apart two runs' first vehicles were: simulated times (n,) [s], and distances (n,) [m] at them.
+
+    Only times that belong to both runs count; n may be 0.
+    """
+    times_s, poses = one.track.arrays()
+    others_s, other_poses = other.track.arrays()
+    times_s, poses = _within(times_s, poses, others_s)
+    if not len(times_s):
+        return times_s, times_s
+    at = np.column_stack([np.interp(times_s, others_s, other_poses[:, axis]) for axis in range(3)])
+    return times_s, np.linalg.norm(poses[:, :3] - at, axis=1)
+
+
+def _within(
+    times_s: NDArray[np.float64], poses: NDArray[np.float64], others_s: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    inside = (times_s >= others_s[0]) & (times_s <= others_s[-1])
+    return times_s[inside], poses[inside]

@@ -1,0 +1,116 @@
+"""A timeline reaches any moment of a recorded run, and refuses a run that cannot be repeated."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.live import LiveSimulator
+from uwsim.recording import Recorder, Recording
+from uwsim.recording.replay import give
+from uwsim.recording.timeline import Timeline, distances
+
+FLOWN_S = 6.0
+
+
+def fly(path: Path, yaw: float = 0.2, recorder: type[Recorder] = Recorder, end_s: float = FLOWN_S) -> Path:
+    sim = Simulator("pool", seed=3)
+    with recorder(sim, path, is_light=True):
+        sim.rov.undock()
+        for k in range(int(2 * end_s)):
+            sim.rov.set_effort(surge=0.4, yaw=yaw * (k % 3))
+            sim.rov.lamps["front"].on = bool(k % 2)
+            sim.advance(0.5)
+    return path
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return fly(tmp_path_factory.mktemp("timeline") / "run.mcap")
+
+
+@pytest.fixture(scope="module")
+def line(flown: Path) -> Timeline:
+    return Timeline(Recording(flown))
+
+
+def test_every_route_to_a_moment_leads_to_the_same_state(line: Timeline) -> None:
+    sim = line.simulator()
+    place, states = 0, {}
+    ticks = [0, 1, 99, 100, 101, 199, 500, 733, line.end_tick]
+    for tick in ticks:  # in one go, without saved states
+        while (due := line.next_command_tick(place)) is not None and due < tick:
+            sim.step(due - sim.tick)
+            give(sim, None, line.commands[place])
+            place += 1
+        sim.step(tick - sim.tick)
+        states[tick] = sim.save_state()
+    other = line.simulator()
+    for tick in np.random.default_rng(34).permutation(ticks):
+        line.go_to(other, int(tick))
+        assert other.tick == tick and other.save_state() == states[int(tick)], tick
+
+
+def test_events_and_track_are_those_of_the_flight(line: Timeline) -> None:
+    texts = [event.text for event in line.events]
+    assert texts[0] == "undock rov" and any("front" in text for text in texts)
+    assert not any("effort" in text for text in texts)
+    times_s, poses = line.track.arrays()
+    assert times_s[0] == 0.0 and times_s[-1] == FLOWN_S and np.all(np.diff(times_s) > 0.0)
+    sim = line.simulator()
+    line.go_to(sim, round(times_s[7] / line.step_s))
+    assert np.array_equal(poses[7, :3], sim.rov.pose.position_world_m)
+
+
+def test_distance_is_that_of_true_positions_at_the_same_time(line: Timeline, tmp_path: Path) -> None:
+    assert not distances(line, line)[1].any()
+    other = Timeline(Recording(fly(tmp_path / "other.mcap", yaw=-0.2, end_s=3.0)))
+    times_s, apart_m = distances(line, other)
+    assert times_s[-1] == 3.0  # only while both lasted
+    here, there = line.simulator(), other.simulator()
+    line.go_to(here, 600), other.go_to(there, 600)
+    truth_m = np.linalg.norm(here.rov.pose.position_world_m - there.rov.pose.position_world_m)
+    assert truth_m > 0.05 and apart_m[-1] == pytest.approx(truth_m, abs=1e-12)
+
+
+def test_a_timeline_ends_at_the_first_reset_and_still_compares_the_end(tmp_path: Path) -> None:
+    path = tmp_path / "reset.mcap"
+    with LiveSimulator(Simulator("pool", seed=3), paused=True) as live, Recorder(live, path, is_light=True):
+        live.command("undock", vehicle="rov").result()
+        live.step(400)
+        live.reset()
+        live.command("undock", vehicle="rov").result()
+        live.step(100)
+    line = Timeline(Recording(path))
+    assert 390 <= line.end_tick <= 400  # that of the last message before the reset
+    assert [event.text for event in line.events] == ["undock rov"]
+
+
+def test_a_run_that_cannot_be_repeated_is_refused(flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(flown.read_bytes()[: flown.stat().st_size * 2 // 3])
+    with pytest.raises(ValueError, match=r"cut\.mcap': is cut off"):
+        Timeline(Recording(cut))
+
+    class Forger(Recorder):
+        """Writes a sound file with other commands than were issued."""
+
+        def _take_command(self, name, arguments):
+            if name == "set_effort" and self._sim.tick == 100:
+                arguments = {**arguments, "surge": 0.41}
+            super()._take_command(name, arguments)
+
+    forged = fly(tmp_path / "forged.mcap", recorder=Forger)
+    with pytest.raises(ValueError, match="was edited, or made on another kind of machine"):
+        Timeline(Recording(forged))
+    with monkeypatch.context() as patch:
+        patch.setattr("uwsim.recording.timeline.build_fingerprint", lambda: "0123456789abcdef")
+        with pytest.raises(ValueError, match="another build"):
+            Timeline(Recording(flown))
+        patch.undo()
+        patch.setattr("uwsim.recording.timeline.LONGEST_S", 5.0)
+        with pytest.raises(ValueError, match="lasts 6 s: must last 0 to 5 s"):
+            Timeline(Recording(flown))
+    with pytest.raises(RuntimeError, match="not wanted"):
+        Timeline(Recording(flown), go_on=lambda: False)
