@@ -5,24 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flown import FLOWN_S, fly
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder, Recording
 from uwsim.recording.replay import give
 from uwsim.recording.timeline import Timeline, distances
-
-FLOWN_S = 6.0
-
-
-def fly(path: Path, yaw: float = 0.2, recorder: type[Recorder] = Recorder, end_s: float = FLOWN_S) -> Path:
-    sim = Simulator("pool", seed=3)
-    with recorder(sim, path, is_light=True):
-        sim.rov.undock()
-        for k in range(int(2 * end_s)):
-            sim.rov.set_effort(surge=0.4, yaw=yaw * (k % 3))
-            sim.rov.lamps["front"].on = bool(k % 2)
-            sim.advance(0.5)
-    return path
 
 
 @pytest.fixture(scope="module")

@@ -69,6 +69,15 @@ def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
     return session, speed
 
 
+def chosen_flight(choice: Values) -> tuple[str, Speed]:
+    """Return the flight that a choice replays, as given, and the speed. Raises ChoiceError."""
+    errors = {name: "is as it was recorded" for name in FIELDS if name != "speed" and choice.get(name) is not None}
+    speed = _try(errors, "speed", lambda: _speed(choice.get("speed")))
+    if errors:
+        raise ChoiceError(errors)
+    return str(choice["flight"]), speed
+
+
 def chosen_rosbridge(choice: Values) -> UserRosbridge | None:
     """Return the user's rosbridge of a choice, which was reachable just now; None without one. Raises ChoiceError."""
     errors: dict[str, str] = {}

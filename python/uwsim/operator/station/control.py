@@ -22,14 +22,19 @@ def _pause(station: Station, request: Values) -> None:
 
 
 def _resume(station: Station, request: Values) -> None:
-    station.present().live.resume()
+    running = station.present()
+    if running.replay is not None:
+        running.replay.resume()
+    else:
+        running.live.resume()
 
 
 def _step(station: Station, request: Values) -> None:
     steps = request.get("steps", 1)
     if isinstance(steps, bool) or not isinstance(steps, int | float) or not 1 <= steps <= STEPS_MAX or steps % 1:
         raise ValueError(f"steps = {str(steps)[:40]}: must be a whole number in [1, {STEPS_MAX}]")
-    station.present().live.step(int(steps))
+    running = station.present()
+    (running.live if running.replay is None else running.replay).step(int(steps))
 
 
 def _speed(station: Station, request: Values) -> None:
@@ -40,8 +45,7 @@ def _speed(station: Station, request: Values) -> None:
 
 
 def _restart(station: Station, request: Values) -> None:
-    station.present().live.reset()
-    station.begin_anew()
+    station.rewind()
 
 
 def _quit(station: Station, request: Values) -> None:
@@ -68,6 +72,17 @@ def _stop_recording(station: Station, request: Values) -> str:
     return f"recorded in {path}; `uwsim replay {path.name}` flies it again"
 
 
+def _seek(station: Station, request: Values) -> None:
+    replay = station.present().replay
+    if replay is None:
+        raise ValueError("no flight is replayed")
+    replay.seek(request.get("time_s")).result()
+
+
+def _helm(station: Station, request: Values) -> str:
+    return f"you have the helm, from {station.take_helm()} on"
+
+
 def new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:
     """Return a new path in the station's folder for the requested name. Raises ValueError, also if it exists."""
     name = request.get("name", default)
@@ -89,4 +104,8 @@ CONTROLS: dict[str, Callable[[Station, Values], str | None]] = {
     "save": _save,
     "record": _record,
     "stop_recording": _stop_recording,
+    "seek": _seek,
+    "helm": _helm,
 }
+OF_REPLAYS = ("seek", "helm")
+NOT_OF_REPLAYS = ("restart", "save", "record", "stop_recording")

@@ -17,13 +17,23 @@ from uwsim.channels.served import default_origin
 from uwsim.channels.table import Wire, checked_wire
 from uwsim.exercises import Course, Exercise
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_rosbridge, chosen_save, scenarios
+from uwsim.operator.station.choice import (
+    ChoiceError,
+    catalog,
+    chosen,
+    chosen_flight,
+    chosen_rosbridge,
+    chosen_save,
+    scenarios,
+)
+from uwsim.operator.station.flights import FOLDER, Bounds, FlightRecording, Flights
 from uwsim.operator.station.instructor import Instructor
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.prepared import Prepared
 from uwsim.operator.station.preview import preview_png
 from uwsim.operator.station.pulse import STATE, Pulse
+from uwsim.operator.station.replay import Replay
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import go_on_with_maps, load_saved, saved_names
 from uwsim.operator.station.services import Services
@@ -45,7 +55,8 @@ class Station:
     run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
     position. wire, origin: see uwsim.channels; invalid values raise ValueError; origin None is the world's, or the
     scenario's for a session that joins the user's rosbridge. threads: for simulators. folder: where `save` writes.
-    instructor_token: of a second page, whose user alone changes the world; see `instructor`.
+    instructor_token: of a second page, whose user alone changes the world; see `instructor`. keep_flights: how many
+    flights are recorded, unasked, in `folder`/flights; None: none, and none are listed.
 
     phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
     simulator and each restart.
@@ -65,11 +76,13 @@ class Station:
         threads: int | None = None,
         folder: Path | None = None,
         instructor_token: str | None = None,
+        keep_flights: Bounds | None = None,
     ) -> None:
         # Checked here, so that errors do not appear only when a pilot starts the first simulator.
         checked_wire(wire, "world" if origin is None else origin)
         self.folder = folder or Path.cwd()
         self.instructor = None if instructor_token is None else Instructor(instructor_token, self.folder)
+        self.flights = None if keep_flights is None else Flights(self.folder / FOLDER, keep_flights, threads)
         self.offered = offered
         self.link = link
         self.is_fixed = is_fixed
@@ -124,6 +137,8 @@ class Station:
 
     def __exit__(self, *_: object) -> None:
         """Stop the simulator."""
+        if self.flights is not None:
+            self.flights.close()
         self._pulse.close()
         self.prepared.close()
         if self.running is not None:
@@ -137,6 +152,9 @@ class Station:
             raise ValueError("this server runs one scenario: start `uwsim station` to choose")
         if choice.get("saved") is not None:
             self._go_on(choice)
+            return
+        if choice.get("flight") is not None:
+            self._replay(choice)
             return
         scenario, speed = chosen(choice, self.offered)
         rosbridge = chosen_rosbridge(choice)
@@ -164,17 +182,63 @@ class Station:
         except (ValueError, OSError) as error:
             raise ChoiceError({"saved": " ".join(str(error).split())}) from None
 
+    def _replay(self, choice: Values) -> None:
+        """Replay a flight, with only the speed newly chosen."""
+        name, speed = chosen_flight(choice)
+        flights = self._kept_flights()
+        self.prepared.forget()
+        try:
+            timeline = flights.timeline(name)
+            live = LiveSimulator(timeline.simulator(), speed=speed)
+            self.run(lambda: live, replay=Replay(live, timeline, name, flights))
+        except (ValueError, OSError) as error:
+            raise ChoiceError({"flight": " ".join(str(error).split())}) from None
+
+    def take_helm(self) -> str:
+        """Fly on from the present moment of a replay, in a session and a recording of its own; return where it began.
+
+        Efforts are zero at first; time goes on, or stands still, as before. Raises ValueError.
+        """
+        replay = self.present().replay
+        if replay is None:
+            raise ValueError("no flight is replayed")
+        timeline, was_paused = replay.timeline, replay.live.paused
+        replay.live.pause()
+        state, time_s = replay.live.read(lambda sim: (sim.save_state(), sim.time_s)).result()
+        where = f"{replay.flight} at {time_s:.2f} s"
+
+        def make() -> LiveSimulator:
+            sim = timeline.simulator()
+            sim.restore_state(state)
+            for vehicle in sim.vehicles.values():
+                vehicle.set_effort()
+            return LiveSimulator(sim, speed=1.0, paused=was_paused)
+
+        def prepare(running: Running) -> None:
+            running.branched_from = where
+
+        self.run(make, prepare, notes={"branched_from": where})
+        return where
+
+    def _kept_flights(self) -> Flights:
+        if self.flights is None:
+            raise ValueError("this station keeps no flights")
+        return self.flights
+
     def run(
         self,
         make: Callable[[], LiveSimulator],
         prepare: Callable[[Running], object] = lambda running: None,
         feed: Feed | None = None,
         rosbridge: UserRosbridge | None = None,
+        replay: Replay | None = None,
+        notes: Values | None = None,
     ) -> None:
         """Run the simulator returned by `make`, replacing the current one, which keeps running until then.
 
         prepare: called when the new simulator's channels exist and before its map is built. feed: shared with other
-        sinks. rosbridge: the user's, which the simulator joins.
+        sinks. rosbridge: the user's, which the simulator joins. replay: which it follows. notes: for the recording that
+        is made of the flight.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
@@ -186,8 +250,11 @@ class Station:
             if origin is None:
                 origin = "world" if rosbridge is None else default_origin(live.simulator.scenario)
             running = Running(
-                live, self.node, self._pulse.stir, feed=feed, origin=origin, folder=self.folder, **self._options
-            )
+                live, self.node, self._pulse.stir, feed=feed, origin=origin, folder=self.folder, replay=replay,
+                **self._options,
+            )  # fmt: skip
+            if self.flights is not None and replay is None:
+                running.flight = FlightRecording(running, self.flights, notes)
             if self.instructor is not None:
                 running.hide_the_simulation()
                 self.instructor.begin()
@@ -238,8 +305,19 @@ class Station:
             self.node.offer_topics(self._topics(None))
             self._enter("idle")
 
-    def begin_anew(self) -> None:
-        """Start another session, so that pages request everything again; called when simulated time has restarted."""
+    def rewind(self, state: bytes | None = None) -> None:
+        """Go to a saved state, by default the initial one, in another session, so that pages request everything again.
+
+        The recording of the flight ends before, and another begins. Raises ValueError.
+        """
+        running = self.present()
+        if running.flight is not None:
+            running.flight.stop()
+        try:
+            running.live.reset(state)
+        finally:
+            if running.flight is not None:
+                running.flight.start()
         self.session = next(self._numbers)
         self.tell()
 
@@ -262,7 +340,7 @@ class Station:
     def let_go(self) -> None:
         """Set efforts to zero."""
         running = self.running
-        if running is not None:
+        if running is not None and running.replay is None:
             running.end_plan("the controls have passed on")
             running.helm.let_go()
 

@@ -161,15 +161,13 @@ def _return_to(own: Instructor, station: Station, running: Running, arguments: V
         raise ValueError(f"name = {str(arguments.get('name'))[:40]!r}: is not a saved moment")
     if running.judged is not None:
         running.judged.course.return_to(found[0].course)
-    running.live.reset(found[0].state)
+    station.rewind(found[0].state)
     station.let_go()
-    station.begin_anew()
     return f"returned to {found[0].name}, at {found[0].time_s:.1f} s"
 
 
 def _restart(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
-    running.live.reset()
-    station.begin_anew()
+    station.rewind()
     return "restarted"
 
 

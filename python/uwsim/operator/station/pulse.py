@@ -98,6 +98,8 @@ class Pulse:
             "driver": "" if running is None else running.driver,
             "lost_by": lease.lost_by,
             "recording": "" if running is None or running.recorder is None else running.recorder.path.name,
+            "flight": "" if running is None or running.flight is None else running.flight.name,
+            "flight_trouble": "" if running is None or running.flight is None else running.flight.trouble,
         }
         return state if running is None else state | _progress(running)
 

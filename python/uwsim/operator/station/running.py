@@ -21,10 +21,12 @@ from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.arrivals import Arrivals
+from uwsim.operator.station.flights import FlightRecording
 from uwsim.operator.station.helm import Helm
 from uwsim.operator.station.inspection import Inspection
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.plan import PlanFlight
+from uwsim.operator.station.replay import Replay
 from uwsim.operator.station.scene import Scene
 from uwsim.operator.station.user_rosbridge import UserRosbridge
 from uwsim.operator.station.views import View, Views, title
@@ -43,9 +45,11 @@ def piloted_commands() -> list[str]:
 class Running:
     """A live simulator, from `start` to `stop`.
 
-    Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due.
-    truth: whether the true position may be shown. folder: where notes are written. edition: a number that increases
-    when a parameter, and thus the result of `describe`, changes; see `notice_changes`.
+    Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
+    whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
+    parameter, and thus the result of `describe`, changes; see `notice_changes`. replay: of a flight, if the simulator
+    follows one; the truth is then shown, and all values are those aboard, without a link. branched_from: where the helm
+    of a replay was taken, or "".
     """
 
     def __init__(
@@ -59,25 +63,30 @@ class Running:
         truth: bool,
         feed: Feed | None = None,
         folder: Path | None = None,
+        replay: Replay | None = None,
     ) -> None:
         sim = live.simulator
         self.live = live
         self.feed = feed or Feed(live)
-        self.truth = truth
+        self.replay = replay
+        self.truth = truth = truth or replay is not None
         self.table = table = served_table(live, wire=wire, origin=origin, truth=truth)
         over_modem = sim.link is not None and sim.link.modem.kind == "modem"
-        self.carrier = None if sim.link is None else Carrier(live, table, only=SHOWN if over_modem else None)
+        has_carrier = sim.link is not None and replay is None  # a replay shows what is aboard, and sends nothing
+        self.carrier = Carrier(live, table, only=SHOWN if over_modem else None) if has_carrier else None
         self.maps = self.table.maps  # over a link, those built ashore
         self.far = live if self.carrier is None else self.carrier.remote()  # the simulator as commanded by pilots
         if self.carrier is not None:
             table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
         self.helm = Helm(self.far, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
-        self.views = Views(live, self.table, node, stir, over_link=sim.link is not None, truth=truth)
+        self.views = Views(live, self.table, node, stir, over_link=has_carrier, truth=truth)
         self.arrivals: Arrivals | None = None
         if self.carrier is not None:
             self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
         self.recorder: Recorder | None = None
+        self.flight: FlightRecording | None = None
+        self.branched_from = ""
         self.judged: Judged | None = None
         self.plan: PlanFlight | None = None
         self.is_supervised = False
@@ -93,6 +102,8 @@ class Running:
 
     def start(self) -> None:
         """Start stepping the simulator and building the map."""
+        if self.replay is not None:
+            self.replay.start()
         if not self.live.running:
             self.live.start()
         if self.carrier is not None:
@@ -104,6 +115,8 @@ class Running:
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
         if self.judged is not None:
             self.judged.start()
+        if self.flight is not None:
+            self.flight.start()
 
     def hide_the_simulation(self) -> None:
         """Offer clients nothing that shows or changes the world: its services, and commands of the simulator."""
@@ -127,7 +140,9 @@ class Running:
             self.views.renew()
 
     def stop(self) -> None:
-        """Finish the recording, and stop stepping."""
+        """Finish the recordings, and stop stepping."""
+        if self.flight is not None:
+            self.flight.stop()
         self.stop_recording()
         if self.rosbridge is not None:
             self.rosbridge.close()
@@ -170,6 +185,8 @@ class Running:
             "commands": self.commands(),
             "is_supervised": self.is_supervised,
             "has_exercise": self.judged is not None,
+            "replay": None if self.replay is None else self.replay.describe(),
+            "branched_from": self.branched_from,
         }
 
     def end_plan(self, because: str) -> None:

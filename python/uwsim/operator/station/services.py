@@ -13,8 +13,8 @@ from uwsim.channels.guest import GuestService, Values
 from uwsim.channels.steering import require_link
 from uwsim.commands import COMMANDS
 from uwsim.operator.station.calls import CALLS
-from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save
-from uwsim.operator.station.control import CONTROLS, new_path
+from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_flight, chosen_save
+from uwsim.operator.station.control import CONTROLS, NOT_OF_REPLAYS, OF_REPLAYS, new_path
 from uwsim.operator.station.helm import answered, wants_stop
 from uwsim.operator.station.instructor import Instructor, parameters
 from uwsim.operator.station.plan import Plan, PlanFlight
@@ -53,7 +53,9 @@ class Services:
     def _controls(self) -> list[str]:
         if self._station.instructor is not None:
             return list(SUPERVISED)
-        return [name for name in CONTROLS if not (self._station.is_fixed and name == "quit")]
+        running = self._station.running
+        other = OF_REPLAYS if running is None or running.replay is None else NOT_OF_REPLAYS
+        return [name for name in CONTROLS if name not in other and not (self._station.is_fixed and name == "quit")]
 
     def _join(self, caller: str, request: Values) -> Values:
         self._station.lease.join(caller, request.get("name"))
@@ -121,6 +123,8 @@ class Services:
             self._station.folder.mkdir(parents=True, exist_ok=True)
             write_atomically(path, plan.file(path.stem, running.live.simulator.scenario.name).encode())
             return {**self._planned(running), "message": f"saved as {path}"}
+        if running.replay is not None:
+            raise ValueError(running.live.refusal)
         if action != "fly":
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of report, save, fly, stop")
         name = request.get("vehicle")
@@ -186,10 +190,13 @@ class Services:
     def _catalog(self, caller: str, request: Values) -> Values:
         found = catalog(self._station.offered)
         defaults = found["defaults"] | ({"link": self._station.link} if self._station.link else {})
-        return {**found, "defaults": defaults, "saves": saved_names(self._station.folder)}
+        flights = [] if self._station.flights is None else self._station.flights.listed()
+        return {**found, "defaults": defaults, "saves": saved_names(self._station.folder), "flights": flights}
 
     def _check(self, caller: str, request: Values) -> Values:
-        if request.get("saved") is None:
+        if request.get("flight") is not None:
+            chosen_flight(request)
+        elif request.get("saved") is None:
             scenario, _ = chosen(request, self._station.offered)
             if self._station.phase == "idle" and caller in self._station.lease.members:
                 self._station.prepared.want(scenario)

@@ -64,6 +64,7 @@ class Choice(Message):
     rosbridge_port: int | None = None
     rosbridge_ros: int | None = None
     saved: str | None = None
+    flight: str | None = None
 
 
 class ChoiceTaken(Done):
@@ -104,8 +105,23 @@ class OfferedSonar(Message):
     kind: Literal["published", "instrument"]
 
 
+class RecordedFlight(Message):
+    """A flight that can be replayed. begun: wall-clock time, ISO 8601. refused: why it cannot be, or empty."""
+
+    name: str
+    scenario: str
+    begun: str
+    duration_s: float
+    size_bytes: int
+    branched_from: str
+    refused: str
+
+
 class Catalog(Message):
-    """All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued."""
+    """All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued.
+
+    flights: newest first.
+    """
 
     scenarios: list[OfferedScenario]
     vehicles: list[Offered]
@@ -114,6 +130,7 @@ class Catalog(Message):
     speeds: list[float]
     defaults: Choice
     saves: list[str]
+    flights: list[RecordedFlight]
 
 
 # The running simulator
@@ -229,6 +246,24 @@ class Warnings(Message):
     proximity_m: float
 
 
+class FlightEvent(Message):
+    """An event of a recorded flight."""
+
+    time_s: float
+    kind: Literal["command", "alarm", "collision"]
+    text: str
+
+
+class ReplayDescription(Message):
+    """The flight that is replayed. start_s, end_s: simulated time of its time line."""
+
+    flight: str
+    start_s: float
+    end_s: float
+    branched_from: str
+    events: list[FlightEvent]
+
+
 class Description(Message):
     """The running simulator."""
 
@@ -250,6 +285,8 @@ class Description(Message):
     commands: list[str]
     has_exercise: bool
     is_supervised: bool
+    replay: ReplayDescription | None
+    branched_from: str
 
 
 # Pilots
@@ -319,10 +356,11 @@ class SetView(Message):
 class Control(Message):
     """A request to control the simulation. action: one of the controls listed in the description.
 
-    steps, speed, name: for the actions that need them.
+    steps, speed, name, time_s: for the actions that need them.
     """
 
     action: str
     steps: float | None = None
     speed: float | None = None
     name: str | None = None
+    time_s: float | None = None

@@ -56,6 +56,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} rosbridge_trouble
  * @property {string} comment
  * @property {number} notes
+ * @property {string} flight
+ * @property {string} flight_trouble
  */
 
 /** @typedef {object} Telemetry
@@ -226,6 +228,22 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [aboard_small_topic]
  */
 
+/** An event of a recorded flight.
+ * @typedef {object} FlightEvent
+ * @property {number} time_s
+ * @property {'command' | 'alarm' | 'collision'} kind
+ * @property {string} text
+ */
+
+/** The flight that is replayed. start_s, end_s: simulated time of its time line.
+ * @typedef {object} ReplayDescription
+ * @property {string} flight
+ * @property {number} start_s
+ * @property {number} end_s
+ * @property {string} branched_from
+ * @property {FlightEvent[]} events
+ */
+
 /** The running simulator.
  * @typedef {object} Description
  * @property {true} success
@@ -246,6 +264,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string[]} commands
  * @property {boolean} has_exercise
  * @property {boolean} is_supervised
+ * @property {ReplayDescription | null} replay
+ * @property {string} branched_from
  */
 
 /** The response to a Join. id: identifies this connection.
@@ -425,9 +445,24 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} [rosbridge_port]
  * @property {number | null} [rosbridge_ros]
  * @property {string | null} [saved]
+ * @property {string | null} [flight]
+ */
+
+/** A flight that can be replayed. begun: wall-clock time, ISO 8601. refused: why it cannot be, or empty.
+ * @typedef {object} RecordedFlight
+ * @property {string} name
+ * @property {string} scenario
+ * @property {string} begun
+ * @property {number} duration_s
+ * @property {number} size_bytes
+ * @property {string} branched_from
+ * @property {string} refused
  */
 
 /** All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued.
+
+    flights: newest first.
+    
  * @typedef {object} Catalog
  * @property {OfferedScenario[]} scenarios
  * @property {Offered[]} vehicles
@@ -436,6 +471,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[]} speeds
  * @property {Choice} defaults
  * @property {string[]} saves
+ * @property {RecordedFlight[]} flights
  */
 
 /** A choice is valid, or has been started.
@@ -526,7 +562,7 @@ export const catalog = (bridge) => bridge.call('/station/catalog');
 /** @returns {Promise<ChoiceTaken | Refused>} */
 export const check = (
   bridge,
-  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved },
+  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved, flight },
 ) =>
   bridge.call('/station/check', {
     scenario,
@@ -540,13 +576,14 @@ export const check = (
     rosbridge_port,
     rosbridge_ros,
     saved,
+    flight,
   });
 
 // Start a simulator from a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
 export const start = (
   bridge,
-  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved },
+  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved, flight },
 ) =>
   bridge.call('/station/start', {
     scenario,
@@ -560,9 +597,10 @@ export const start = (
     rosbridge_port,
     rosbridge_ros,
     saved,
+    flight,
   });
 
 // Pause, step, restart, save, record and similar actions; for the pilot only.
 /** @returns {Promise<Commanded | Refused>} */
-export const control = (bridge, { action, steps, speed, name }) =>
-  bridge.call('/station/control', { action, steps, speed, name });
+export const control = (bridge, { action, steps, speed, name, time_s }) =>
+  bridge.call('/station/control', { action, steps, speed, name, time_s });

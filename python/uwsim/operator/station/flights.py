@@ -1,0 +1,283 @@
+"""Flights: recordings that the station makes of every flight, without being asked, within bounds, and finds again."""
+
+from __future__ import annotations
+
+import logging
+import re
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.journal import EFFORT
+from uwsim.channels.guest import Values
+from uwsim.operator.station.scene import glb
+from uwsim.recording import Recorder, Recording
+from uwsim.recording.glance import glance
+from uwsim.recording.timeline import UNSEEN, Timeline, distances
+from uwsim.scenario import vehicle_hull
+from uwsim.scenario.fingerprint import build_fingerprint
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.running import Running
+
+FOLDER = "flights"
+COUNT, MEGABYTES = 50, 2000
+"""The default bounds: flights, and MB (10^6 bytes) of all of them."""
+COUNT_MAX, MEGABYTES_MAX = 10_000, 1_000_000
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.mcap")
+CHECK_S = 2.0  # between checks of the bounds while a flight is recorded
+OPEN_MAX = 3  # time lines that are kept for the next request
+SAMPLES_MAX = 4000  # of a track that the page draws
+LOGGER = logging.getLogger("uwsim.operator.station")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How many flights are kept, and how many bytes they may take; the oldest are deleted first."""
+
+    count: int = COUNT
+    size_bytes: int = MEGABYTES * 1_000_000
+
+    @classmethod
+    def of(cls, text: str) -> Bounds:
+        """Return the bounds in a text such as "50,2000", flights and MB. Raises ValueError."""
+        found = re.fullmatch(r"(\d{1,6}),(\d{1,8})", text)
+        if found is None:
+            raise ValueError(f"{text!r}: must be a number of flights and of MB, such as {COUNT},{MEGABYTES}")
+        count, megabytes = int(found[1]), int(found[2])
+        if count > COUNT_MAX or not 1 <= megabytes <= MEGABYTES_MAX:
+            raise ValueError(f"{text!r}: must be 0 to {COUNT_MAX} flights and 1 to {MEGABYTES_MAX} MB")
+        return cls(count, megabytes * 1_000_000)
+
+
+@dataclass
+class Flights:
+    """The flights in a folder, by file name, which begins with the time of the start, so that names sort by age.
+
+    refused: by name, why a flight could not be replayed. Methods may be called on any thread.
+    """
+
+    folder: Path
+    bounds: Bounds = field(default_factory=Bounds)
+    threads: int | None = None
+    refused: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._lock = threading.Lock()
+        self._opening = threading.Lock()
+        self._open: OrderedDict[tuple[str, int, int], Timeline] = OrderedDict()
+        self.growing: Path | None = None  # the one that is being recorded
+        self.is_closing = False
+
+    def listed(self) -> list[Values]:
+        """Return the flights as entries of the catalog, newest first, without the one that is being recorded."""
+        return [self._described(path) for path in reversed(self._paths()) if path != self.growing]
+
+    def new_path(self, scenario: str) -> Path:
+        """Return the path of a new flight, after making room for it. Raises OSError."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.make_room(more=1)
+        now = datetime.now(UTC)
+        stem = f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{re.sub(r'[^A-Za-z0-9_-]', '-', scenario)[:40] or 'flight'}"
+        return self.folder / f"{stem}.mcap"
+
+    def make_room(self, more: int = 0) -> None:
+        """Delete the oldest flights beyond the bounds, never the one that is being recorded."""
+        with self._lock:
+            paths = self._paths()
+            sizes = {path: path.stat().st_size for path in paths}
+            while paths and (len(paths) + more > self.bounds.count or sum(sizes.values()) > self.bounds.size_bytes):
+                oldest = paths.pop(0)
+                if oldest == self.growing:
+                    continue
+                oldest.unlink(missing_ok=True)
+                del sizes[oldest]
+                LOGGER.info("flight %s deleted: more would exceed the bounds", oldest.name)
+
+    def timeline(self, name: object) -> Timeline:
+        """Return a flight's time line, simulating it unless that was done before. Raises ValueError or OSError."""
+        path = self._path(name)
+        with self._opening:
+            stat = path.stat()
+            key = (path.name, stat.st_size, stat.st_mtime_ns)
+            if key not in self._open:
+                try:
+                    self._open[key] = Timeline(Recording(path), self.threads, lambda: not self.is_closing)
+                except (ValueError, OSError) as error:
+                    self.refused[path.name] = " ".join(str(error).replace(f"'{path}'", f"'{path.name}'").split())
+                    raise ValueError(self.refused[path.name]) from None
+            self._open.move_to_end(key)
+            while len(self._open) > OPEN_MAX:
+                self._open.popitem(last=False)
+            return self._open[key]
+
+    def ghost(self, shown: Timeline, name: str, origin_m: NDArray[np.float64]) -> Values:
+        """Return another flight's track, and how far it is from the one shown. Raises ValueError or OSError.
+
+        origin_m: of the odom frame, in which positions are returned.
+        """
+        other = self.timeline(name)
+        one, two = (line.recording.start.scenario for line in (shown, other))
+        if one != two:
+            raise ValueError(f"flight '{name}': is in '{two}': must be in '{one}', like the one shown")
+        times_s, apart_m = distances(shown, other)
+        step = max(-(-len(times_s) // SAMPLES_MAX), 1)
+        return {
+            "flight": name,
+            "track": track(other, origin_m),
+            "times_s": times_s[::step].round(3).tolist(),
+            "apart_m": apart_m[::step].round(3).tolist(),
+        }
+
+    def hull(self, name: str) -> bytes:
+        """Return the hull of a flight's first vehicle as GLB, in body axes. Raises ValueError or OSError."""
+        sim = self.timeline(name).simulator()  # kept until the mesh is read, since its files end with it
+        return glb(vehicle_hull(sim.scenario.vehicles[0].model), np.zeros(3))
+
+    def close(self) -> None:
+        """Give up what is being opened."""
+        self.is_closing = True
+
+    def _path(self, name: object) -> Path:
+        if not isinstance(name, str) or not NAME.fullmatch(name) or not (self.folder / name).is_file():
+            raise ValueError(f"flight = {str(name)[:60]!r}: must be one of those listed")
+        return self.folder / name
+
+    def _paths(self) -> list[Path]:
+        found = [path for path in self.folder.glob("*.mcap") if NAME.fullmatch(path.name) and path.is_file()]
+        return sorted(found, key=lambda path: path.name)
+
+    def _described(self, path: Path) -> Values:
+        try:
+            stat = path.stat()
+            described = _summary(path, stat.st_size, stat.st_mtime_ns)
+        except OSError as error:
+            described = _unreadable(path, 0, error)
+        return {**described, "refused": described["refused"] or self.refused.get(path.name, "")}
+
+
+@lru_cache(COUNT_MAX)
+def _summary(path: Path, size: int, changed_ns: int) -> Values:
+    try:
+        start, end = glance(path)
+    except ValueError as error:
+        return _unreadable(path, size, error)
+    notes = {**start.notes, **end.notes}
+    is_other = start.build != build_fingerprint()
+    return {
+        "name": path.name,
+        "scenario": start.scenario,
+        "begun": start.begun,
+        "duration_s": round(max((end.tick - start.tick) * start.step_s, 0.0), 3),
+        "size_bytes": size,
+        "branched_from": str(notes.get("branched_from", "")),
+        "refused": "was made by another build of uwsim" if is_other else "",
+    }
+
+
+def _unreadable(path: Path, size: int, error: Exception) -> Values:
+    what = " ".join(str(error).replace(f"'{path}'", f"'{path.name}'").split())
+    empty = {"scenario": "", "begun": "", "duration_s": 0.0, "size_bytes": size, "branched_from": ""}
+    return {"name": path.name, **empty, "refused": what}
+
+
+def track(line: Timeline, origin_m: NDArray[np.float64]) -> Values:
+    """Return the track of a flight's first vehicle in odom: times_s, and poses (x, y, z, quaternion x, y, z, w)."""
+    times_s, poses = line.track.arrays()
+    step = max(-(-len(times_s) // SAMPLES_MAX), 1)
+    moved = poses + np.concatenate([origin_m, np.zeros(4)])
+    return {"times_s": times_s[::step].round(3).tolist(), "poses": moved[::step].round(4).tolist()}
+
+
+class FlightRecording:
+    """Records a running simulator, unasked. A flight in which nothing was commanded is not kept.
+
+    notes: for the recording, such as where it branched from. trouble: why nothing is recorded, or "".
+    """
+
+    def __init__(self, running: Running, flights: Flights, notes: Mapping[str, Any] | None = None) -> None:
+        self._running, self._flights, self._notes = running, flights, dict(notes or {})
+        self._recorder: Recorder | None = None
+        self._is_flown = False
+        self._over = threading.Event()
+        self._lock = threading.Lock()
+        self.trouble = ""
+
+    @property
+    def name(self) -> str:
+        """The name of the file that is being written, or ""."""
+        recorder = self._recorder
+        return "" if recorder is None else recorder.path.name
+
+    def start(self) -> None:
+        """Begin a recording, unless no flights are kept. An error is logged and kept in `trouble`."""
+        running, flights = self._running, self._flights
+        if flights.bounds.count == 0:
+            return
+        with self._lock:
+            try:
+                path = flights.new_path(running.live.simulator.scenario.name)
+                self._is_flown, self.trouble = False, ""
+                recorder = Recorder(
+                    running.live, path, shared=running.table, feed=running.feed, notes=self._notes, is_light=True
+                )
+                flights.growing = path
+                self._recorder = recorder.start()
+                running.live.simulator.journal.listen(self)
+                self._over = threading.Event()
+                threading.Thread(target=self._watch, args=(self._over,), name="uwsim-flights", daemon=True).start()
+            except (OSError, ValueError) as error:
+                flights.growing = None
+                self._complain(error)
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Note that the vehicle is flown."""
+        moves = any(value for key, value in arguments.items() if key != "vehicle")
+        if (name == EFFORT and moves) or name not in UNSEEN:
+            self._is_flown = True
+
+    def _watch(self, over: threading.Event) -> None:
+        """Keep the bounds while a flight is recorded; end its recording if it alone exceeds them."""
+        while not over.wait(CHECK_S):
+            recorder = self._recorder
+            if recorder is None:
+                return
+            try:
+                self._flights.make_room()
+                is_too_large = recorder.path.stat().st_size > self._flights.bounds.size_bytes
+            except OSError as error:
+                self._complain(error)
+                return
+            if is_too_large:
+                self.stop()
+                megabytes = self._flights.bounds.size_bytes / 1e6
+                self.trouble = f"the flight is recorded no further: its recording has reached {megabytes:g} MB"
+                LOGGER.warning("%s", self.trouble)
+
+    def stop(self) -> None:
+        """Finish the recording; an error is logged and kept in `trouble`."""
+        with self._lock:
+            recorder, self._recorder = self._recorder, None
+            self._over.set()
+            if recorder is None:
+                return
+            self._running.live.simulator.journal.detach(self)
+            try:
+                recorder.close()
+                if not self._is_flown:
+                    recorder.path.unlink(missing_ok=True)
+            except OSError as error:
+                self._complain(error)
+            self._flights.growing = None
+
+    def _complain(self, error: Exception) -> None:
+        self.trouble = f"the flight is not recorded: {error}"
+        LOGGER.error("%s", self.trouble)

@@ -1,0 +1,22 @@
+"""A short recorded flight, for tests of what is done with recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim import Simulator
+from uwsim.recording import Recorder
+
+FLOWN_S = 6.0
+
+
+def fly(path: Path, yaw: float = 0.2, recorder: type[Recorder] = Recorder, end_s: float = FLOWN_S) -> Path:
+    """Fly in the pool with changing efforts, recorded to a path, which is returned."""
+    sim = Simulator("pool", seed=3)
+    with recorder(sim, path, is_light=True):
+        sim.rov.undock()
+        for k in range(int(2 * end_s)):
+            sim.rov.set_effort(surge=0.4, yaw=yaw * (k % 3))
+            sim.rov.lamps["front"].on = bool(k % 2)
+            sim.advance(0.5)
+    return path

@@ -1,0 +1,220 @@
+"""Flights at the station: recorded unasked, found again, replayed as a session that only its time line commands."""
+
+import json
+import re
+import shutil
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from browser import until
+from flown import fly
+from station_pages import get, page, serving
+from uwsim.operator.station import flights as kept
+from uwsim.operator.station.flights import Bounds, Flights
+from uwsim.recording import Recording
+from uwsim.recording.timeline import Timeline
+
+KEEP = Bounds(5)
+
+
+def names(server) -> list[str]:
+    with page(server) as ada:
+        return [each["name"] for each in ada.call("catalog")["flights"]]
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory) -> Path:
+    """A flight of 6 s."""
+    return fly(tmp_path_factory.mktemp("flown") / "20260101-000000-pool.mcap")
+
+
+@pytest.fixture
+def folder(flown: Path, tmp_path: Path) -> Path:
+    """A station's folder with one flight."""
+    (tmp_path / "flights").mkdir()
+    shutil.copy(flown, tmp_path / "flights")
+    return tmp_path
+
+
+def test_a_flight_is_recorded_unasked_and_listed_by_the_next_server(tmp_path: Path):
+    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
+        ada.subscribe("/station/state")
+        assert ada.call("catalog")["flights"] == []
+        ada.call("start", scenario="pool", seed=7)
+        state = ada.message("/station/state", lambda state: state["flight"])
+        assert re.fullmatch(r"\d{8}-\d{6}-\d{3}-pool\.mcap", state["flight"]) and not state["flight_trouble"]
+        assert ada.call("catalog")["flights"] == []  # not before it ends
+        ada.call("take_control")
+        ada.call("control", action="quit")  # nobody flew
+        assert list((tmp_path / "flights").iterdir()) == []
+        ada.call("start", scenario="pool", seed=7)
+        ada.call("command", name="undock", vehicle="rov")
+        for _ in range(5):
+            assert ada.call("drive", vehicle="rov", surge=0.5)["success"]
+        live = station.present().live
+        until(lambda: live.tick > 300, "a second and a half")
+        assert ada.call("control", action="restart")["success"]  # another flight
+        ada.call("command", name="undock", vehicle="rov")
+        until(lambda: 100 < live.tick, "its first half second")
+    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
+        second, first = ada.call("catalog")["flights"]
+        assert (first["scenario"], first["refused"], first["branched_from"]) == ("pool", "", "")
+        assert first["duration_s"] > 1.4 and first["size_bytes"] > 10_000 and second["begun"] >= first["begun"]
+        for each in (first, second):
+            line = station.flights.timeline(each["name"])
+            assert line.events[0].text == "undock rov"
+
+
+def test_only_the_newest_within_the_bounds_are_kept(flown: Path, tmp_path: Path):
+    size = flown.stat().st_size
+    for bounds, left in ((Bounds(3), 3), (Bounds(9, 2 * size + 10), 2), (Bounds(0), 0), (Bounds(9), 6)):
+        folder = tmp_path / f"{bounds.count}-{bounds.size_bytes}"
+        folder.mkdir()
+        for k in range(6):
+            shutil.copy(flown, folder / f"2026010{k}-000000-pool.mcap")
+        other = folder / "notes.txt"
+        other.write_text("not ours")
+        found = Flights(folder, bounds)
+        found.make_room()
+        assert [each["name"][7] for each in found.listed()] == list("543210")[:left]
+        assert other.exists()
+        if left == 3:
+            assert found.new_path("pool").parent == folder and len(found.listed()) == 2  # room for the new one
+    for text, why in (("5", "such as 50,2000"), ("-1,5", "such as"), ("3,0", "1 to 1000000 MB"), ("99999,1", "0 to")):
+        with pytest.raises(ValueError, match=why):
+            Bounds.of(text)
+    assert Bounds.of("7,30") == Bounds(7, 30_000_000)
+
+
+def test_a_flight_that_alone_exceeds_the_bound_ends_its_recording_and_says_so(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(kept, "CHECK_S", 0.1)
+    with serving(tmp_path, keep_flights=Bounds(5, 200_000)) as (station, server), page(server) as ada:
+        ada.subscribe("/station/state")
+        ada.call("start", scenario="pool", speed=10)
+        ada.call("take_control")
+        ada.call("command", name="undock", vehicle="rov")
+        state = ada.message("/station/state", lambda state: state["flight_trouble"])
+        assert "has reached 0.2 MB" in state["flight_trouble"] and state["flight"] == ""
+        assert station.present().live.error is None and not station.present().live.paused  # the flight goes on
+        (path,) = (tmp_path / "flights").iterdir()
+        assert Timeline(Recording(path)).end_tick > 0
+
+
+def test_a_folder_that_cannot_be_written_leaves_the_flight_alone(tmp_path: Path):
+    (tmp_path / "flights").write_text("a file")
+    with serving(tmp_path, keep_flights=KEEP) as (_, server), page(server) as ada:
+        ada.subscribe("/station/state")
+        assert ada.call("start", scenario="pool")["success"]
+        assert "is not recorded" in ada.message("/station/state", lambda s: s["flight_trouble"])["flight_trouble"]
+
+
+def test_a_replay_is_a_session_that_nobody_commands_until_the_helm_is_taken(folder: Path):
+    (name,) = (path.name for path in (folder / "flights").iterdir())
+    with serving(folder, keep_flights=KEEP, truth=False) as (station, server), page(server) as ada:
+        assert ada.call("check", flight=name, speed=0)["success"]
+        assert ada.call("start", flight=name, speed=0)["success"]
+        ada.call("take_control")
+        told = ada.call("describe")
+        replay = told["replay"]
+        assert (replay["flight"], replay["start_s"], replay["end_s"]) == (name, 0.0, 6.0) and told["truth_allowed"]
+        assert {"seek", "helm", "pause", "speed"} <= set(told["controls"]) and "save" not in told["controls"]
+        live = station.present().live
+        until(lambda: live.paused and live.tick == 1200, "the end")
+        end = live.read(lambda sim: sim.save_state()).result()
+        line = station.present().replay.timeline
+        for call, args in (
+            ("drive", {"vehicle": "rov", "surge": 1.0}),
+            ("command", {"name": "dock", "vehicle": "rov"}),
+            ("all_stop", {"vehicle": "rov"}),
+            ("plan", {"action": "fly", "vehicle": "rov", "points_m": [[0.0, 0.0, -1.0]]}),
+        ):
+            assert "take the helm" in ada.call(call, **args)["message"], call
+        for action in ("restart", "save", "record"):
+            assert "must be one of" in ada.call("control", action=action)["message"]
+        ada.send("call_service", service="/simulation/reset", args={}, id="other")
+        assert "replay" in json.dumps(ada.next(lambda o: o.get("id") == "other")["values"])
+        assert "ends here" in ada.call("control", action="step", steps=1)["message"]
+        for time_s in (2.5, 5.995, -4.0, 1e9, 3.0):
+            assert ada.call("control", action="seek", time_s=time_s)["success"]
+            assert live.tick == round(200 * min(max(time_s, 0.0), 6.0)), time_s
+        for wrong in (None, "3", True):
+            assert "must be a number" in ada.call("control", action="seek", time_s=wrong)["message"]
+        assert live.paused
+        ada.call("control", action="resume")
+        until(lambda: live.paused and live.tick == 1200, "the end again")
+        assert live.read(lambda sim: sim.save_state()).result() == end  # to the bit, whatever was sought before
+
+        ada.call("control", action="seek", time_s=3.0)
+        expected = line.simulator()
+        line.go_to(expected, 600)
+        said = ada.call("control", action="helm")
+        assert said["success"] and f"{name} at 3.00 s" in said["message"]
+        told = ada.call("describe")
+        assert told["replay"] is None and name in told["branched_from"] and not told["truth_allowed"]
+        live = station.present().live
+        assert live.paused and live.tick == 600 and not live.rov.effort.any()
+        here = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+        assert np.array_equal(here, expected.rov.pose.position_world_m)
+        assert (
+            ada.call("control", action="resume")["success"] and ada.call("drive", vehicle="rov", heave=0.5)["success"]
+        )
+        until(lambda: live.tick > 800, "a second of flight")
+        ada.call("control", action="quit")
+        branch, _ = ada.call("catalog")["flights"]
+        assert name in branch["branched_from"]
+        assert station.flights.timeline(branch["name"]).start_tick >= 600
+
+
+def test_the_ghost_of_a_branch_leaves_its_parent_where_the_helm_was_taken(folder: Path, flown: Path):
+    fly(folder / "flights/20260102-000000-pool.mcap", yaw=-0.2, end_s=3.0)
+    with serving(folder, keep_flights=KEEP) as (_, server), page(server) as ada:
+        assert get(server, "/replay/track.json")[0] == 404
+        assert ada.call("start", flight=flown.name)["success"]
+        path = json.loads(get(server, "/replay/track.json")[1])
+        assert len(path["times_s"]) == len(path["poses"]) and len(path["poses"][0]) == 7
+        same = json.loads(get(server, f"/replay/ghost/{flown.name}.json")[1])
+        assert not np.any(same["apart_m"]) and same["track"] == path
+        other = json.loads(get(server, "/replay/ghost/20260102-000000-pool.mcap.json")[1])
+        assert other["times_s"][-1] == 3.0 and other["apart_m"][-1] > 0.05 and not other["apart_m"][0]
+        assert get(server, "/replay/hull/20260102-000000-pool.mcap.glb")[1][:4] == b"glTF"
+        for name in ("nowhere.mcap", "..%2F..%2Fetc%2Fpasswd", "%00"):
+            assert get(server, f"/replay/ghost/{name}.json")[0] == 404
+
+
+def test_what_was_cut_edited_or_made_by_others_is_refused_in_one_line(folder: Path, flown: Path, monkeypatch):
+    whole = flown.read_bytes()
+    place = folder / "flights"
+    (place / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 4
+    (place / "flipped.mcap").write_bytes(flipped)
+    (place / "empty.mcap").touch()
+    (place / "text.mcap").write_text("a flight\n" * 99)
+    (place / "a flight with spaces.mcap").write_bytes(whole)
+    (place / "folder.mcap").mkdir()
+    with serving(folder, keep_flights=KEEP) as (station, server), page(server) as ada:
+        listed = {each["name"]: each["refused"] for each in ada.call("catalog")["flights"]}
+        assert set(listed) == {flown.name, "cut.mcap", "flipped.mcap", "empty.mcap", "text.mcap"}
+        assert all("is cut off" in listed[name] for name in ("cut.mcap", "empty.mcap", "text.mcap"))
+        for name, why in (
+            ("cut.mcap", "cut off"),
+            ("flipped.mcap", "checksum|damaged"),
+            ("text.mcap", "not written by uwsim"),
+            ("../flights/" + flown.name, "must be one of those listed"),
+            ("/etc/passwd", "must be one of those listed"),
+            (["x"], "must be one of those listed"),
+        ):
+            answer = ada.call("start", flight=name)
+            line = answer["errors"]["flight"]
+            assert re.search(why, line) and "\n" not in line and str(folder) not in line, line
+        assert station.phase == "idle" and station.running is None
+        again = {each["name"]: each["refused"] for each in ada.call("catalog")["flights"]}
+        assert re.search("checksum|damaged", again["flipped.mcap"])  # remembered
+        assert ada.call("start", flight=flown.name, seed=3)["errors"] == {"seed": "is as it was recorded"}
+        monkeypatch.setattr(kept, "build_fingerprint", lambda: "0" * 16)
+        kept._summary.cache_clear()
+        assert "another build" in {each["name"]: each["refused"] for each in ada.call("catalog")["flights"]}[flown.name]
+    assert not [thread for thread in threading.enumerate() if thread.name == "uwsim-flights"]
