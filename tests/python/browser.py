@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
 from uwsim.operator.station import Site, Station
+from uwsim.operator.station.flights import Bounds
 
 CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # from tools/apt-packages-dev.txt, in place of Playwright's build
 SOFTWARE_GL = "--enable-unsafe-swiftshader"
@@ -66,12 +67,14 @@ class Desk:
 
 
 @contextmanager
-def desk(browser: Browser, folder: Path, scenario: str = "", **choice: object) -> Iterator[Desk]:
+def desk(
+    browser: Browser, folder: Path, scenario: str = "", keep_flights: Bounds | None = None, **choice: object
+) -> Iterator[Desk]:
     """Serve a station, with `scenario` running (vehicle docked), or with the start screen if `scenario` is empty.
 
-    choice: further arguments of `Station.start`.
+    keep_flights: of `Station`. choice: further arguments of `Station.start`.
     """
-    station = Station(offered=scenario or "pool", folder=folder)
+    station = Station(offered=scenario or "pool", folder=folder, keep_flights=keep_flights)
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         if scenario:
             station.start({"scenario": scenario, "seed": 7, **choice})

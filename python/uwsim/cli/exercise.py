@@ -12,11 +12,12 @@ from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
 from uwsim.cli.options import Record, Threads, WithoutEffectError, need
 from uwsim.cli.serve import page_url
-from uwsim.cli.station import InstructorToken, instructor_text
+from uwsim.cli.station import KEPT, InstructorToken, instructor_text, kept_flights
 from uwsim.cli.values import exercises
 
 if TYPE_CHECKING:
     from uwsim.exercises import Exercise
+    from uwsim.operator.station.flights import Bounds
 
 
 def exercise(
@@ -45,6 +46,14 @@ def exercise(
         str | None, typer.Option(help="Pilots' pages must pass it: http://HOST:PORT/?token=TOKEN.")
     ] = None,
     instructor_token: InstructorToken = None,
+    keep_flights: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COUNT,MB",
+            help="With --serve: how many flights, and how many MB, are kept in the folder flights of --out. Default: "
+            f"{KEPT}.",
+        ),
+    ] = None,
     threads: Threads = None,
 ) -> None:
     """Fly an exercise with goals, limits and events.
@@ -60,14 +69,15 @@ def exercise(
             typer.echo(f"{each:14} {found.title} ({found.points:g} points, {found.time_s:g} s, {found.scenario})")
         return
     if not serve:
-        need("--serve", port=port, token=token, instructor_token=instructor_token)
+        need("--serve", port=port, token=token, instructor_token=instructor_token, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
     found = load_exercise(name)
     if serve:
         if record is not None:
             raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
-        _serve(found, out, 9090 if port is None else port, token, instructor_token, threads)
+        bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
+        _serve(found, out, 9090 if port is None else port, token, instructor_token, bounds, threads)
         return
     from uwsim.flight.exercise import fly_exercise
     from uwsim.flight.terminal import Terminal
@@ -93,7 +103,13 @@ def score_lines(sheet: dict[str, Any]) -> list[str]:
 
 
 def _serve(
-    found: Exercise, out: Path, port: int, token: str | None, instructor_token: str | None, threads: int | None
+    found: Exercise,
+    out: Path,
+    port: int,
+    token: str | None,
+    instructor_token: str | None,
+    bounds: Bounds,
+    threads: int | None,
 ) -> None:
     from uwsim.bridges import RosbridgeServer
     from uwsim.bridges.admission import has_token
@@ -101,7 +117,14 @@ def _serve(
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.station import Site, Station
 
-    hub = Station(is_fixed=True, truth=False, threads=threads, folder=out, instructor_token=instructor_token)
+    hub = Station(
+        is_fixed=True,
+        truth=False,
+        threads=threads,
+        folder=out,
+        instructor_token=instructor_token,
+        keep_flights=bounds,
+    )
     site = Site(hub, lambda request: token is None or has_token(request, token))
     accessible = access("127.0.0.1", page=None, token=token, certfile=None, keyfile=None)
     with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):

@@ -98,6 +98,14 @@ def serve(
     page: Page = None,
     paused: Paused = False,
     station: Annotated[bool, typer.Option("--station", help="Also serve the operator's page.")] = False,
+    keep_flights: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COUNT,MB",
+            help="With --station: record each session by itself in the folder flights, and keep so many, and so many "
+            "MB, as `uwsim station` does. Default: none.",
+        ),
+    ] = None,
     link: Link = None,
     ros2: Ros2 = False,
     ros_distro: RosDistro = None,
@@ -155,6 +163,8 @@ def serve(
         raise ValueError("--station: its page needs --tf truth, and neither --namespace nor --frame-prefix")
     if record is None:
         need("--record", record_topic=record_topic, record_all=record_all)
+    if not station:
+        need("--station", keep_flights=keep_flights)
     if record_topic and record_all:
         raise ValueError("--record-all: cannot be given with --record-topic, which selects the channels")
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
@@ -185,9 +195,11 @@ def serve(
         options: dict[str, Any] = {"port": port, "ros": ros, **accessible}
         if station:
             from uwsim.bridges.admission import has_token
+            from uwsim.cli.station import kept_flights
             from uwsim.operator.station import Site, Station
 
-            hub = Station(is_fixed=True, wire=wire or "both", origin=origin)  # type: ignore[arg-type]  # checked there
+            bounds = None if keep_flights is None else kept_flights(keep_flights)
+            hub = Station(is_fixed=True, wire=wire or "both", origin=origin, keep_flights=bounds)  # type: ignore[arg-type]  # checked there
             site = Site(hub, lambda request: token is None or has_token(request, token))
             server = sinks.enter_context(RosbridgeServer(None, guests=[hub], site=site, **options))
             sinks.enter_context(hub.serving(server.show))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import webbrowser
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,9 @@ from uwsim.cli.bounds import within
 from uwsim.cli.options import Threads
 from uwsim.cli.serve import Origin, Wire, page_url
 from uwsim.cli.values import modems, scenarios
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.flights import Bounds
 
 Truth = Annotated[
     bool, typer.Option("--truth/--no-truth", help="Show pilots the true position, or only the instruments' values.")
@@ -24,6 +27,16 @@ InstructorToken = Annotated[
         "parameters. At least 8 characters."
     ),
 ]
+
+KeepFlights = Annotated[
+    str,
+    typer.Option(
+        metavar="COUNT,MB",
+        help="How many flights, and how many MB of them, are kept in the folder flights; each is recorded by itself, "
+        "and the oldest are deleted first. 0,1 records none.",
+    ),
+]
+KEPT = "50,2000"
 
 
 def station(
@@ -52,6 +65,7 @@ def station(
     keyfile: Keyfile = None,
     page: Page = None,
     instructor_token: InstructorToken = None,
+    keep_flights: KeepFlights = KEPT,
     threads: Threads = None,
 ) -> None:
     """Serve the operator's station, a web page, and open it.
@@ -78,6 +92,7 @@ def station(
         origin=origin,
         threads=threads,
         instructor_token=instructor_token,
+        keep_flights=kept_flights(keep_flights),
     )
     server = RosbridgeServer(
         None,
@@ -91,6 +106,16 @@ def station(
         if browser and has_display():
             webbrowser.open(url)
         wait_for_interrupt(f"the station is at {url}{instructor_text(url, instructor_token)}; Ctrl-C ends it")
+
+
+def kept_flights(text: str) -> Bounds:
+    """Return the bounds given by --keep-flights. Raises ValueError."""
+    from uwsim.operator.station.flights import Bounds
+
+    try:
+        return Bounds.of(text)
+    except ValueError as error:
+        raise ValueError(f"--keep-flights = {error}") from None
 
 
 def instructor_text(url: str, instructor_token: str | None) -> str:

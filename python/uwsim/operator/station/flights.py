@@ -86,7 +86,8 @@ class Flights:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.make_room(more=1)
         now = datetime.now(UTC)
-        stem = f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{re.sub(r'[^A-Za-z0-9_-]', '-', scenario)[:40] or 'flight'}"
+        name = re.sub(r"[^A-Za-z0-9_-]", "-", scenario)[:40] or "flight"
+        stem = f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{name}"
         return self.folder / f"{stem}.mcap"
 
     def make_room(self, more: int = 0) -> None:

@@ -329,6 +329,8 @@ class Station:
 
     def _leave_present(self) -> None:
         if self.running is not None:
+            if self.running.flight is not None:
+                self.running.flight.stop()  # first, so that the start screen finds it
             running, self.running = self.running, None
             self._show(None, [], [], None, [])
             running.stop()

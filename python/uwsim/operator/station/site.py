@@ -20,8 +20,8 @@ from websockets.http11 import Request, Response
 from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.hub import Station
 from uwsim.operator.station.inspection import notes_file
-from uwsim.operator.station.snapshots import snapshot_png
 from uwsim.operator.station.replay_files import ghost_json, hull_glb, track_json
+from uwsim.operator.station.snapshots import snapshot_png
 
 PAGE = Path(__file__).resolve().with_name("page")
 TYPES = {
@@ -31,7 +31,7 @@ TYPES = {
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
-DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|replay)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
@@ -116,9 +116,9 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
     (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),
-    (r"/replay/track\.json", lambda running: (track_json(running), "")),
-    (r"/replay/ghost/([^/]+)\.json", lambda running, name: (ghost_json(running, name), "")),
-    (r"/replay/hull/([^/]+)\.glb", lambda running, name: (hull_glb(running, name), "")),
+    (r"/flight/track\.json", lambda running: (track_json(running), "")),
+    (r"/flight/ghost/([^/]+)\.json", lambda running, name: (ghost_json(running, name), "")),
+    (r"/flight/hull/([^/]+)\.glb", lambda running, name: (hull_glb(running, name), "")),
     (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), f"{name}.bt")),
     (r"/map/([^/]+)\.(ply|pcd)", lambda running, name, suffix: (cloud(running, name, suffix), f"{name}.{suffix}")),
     (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), f"{name}.tif")),

@@ -16,6 +16,8 @@ import { Pilot } from './drive/pilot.js';
 import { Inspection } from './panel/inspection.js';
 import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
+import { Flights } from './replay/flights.js';
+import { Timeline } from './replay/timeline.js';
 import { SceneView } from './map3d/scene.js';
 import { StartScreen } from './start.js';
 import { Telemetry } from './telemetry.js';
@@ -55,7 +57,9 @@ inspection.addEventListener('notes', () => showNotes());
 const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
-const start = new StartScreen(station);
+const timeline = new Timeline(station, telemetry, { scene, chart, panel });
+const flights = new Flights(station);
+const start = new StartScreen(station, (catalog) => flights.show(catalog.flights));
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
 
@@ -135,6 +139,7 @@ function begin() {
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   panel.showMap(scene.store);
+  timeline.begin(description);
 }
 
 function watch({ name, telemetry: topic, map_changes: map, scan }) {
@@ -266,4 +271,5 @@ globalThis.station = {
   recorder,
   inspector,
   inspection,
+  timeline,
 }; // for the browser's console and tests

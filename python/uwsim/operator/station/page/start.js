@@ -20,8 +20,9 @@ export class StartScreen {
   #preview = new Preview();
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
-  constructor(station) {
-    this.station = station;
+  // taken(catalog): called when the choices have arrived.
+  constructor(station, taken = () => {}) {
+    [this.station, this.taken] = [station, taken];
     this.form = byId('start-form');
     this.button = this.form.querySelector('button[type=submit]');
     this.form.addEventListener('submit', (event) => {
@@ -45,6 +46,7 @@ export class StartScreen {
       return;
     }
     this.#build();
+    this.taken(this.catalog);
     this.#say('');
     this.#check(); // the server builds the checked simulator ahead, so that Start finds it ready
   }

@@ -32,6 +32,7 @@ function show(text) {
 export function reason(station, message, bindings) {
   const { state } = station;
   if (station.isBlind) return WORDS.silence;
+  if (station.description?.replay) return STRINGS.replay.idleKeys;
   if (!station.isPilot) {
     if (state.pilot !== '') return WORDS.otherFlies(station.nameOf(state.pilot));
     return state.driver ? WORDS.driven(state.driver) : WORDS.noHelm;

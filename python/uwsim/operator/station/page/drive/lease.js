@@ -49,7 +49,7 @@ export class Lease {
     const pilot = station.nameOf(state.pilot);
     if (!station.connected) return WORDS.notConnected;
     if (station.isSilent) return station.flew ? WORDS.controlsLost : WORDS.noData;
-    if (station.isPilot) return WORDS.youFly;
+    if (station.isPilot) return station.description?.replay ? STRINGS.replay.have : WORDS.youFly;
     if (state.pilot === '') {
       if (state.driver) return WORDS.driven(capital(state.driver));
       return state.lost_by ? WORDS.lost(state.lost_by) : WORDS.takeTheControls;

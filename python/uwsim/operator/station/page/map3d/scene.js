@@ -106,6 +106,17 @@ export class SceneView {
     this.marks.clear();
   }
 
+  // Show further parts, or draw those shown again, since they have moved.
+  show(...parts) {
+    if (parts.length) this.scene?.add(...parts);
+    this.#isDue = true;
+  }
+
+  hide(...parts) {
+    this.scene?.remove(...parts);
+    this.#isDue = true;
+  }
+
   follow(name) {
     this.#followed = name;
   }

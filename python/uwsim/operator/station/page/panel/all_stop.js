@@ -34,7 +34,7 @@ export class AllStop {
 
   // Stop the vehicle. Every press is sent; one that is lost is sent again until it is answered.
   press() {
-    if (!this.station.isRunning || !this.#vehicle) return;
+    if (!this.station.isRunning || !this.#vehicle || this.station.description?.replay) return;
     this.pilot.stop();
     this.#wanted = this.#vehicle;
     this.#send();

@@ -32,6 +32,7 @@ export class ChartView {
   frame = new ChartFrame();
   points = []; // waypoints [x, y, z], in odom
   flown = []; // [x, y]
+  layers = []; // functions that draw more, of a context and a frame
   #notes = []; // with position_m
   #isLarge = false;
   #bed = null; // { canvas, heights, grid, surface_m }
@@ -245,6 +246,7 @@ export class ChartView {
     this.#drawPlan(c);
     for (const note of this.#notes) this.#drawNote(c, note);
     this.#drawRuler(c);
+    for (const layer of this.layers) layer(c, frame);
     this.#drawVehicle(c);
     if (this.#isLarge) this.#drawScale(c);
   }
@@ -327,23 +329,7 @@ export class ChartView {
 
   #drawVehicle(c) {
     if (!this.#message || !Number.isFinite(this.#message.position[0])) return;
-    const [x, y] = this.frame.at(this.#message.position);
-    const heading = (attitude(this.#message.orientation).heading_deg * Math.PI) / 180;
-    c.save();
-    c.translate(x, y);
-    c.rotate(heading);
-    c.beginPath();
-    c.moveTo(0, -11);
-    c.lineTo(7, 8);
-    c.lineTo(0, 4);
-    c.lineTo(-7, 8);
-    c.closePath();
-    c.fillStyle = '#ffd166';
-    c.fill();
-    c.strokeStyle = INK;
-    c.lineWidth = 1.5;
-    c.stroke();
-    c.restore();
+    drawVessel(c, this.frame.at(this.#message.position), attitude(this.#message.orientation).heading_deg, '#ffd166');
   }
 
   #drawScale(c) {
@@ -353,6 +339,25 @@ export class ChartView {
     c.fillRect(x, y, step * this.frame.scale, 3);
     label(c, `${step} m`, this.frame.size[0] / 2, y - 10);
   }
+}
+
+// An arrow in a vehicle's place, along its heading.
+export function drawVessel(c, [x, y], heading_deg, colour) {
+  c.save();
+  c.translate(x, y);
+  c.rotate((heading_deg * Math.PI) / 180);
+  c.beginPath();
+  c.moveTo(0, -11);
+  c.lineTo(7, 8);
+  c.lineTo(0, 4);
+  c.lineTo(-7, 8);
+  c.closePath();
+  c.fillStyle = colour;
+  c.fill();
+  c.strokeStyle = INK;
+  c.lineWidth = 1.5;
+  c.stroke();
+  c.restore();
 }
 
 // The bed as a picture, one pixel a grid point: darker where deeper, with lines of equal depth.

@@ -1,0 +1,89 @@
+// The start screen's list of flights, which the server has recorded unasked: each can be replayed, or says why not.
+import { byId, clockText, el, toast, write } from '../dom.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.flights;
+
+// "23 Nov 2026, 04:12", in the user's time zone; '' if unknown.
+export function begunText(begun) {
+  const at = new Date(begun);
+  return Number.isNaN(at.getTime()) ? '' : at.toLocaleString('en-GB', { dateStyle: 'medium', timeStyle: 'medium' });
+}
+
+export class Flights {
+  #isOpening = false;
+  #trouble = '';
+
+  constructor(station) {
+    this.station = station;
+    this.status = el('p', { className: 'flights-status', role: 'status' });
+    this.list = el('ul', { className: 'flights-list' });
+    this.element = byId('flights');
+    this.element.append(
+      el('h2', { id: 'flights-title' }, WORDS.title),
+      el('p', {}, WORDS.hint),
+      this.status,
+      this.list,
+    );
+    station.addEventListener('state', () => this.#warn());
+  }
+
+  // flights: the entries of the catalog.
+  show(flights = []) {
+    this.element.hidden = flights.length === 0;
+    this.list.replaceChildren(...flights.map((flight) => this.#row(flight)));
+  }
+
+  #row({ name, scenario, begun, duration_s, size_bytes, branched_from, refused }) {
+    const title = el('b', {}, begunText(begun) || name);
+    const about = scenario ? WORDS.about(scenario, clockText(duration_s), (size_bytes / 1e6).toFixed(1)) : '';
+    const wrong = el('small', { className: 'wrong' }, refused);
+    const replay = el(
+      'button',
+      { type: 'button', 'aria-label': WORDS.replayOf(begunText(begun) || name) },
+      WORDS.replay,
+    );
+    replay.disabled = refused !== '';
+    replay.addEventListener('click', () => this.#open(name, wrong));
+    return el(
+      'li',
+      { 'data-flight': name },
+      el(
+        'div',
+        {},
+        title,
+        el('span', {}, about),
+        branched_from ? el('small', {}, WORDS.branch(branched_from)) : null,
+        wrong,
+      ),
+      replay,
+    );
+  }
+
+  async #open(name, wrong) {
+    if (this.#isOpening) return;
+    this.#isOpening = true;
+    this.#say(WORDS.reading);
+    try {
+      const answer = await this.station.start({ flight: name, speed: 1 });
+      const why = answer.success ? '' : (answer.errors?.flight ?? answer.message);
+      write(wrong, why);
+      this.#say(why, 'error');
+    } catch (error) {
+      this.#say(error.message, 'error');
+    }
+    this.#isOpening = false;
+  }
+
+  #say(text, kind = '') {
+    write(this.status, text);
+    this.status.dataset.kind = kind;
+  }
+
+  // Say once why a flight is not recorded.
+  #warn() {
+    const trouble = this.station.state.flight_trouble ?? '';
+    if (trouble && trouble !== this.#trouble) toast(trouble, 'error');
+    this.#trouble = trouble;
+  }
+}

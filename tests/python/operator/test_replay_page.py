@@ -1,0 +1,137 @@
+"""Replay in a real browser: fly, find the flight, scrub, look elsewhere, take the helm, and compare two flights."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from browser import chromium, desk, until, when
+from flown import fly
+from test_station_page import judge
+from uwsim.operator.station.flights import Bounds
+
+KEEP = Bounds(10)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Path):
+    with desk(browser, tmp_path, keep_flights=KEEP) as here:
+        page = here.open(viewport={"width": 1440, "height": 900})
+        page.wait_for_selector("#field-scenario")
+        assert page.is_hidden("#flights")
+        page.fill("#field-seed", "7")
+        page.click("button[type=submit]")
+        when(page, "station.station.isPilot && station.telemetry.message")
+        page.keyboard.press("y")
+        until(lambda: here.rov.released, "the vehicle in free water")
+        page.keyboard.down("w")
+        live = here.station.present().live
+        until(lambda: live.tick > 800, "four seconds of flight")
+        page.keyboard.up("w")
+        flown_to = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+        page.keyboard.press("Escape")
+        page.click("text=Quit to the start screen")
+        page.wait_for_selector("#flights li button:not(:disabled)")
+        judge(page, "start screen with a flight")
+        page.screenshot(path=tmp_path / "start.png", full_page=True)
+
+        page.click("#flights li button")
+        page.wait_for_selector("#timeline:not([hidden])")
+        when(page, "station.station.isPilot && station.telemetry.message")
+        assert "set the time" in page.inner_text("#lease") and page.is_hidden("#all-stop") and page.is_hidden("#dock")
+        live, replay = here.station.present().live, here.station.present().replay
+        until(lambda: live.paused and live.tick == replay.timeline.end_tick, "the end")
+        end = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+        assert np.linalg.norm(end - flown_to) < 1.0
+        page.keyboard.down("w")  # nobody drives a replay
+        page.wait_for_selector("#hint >> text=Take the helm to fly")
+        page.keyboard.up("w")
+        assert np.array_equal(end, live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result())
+
+        slider = page.locator("#timeline input[type=range]")
+        slider.evaluate("(slider) => { slider.value = 2; slider.dispatchEvent(new Event('input')); }")
+        until(lambda: live.tick == 400, "two seconds")
+        when(page, "Math.abs(station.telemetry.stamp_s - 2) < 0.2")
+        slider.focus()
+        page.keyboard.press("ArrowRight")
+        until(lambda: live.tick == 410, "one step of the slider")
+        page.locator("#timeline .timeline-plot").click(position={"x": 8, "y": 10})
+        until(lambda: live.tick < 20, "the start")
+        label = page.locator("select[aria-label='Go to an event'] option").all_inner_texts()
+        assert any("undock rov" in text for text in label)
+        page.select_option("select[aria-label='Go to an event']", index=1)
+        until(lambda: abs(live.tick - 200 * replay.timeline.events[0].time_s) <= 1, "the first event")
+
+        chase = page.evaluate(
+            "station.views.names.find((name) => name.includes('chase')) ?? station.views.names.at(-1)"
+        )
+        page.evaluate("(name) => station.views.enlarge(name)", chase)
+        slider.evaluate("(slider) => { slider.value = 3; slider.dispatchEvent(new Event('input')); }")
+        until(lambda: live.tick == 600, "three seconds")
+        when(page, f"station.views.picture('{chase}').drawn > 0")  # a camera that nobody looked at in flight
+        judge(page, "replay")
+        page.wait_for_timeout(500)
+        page.screenshot(path=tmp_path / "replay.png")
+
+        page.click("text=Take the helm")
+        page.wait_for_selector("#timeline", state="hidden")
+        when(page, "station.station.description?.branched_from && station.station.isPilot && station.telemetry.message")
+        live = here.station.present().live
+        assert live.paused and live.tick == 600 and not page.is_hidden("#all-stop")
+        page.click("#pause")
+        page.keyboard.down("q")
+        until(lambda: here.effort("yaw") == 0.5 and live.tick > 1200, "three seconds of another flight")
+        page.keyboard.up("q")
+        page.keyboard.press("Escape")
+        page.click("text=Quit to the start screen")
+        until(lambda: page.locator("#flights li").count() == 2, "the second flight")
+        assert "flown on from" in page.locator("#flights li").first.inner_text()
+
+        page.locator("#flights li button").last.click()
+        page.wait_for_selector("#timeline:not([hidden])")
+        until(lambda: page.locator("#timeline > select option").count() == 2, "another flight to compare")
+        page.select_option("#timeline > select", index=1)
+        when(page, "station.timeline.ghost.found")
+        apart = page.evaluate("station.timeline.ghost.found.apart_m")
+        assert apart[0] == 0.0 and max(apart) > 0.1  # from the moment on at which the helm was taken
+        live = here.station.present().live
+        until(lambda: live.paused, "the end")
+        slider = page.locator("#timeline input[type=range]")
+        slider.evaluate("(slider) => { slider.value = 4; slider.dispatchEvent(new Event('input')); }")
+        until(lambda: "m apart, at most" in page.inner_text(".timeline-apart"), "the distance")
+        judge(page, "two flights")
+        for name in ("scene", "chart"):
+            page.evaluate("(name) => station.views.enlarge(name)", name)
+            page.wait_for_timeout(1500)
+            page.screenshot(path=tmp_path / f"two-{name}.png")
+        assert not here.complaints
+
+
+def test_a_flight_that_was_cut_is_refused_in_one_line_and_a_restarted_server_lists_the_others(browser, tmp_path: Path):
+    folder = tmp_path / "flights"
+    folder.mkdir()
+    whole = fly(folder / "20260102-000000-pool.mcap", end_s=2.0).read_bytes()
+    (folder / "20260103-000000-pool.mcap").write_bytes(whole[: len(whole) // 2])
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 1
+    (folder / "20260104-000000-pool.mcap").write_bytes(flipped)
+    for _ in range(2):
+        with desk(browser, tmp_path, keep_flights=KEEP) as here:
+            page = here.open(color_scheme="light")
+            until(lambda page=page: page.locator("#flights li").count() == 3, "three flights")
+            cut = page.locator("[data-flight^='20260103']")
+            assert "is cut off" in cut.inner_text() and cut.locator("button").is_disabled()
+            edited = page.locator("[data-flight^='20260104']")
+            edited.locator("button").click()
+            until(lambda edited=edited: "checksum" in edited.inner_text(), "why it is refused")
+            assert page.is_visible("#start")
+            judge(page, "refused flights")
+            page.screenshot(path=tmp_path / "refused.png", full_page=True)
+            assert not here.complaints
+    shutil.rmtree(folder)
