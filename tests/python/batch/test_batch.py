@@ -78,6 +78,13 @@ def test_a_member_gives_the_bytes_of_the_lone_simulator_of_its_seed(scenario: Sc
     assert np.isfinite(pings.ranges_m).any()
 
 
+def test_a_member_after_one_with_equal_parameters_has_its_own_seed(scenario: Scenario) -> None:
+    batch = Batch(scenario, n=2, seeds=(4, SEEDS[1]), parameters=CHANGES[1], threads=1)
+    batch.place(STARTS[1])
+    batch.step(STEPS, np.tile(EFFORTS[1], (2, 1)))
+    assert batch.simulator(1).save_state() == flown(scenario, 1).save_state()
+
+
 def test_a_reset_of_some_leaves_the_others_alone(scenario: Scenario) -> None:
     batch, other = the_batch(scenario, 2), the_batch(scenario, 1)
     batch.reset(np.array([False, True, False]))
