@@ -26,7 +26,7 @@ PAGE = {"width": 1280, "height": 800}
 SIZE = (800, 500)
 EVERY_S, SHOWN_MS, QUALITY = 2.0, 160, 42
 LIMIT_BYTES = 2_000_000
-EMPTY_FRAMES = 8  # until all views have pictures: the animation shows something from its first frame
+EMPTY_FRAMES = 10  # until all views have pictures: the animation shows something from its first frame
 LARGE = {
     0.0: "front",
     14.0: "scene",
