@@ -1,5 +1,7 @@
 #include "uwsim/core/random_path.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace uwsim {
@@ -33,9 +35,14 @@ RandomPath RandomPath::random_walk(const RandomStream& stream, std::uint32_t ind
 double RandomPath::at(std::uint64_t step) {
   step &= (std::uint64_t{1} << kLevels) - 1;
   if (step == 0) return first_;
-  std::uint64_t low = 0;
-  double at_low = first_, at_high = last_;
-  for (int level = kLevels - 1;; --level) {
+  // Down to the highest bit in which the step differs from the previous one, both descents have the same midpoints
+  const int parting = static_cast<int>(std::bit_width(step ^ before_)) - 1;
+  const int shared =
+      std::max({parting, std::countr_zero(step), std::countr_zero(before_ | std::uint64_t{1} << (kLevels - 1))});
+  before_ = step;
+  std::uint64_t low = step >> (shared + 1) << (shared + 1);
+  double at_low = end(low), at_high = end(low + (std::uint64_t{2} << shared));
+  for (int level = shared;; --level) {
     Level& here = levels_[static_cast<std::size_t>(level)];
     const std::uint64_t midpoint = low + (std::uint64_t{1} << level);
     if (here.midpoint != midpoint) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "uwsim/core/random.h"
@@ -11,8 +12,8 @@ namespace uwsim {
 /// (Levy's construction). The ends x(0) and x(2^40) are drawn first. Then intervals are halved down to the requested
 /// step, and each midpoint is drawn from its distribution given the two ends. Each step is the midpoint of exactly one
 /// interval, so the step's number keys its draw. The distribution is exact, not approximate. The midpoints of the last
-/// descent are cached, so reading steps in order costs two draws per step. Steps beyond 2^40 (174 years at 5 ms) start
-/// again from 0.
+/// descent are cached, and a descent begins where it leaves the previous one: reading steps in order costs about one
+/// draw and two levels per step. Steps beyond 2^40 (174 years at 5 ms) start again from 0.
 class RandomPath {
  public:
   /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), with the correlation
@@ -37,8 +38,16 @@ class RandomPath {
 
   RandomPath(const RandomStream& stream, std::uint32_t index) : stream_(stream), index_(index) {}
 
+  /// The value at an end of an interval on the way to `before_`.
+  double end(std::uint64_t step) const {
+    if (step == 0) return first_;
+    const int level = std::countr_zero(step);
+    return level == kLevels ? last_ : levels_[static_cast<std::size_t>(level)].value;
+  }
+
   RandomStream stream_;
   std::uint32_t index_;
+  std::uint64_t before_ = 0;  ///< the last step that was read; 0 if there was none
   double first_ = 0, last_ = 0;
   std::array<Level, kLevels> levels_;  ///< levels_[l] halves intervals of 2^(l+1) steps
 };
