@@ -136,10 +136,10 @@ void MovingBodies::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacke
       });
 }
 
-bool MovingBodies::may_be_within(const Eigen::Vector3d& point_world_m, double distance_m, std::size_t hidden) const {
+bool MovingBodies::may_be_in(const RayCone& cone, std::size_t hidden) const {
+  const RayBundle rays(cone);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const double reach_m = distance_m + bodies_[k].radius_m;
-    if (k != hidden && (bodies_[k].centre_world_m - point_world_m).squaredNorm() <= reach_m * reach_m) return true;
+    if (k != hidden && rays.may_reach(bodies_[k].centre_world_m, bodies_[k].radius_m)) return true;
   }
   return false;
 }

@@ -16,6 +16,14 @@ namespace uwsim {
 
 class RayScene;
 
+/// Rays from one point, within an angle of an axis and up to a distance.
+struct RayCone {
+  Eigen::Vector3d apex_world_m;
+  Eigen::Vector3d axis_world;  ///< unit
+  double cosine;               ///< of the angle
+  double length_m;
+};
+
 /// Bodies that move among the fixed surfaces of a world, such as vehicles, as targets for rays. The surface of each
 /// body is prepared once, in the body's frame, as a separate RayScene; a pose places it. Rays are transformed into the
 /// body's frame in double, so hits are as exact as those on the world (rays/README.md). A cast examines a body only if
@@ -44,8 +52,8 @@ class MovingBodies {
   /// Marks the lanes that a body blocks.
   void occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
                Blocked& blocked) const;
-  /// Whether any body may be within this distance; conservative.
-  bool may_be_within(const Eigen::Vector3d& point_world_m, double distance_m, std::size_t hidden) const;
+  /// Whether any of the cone's rays may hit a body; conservative.
+  bool may_be_in(const RayCone& cone, std::size_t hidden) const;
   /// The smaller of `nearest_m` and the distance to the nearest triangle.
   double distance(const Eigen::Vector3d& point_world_m, double nearest_m, std::size_t hidden) const;
 

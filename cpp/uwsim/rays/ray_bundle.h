@@ -4,12 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "uwsim/rays/moving_bodies.h"
 #include "uwsim/rays/ray_lanes.h"
 
 namespace uwsim {
 
-/// A cone around the active rays of a packet, for quickly deciding whether any of them may reach a sphere. The test is
-/// conservative: the answer is never "no" if a ray does reach the sphere.
+/// A cone around rays, such as the active ones of a packet, for quickly deciding whether any of them may reach a
+/// sphere. The test is conservative: the answer is never "no" if a ray does reach the sphere.
 class RayBundle {
  public:
   /// `anchor_world_m`: the reference point of the packet's origins. `distance_m`: the distance of each ray's nearest
@@ -40,6 +41,13 @@ class RayBundle {
     cosine_ -= kRounding;
     sine_ = std::sqrt(std::max(0.0, 1 - cosine_ * cosine_));
   }
+
+  explicit RayBundle(const RayCone& cone)
+      : apex_world_m_(cone.apex_world_m),
+        axis_(cone.axis_world),
+        cosine_(cone.cosine - kRounding),
+        sine_(std::sqrt(std::max(0.0, 1 - cosine_ * cosine_))),
+        far_m_(cone.length_m) {}
 
   bool may_reach(const Eigen::Vector3d& centre_world_m, double radius_m) const {
     const double radius = radius_m + spread_m_;

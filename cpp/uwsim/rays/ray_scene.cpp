@@ -151,9 +151,7 @@ RayScene RayScene::with(std::shared_ptr<const MovingBodies> bodies, std::size_t 
   return scene;
 }
 
-bool RayScene::bodies_within(const Eigen::Vector3d& point_world_m, double distance_m) const {
-  return bodies_ && bodies_->may_be_within(point_world_m, distance_m, hidden_);
-}
+bool RayScene::bodies_in(const RayCone& cone) const { return bodies_ && bodies_->may_be_in(cone, hidden_); }
 
 void RayScene::cast_packets(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
   fixed_->cast(rays, hits);
@@ -207,9 +205,10 @@ void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& 
   if (bodies_) bodies_->occlude(anchor_world_m, rays, order, hidden_, blocked);
 }
 
+const Heightfield* RayScene::terrain() const { return fixed_->surfaces.terrain().get(); }
+
 bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
-  const auto& terrain = fixed_->surfaces.terrain();
-  return terrain && point_world_m.z() <= terrain->height_at(point_world_m.x(), point_world_m.y());
+  return terrain() && point_world_m.z() <= terrain()->height_at(point_world_m.x(), point_world_m.y());
 }
 
 bool RayScene::within_round(const Eigen::Vector3d& point_world_m, double depth_m) const {

@@ -35,8 +35,8 @@ class RayScene {
   /// Returns a scene with the same surfaces and these bodies (null for none) instead of the present ones. Each cast
   /// uses the bodies' poses at that time and ignores the body `hidden`, such as the vehicle that carries the sensor.
   RayScene with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden = MovingBodies::kNone) const;
-  /// Whether a body may be within this distance of the point; conservative.
-  bool bodies_within(const Eigen::Vector3d& point_world_m, double distance_m) const;
+  /// Whether any of the cone's rays may hit a body; conservative.
+  bool bodies_in(const RayCone& cone) const;
 
   /// Sets hits[k] to the point where rays[k] first hits a surface within `max_range_m`; a non-finite ray hits nothing.
   /// The result does not depend on the number of threads.
@@ -57,6 +57,8 @@ class RayScene {
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                 RayOrder order = RayOrder::kIncoherent) const;
 
+  /// The terrain; null if there is none.
+  const Heightfield* terrain() const;
   /// Whether the point lies on or below the terrain; false outside its extent.
   bool under_ground(const Eigen::Vector3d& point_world_m) const;
 

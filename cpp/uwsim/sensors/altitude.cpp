@@ -17,7 +17,9 @@ class Altitude final : public MountedSensor {
     raw[0] = input.around.scene.cast(down, range_max_m_).distance_m;
   }
 
-  double reach_m() const override { return MountedSensor::reach_m(range_max_m_); }
+  std::optional<RayCone> rays(const Pose& world_from_body) const override {
+    return RayCone{world_from_sensor(world_from_body).position_m, -Eigen::Vector3d::UnitZ(), 1, range_max_m_};
+  }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     reading[0] = std::max(raw[0], range_min_m_);

@@ -41,7 +41,11 @@ class Dvl final : public MountedSensor {
     for (std::size_t k = 0; k < kBeams; ++k) raw[kBeams + k] = hits[k].distance_m;
   }
 
-  double reach_m() const override { return MountedSensor::reach_m(range_max_m_); }
+  std::optional<RayCone> rays(const Pose& world_from_body) const override {
+    const Pose sensor = world_from_sensor(world_from_body);
+    return RayCone{sensor.position_m, sensor.direction(-Eigen::Vector3d::UnitZ()), -beams_.col(2).maxCoeff(),
+                   range_max_m_};
+  }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();

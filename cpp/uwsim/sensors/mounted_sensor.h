@@ -9,11 +9,10 @@ class MountedSensor : public Sensor {
  protected:
   explicit MountedSensor(const SensorSpec& spec) : body_from_sensor_(spec.body_from_sensor) {}
 
-  /// The largest distance from the vehicle's origin that a ray of length `range_m` from the sensor can reach.
-  double reach_m(double range_m) const { return body_from_sensor_.position_m.norm() + range_m; }
   Pose world_from_sensor(const SensorInput& input) const {
-    return input.vehicle.state.world_from_body * body_from_sensor_;
+    return world_from_sensor(input.vehicle.state.world_from_body);
   }
+  Pose world_from_sensor(const Pose& world_from_body) const { return world_from_body * body_from_sensor_; }
   Eigen::Vector3d sensor_axes(const Eigen::Vector3d& body) const {
     return body_from_sensor_.orientation.conjugate() * body;
   }

@@ -1,6 +1,7 @@
 #include "uwsim/sensors/noisy_sensor.h"
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -38,7 +39,7 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
       drop_out_(seed, stream_name(vehicle, spec.name, "drop_out")),
       records_(has_history(spec_, *sensor_, clock_)),
       next_due_(records_ ? 0 : kNever),
-      history_(held_samples(spec_, *sensor_, clock_), sensor_->reach_m() > 0 ? kind_->raw_width() : 0),
+      history_(held_samples(spec_, *sensor_, clock_), sensor_->rays({}) ? kind_->raw_width() : 0),
       raw_(kind_->raw_width()) {
   sample_.values.resize(kind_->reading_width());
 }
@@ -48,8 +49,8 @@ void NoisySensor::record(const VehicleSnapshot& snapshot, const Surroundings& ar
     question_ = clock_.sample_at(snapshot.tick);
   } else if (clock_.samples_at(snapshot.tick)) {
     SampleHistory::Entry& entry = history_.push(snapshot, dropped(snapshot.tick));
-    const double reach_m = sensor_->reach_m();
-    entry.observed = reach_m > 0 && around.scene.bodies_within(snapshot.state.world_from_body.position_m, reach_m);
+    const std::optional<RayCone> rays = sensor_->rays(snapshot.state.world_from_body);
+    entry.observed = rays && around.scene.bodies_in(*rays);
     if (entry.observed) sensor_->observe(input(snapshot, around), entry.raw);
   }
   next_due_ = clock_.tick_of(clock_.sample_at(snapshot.tick) + 1);
@@ -79,7 +80,7 @@ void NoisySensor::measure(const VehicleSnapshot& snapshot, const Surroundings& a
 void NoisySensor::measure_recorded(const SampleHistory::Entry& entry, const Surroundings& around) {
   if (entry.observed) {
     raw_ = entry.raw;
-  } else {  // no other body was within reach
+  } else {  // no ray could hit another body
     const Surroundings then{around.scene.with(nullptr), around.water, around.sound, around.station_world_m};
     sensor_->observe(input(entry.snapshot, then), raw_);
   }

@@ -20,7 +20,10 @@ class Proximity final : public MountedSensor {
     raw[0] = under_water ? distance_m : range_max_m_;
   }
 
-  double reach_m() const override { return MountedSensor::reach_m(range_max_m_); }
+  std::optional<RayCone> rays(const Pose& world_from_body) const override {
+    const Pose sensor = world_from_sensor(world_from_body);
+    return RayCone{sensor.position_m, sensor.direction(Eigen::Vector3d::UnitX()), 1, range_max_m_};
+  }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     reading[0] = std::clamp(raw[0], range_min_m_, range_max_m_);

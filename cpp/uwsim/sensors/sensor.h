@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -59,8 +60,8 @@ class Sensor {
  public:
   virtual ~Sensor() = default;
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
-  /// How far from the vehicle's origin the sensor can detect surfaces [m]; 0 if it casts no rays.
-  virtual double reach_m() const { return 0; }
+  /// A cone around the rays that the sensor casts; nullopt if it casts none.
+  virtual std::optional<RayCone> rays(const Pose& /*world_from_body*/) const { return std::nullopt; }
   /// Applies errors that depend on the measured values alone, such as those of scale, before the noise.
   virtual void distort(std::span<double>) const {}
   /// Converts raw values to a reading; returns whether it is valid. By default, the reading consists of the raw values.

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numbers>
 
 #include "meshes.h"
 #include "rays/grazing.h"
@@ -169,7 +171,7 @@ TEST(MovingBodies, ResultsDoNotDependOnThreadsNorOnWhichRaysAreCastTogether) {
   }
 }
 
-TEST(MovingBodies, TheyAreKnownByDistanceAndReach) {
+TEST(MovingBodies, TheyAreKnownByDistanceAndCone) {
   const auto bodies = std::make_shared<MovingBodies>(Label{2});
   bodies->place(bodies->add(testing::box(2, 2, 2)), pose({10, 0, -5}));
   const RayScene scene = RayScene(World{}).with(bodies);
@@ -177,10 +179,16 @@ TEST(MovingBodies, TheyAreKnownByDistanceAndReach) {
   double distance_m = 0;
   scene.distance({&point, 1}, {&distance_m, 1});
   EXPECT_NEAR(distance_m, 5, 1e-9);
-  EXPECT_TRUE(scene.bodies_within(point, 5));
-  EXPECT_FALSE(scene.bodies_within(point, 4));
-  EXPECT_FALSE(scene.with(bodies, 0).bodies_within(point, 5));
-  EXPECT_FALSE(scene.with(nullptr).bodies_within(point, 1e6));
+  const auto cone = [&](const Eigen::Vector3d& axis, double half_angle_deg, double length_m) {
+    return RayCone{point, axis, std::cos(half_angle_deg * std::numbers::pi / 180), length_m};
+  };
+  const Eigen::Vector3d ahead(1, 0, 0), aside(0, 1, 0);
+  EXPECT_TRUE(scene.bodies_in(cone(ahead, 0, 5)));
+  EXPECT_FALSE(scene.bodies_in(cone(ahead, 0, 4))) << "the sphere around the box begins at 4.27 m";
+  EXPECT_TRUE(scene.bodies_in(cone(aside, 80, 100))) << "the sphere is 17 degrees wide, to each side of 90";
+  EXPECT_FALSE(scene.bodies_in(cone(aside, 70, 100)));
+  EXPECT_FALSE(scene.with(bodies, 0).bodies_in(cone(ahead, 0, 5)));
+  EXPECT_FALSE(scene.with(nullptr).bodies_in(cone(ahead, 180, 1e6)));
   EXPECT_THROW(bodies->add(TriangleMesh{}), InvalidValue);
 }
 
