@@ -2391,6 +2391,26 @@ class CameraScene:
         vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: (6,) of the camera, in its frame [m/s, rad/s]. The bytes do
         not depend on the number of threads. Releases the GIL. Raises ValueError.
         """
+    def render_many(
+        self,
+        camera: Camera,
+        optics: Optics,
+        positions_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        times_ns: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        effects: collections.abc.Sequence[str],
+        lamps: collections.abc.Sequence[collections.abc.Sequence[SpotLamp]],
+        vehicles: collections.abc.Sequence[tuple[typing.Any, typing.Any]],
+        hidden_vehicle: typing.SupportsInt | typing.SupportsIndex | None,
+        velocities_camera: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]],
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        Render n pictures of one camera, (n, H, W, 3) uint8, as render does one by one, several at a time.
+        positions_m (n, 3), orientations_xyzw (n, 4), times_ns, lamps and velocities_camera (n, 6): of each picture;
+        vehicles: the positions (v, 3) and orientations (v, 4) of all vehicles in each. Releases the GIL. Raises
+        ValueError.
+        """
     def set_appearance(
         self,
         label: typing.SupportsInt | typing.SupportsIndex,

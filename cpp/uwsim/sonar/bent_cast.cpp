@@ -132,7 +132,7 @@ void record_hit(const BentRay& ray, double distance_m, const Eigen::Vector3d& or
     const SoundPath::Direction towards = path.direction_at(there);
     return Eigen::Vector3d(towards.cosine * ray.level_world - towards.sine * Eigen::Vector3d::UnitZ());
   };
-  // One step of Newton's method: the path bends by less than a hundredth of a millimetre over the distance.
+  // One step of Newton's method: over the distance that is left, the path bends by less than half a millimetre.
   const SoundState near = path.ahead(ahead_m);
   ahead_m += plane.dot(met - ray.at(near, start_depth_m)) / plane.dot(onward(near));
   const SoundState arrival = path.ahead(ahead_m);

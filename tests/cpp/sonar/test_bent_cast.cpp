@@ -47,9 +47,11 @@ TEST(BentCast, UnderAConstantGradientTheHitOnAFlatBedLiesOnSnellsCircle) {
     const auto gd = [](double a) { return std::log(std::tan(std::numbers::pi / 4 + a / 2)); };
     const double time = (gd(dip) - gd(dip_bed)) / g;
     const SoundHit hit = cast_one(scene, profile, {3, 4, -depth}, dipping(dip, 0.7));
-    const double slack_m = 3e-4 / std::sin(dip_bed) + 2e-4;  // that of a ray in float; the chord is moved onto the arc
+    // A ray in float is off by 2e-4 m; moving a hit from its chord onto the arc leaves as much, at the flattest dip
+    // here.
+    const double slack_m = 5e-4 / std::sin(dip_bed) + 2e-4;
     EXPECT_NEAR(std::hypot(hit.point_world_m.x() - 3, hit.point_world_m.y() - 4), across, slack_m);
-    EXPECT_NEAR(hit.point_world_m.z(), -60, 2e-4);
+    EXPECT_NEAR(hit.point_world_m.z(), -60, 5e-4);
     EXPECT_NEAR(hit.time_s, time, slack_m / c);
     EXPECT_NEAR(std::asin(-hit.arrival_world.z()), dip_bed, 1e-4);
     EXPECT_EQ(hit.label, kTerrain);

@@ -121,7 +121,7 @@ class Camera(Sealed):
         """Return the pictures at several snapshots, (n, H, W, 3) uint8: the same bytes as the `rgb` of `capture`.
 
         All snapshots have the light (optics) of the first. The pictures share the threads, each of which renders whole
-        pictures, and nothing but colour is returned: for many small pictures, this takes half the time of `capture`.
+        pictures, and nothing but colour is returned, which saves much of the time of a small picture.
         Raises ValueError as `capture` does.
         """
         if not at or not self.mount.on:
