@@ -64,6 +64,7 @@ OF_OTHERS = {
     "IPython",
     "dask",
     "cv2",
+    "filterpy",
     "gsw",
     "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
