@@ -32,13 +32,17 @@ SOUND_SPEED_M_S = 1500.0
 
 
 class Look(NamedTuple):
-    """The result of one reading. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port."""
+    """The result of one reading. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port.
+
+    sound_speed_m_s: at the sonar, as its own probe would measure it; along the rays it varies.
+    """
 
     time_ns: int
     level_db: Levels
     bearings_rad: NDArray[np.float64]
     ranges_m: NDArray[np.float64]
     jpeg: bytes
+    sound_speed_m_s: float
 
 
 class View(Protocol):
@@ -174,11 +178,13 @@ def _reader(source: Source, name: str, view: View, pictures: Pictures) -> Callab
         time_ns = sim.time_ns
 
         def begin(stream: Stream) -> Callable[[], Look]:
-            make = view.begin(source.of(sim).imaging_sonars[name], time_ns)
+            sonar = source.of(sim).imaging_sonars[name]
+            make = view.begin(sonar, time_ns)
+            speed_m_s = sim.world.water.sound_speed_m_s(min(float(sonar.world_from_sonar[2, 3]), 0.0))
 
             def look() -> Look:
                 level_db, bearings_rad, ranges_m, picture = make()
-                return Look(time_ns, level_db, bearings_rad, ranges_m, as_jpeg(picture, stream))
+                return Look(time_ns, level_db, bearings_rad, ranges_m, as_jpeg(picture, stream), speed_m_s)
 
             return look
 
@@ -216,6 +222,7 @@ def _levels(sonar: ImagingSonar) -> Callable[[Look, str], Any]:
         info = build.message(
             "marine_acoustic_msgs/msg/PingInfo",
             frequency=model.frequency_hz,
+            sound_speed=look.sound_speed_m_s,
             rx_beamwidths=np.full(beams, across_rad, np.float32),
             tx_beamwidths=np.array([along_rad], np.float32),
         )

@@ -27,7 +27,8 @@ def water_column_channels(pings: Pings, sim: Simulator) -> list[Channel]:
 
     def read(sim: Simulator) -> Any:
         ping: Any = pings.newest(sim).ping
-        return water_column_message(ping, pings.model, frame_id)
+        speed_m_s = sim.world.water.sound_speed_m_s(min(float(ping.world_from_sonar[2, 3]), 0.0))
+        return water_column_message(ping, pings.model, frame_id, speed_m_s)
 
     return [
         Channel(
@@ -37,13 +38,20 @@ def water_column_channels(pings: Pings, sim: Simulator) -> list[Channel]:
     ]  # fmt: skip
 
 
-def water_column_message(ping: _core.PhysicsPing, model: _core.MultibeamModel, frame_id: str) -> Any:
-    """Return a ping's water column as a message, samples by beams as the type requires. The frame: x ahead, z up."""
+def water_column_message(
+    ping: _core.PhysicsPing, model: _core.MultibeamModel, frame_id: str, sound_speed_m_s: float
+) -> Any:
+    """Return a ping's water column as a message, samples by beams as the type requires. The frame: x ahead, z up.
+
+    sound_speed_m_s: at the head.
+    """
     level_db = np.asarray(ping.water_column, np.float32)
     return build.message(
         IMAGE,
         header=build.header(ping.time_ns, frame_id),
-        ping_info=build.message("marine_acoustic_msgs/msg/PingInfo", frequency=model.frequency_hz),
+        ping_info=build.message(
+            "marine_acoustic_msgs/msg/PingInfo", frequency=model.frequency_hz, sound_speed=sound_speed_m_s
+        ),
         beam_directions=[build.vector((np.cos(angle), np.sin(angle), 0.0)) for angle in ping.angles_rad],
         ranges=np.asarray(ping.water_column_ranges_m, np.float32),
         image=build.message(

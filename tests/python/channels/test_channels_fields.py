@@ -45,7 +45,6 @@ REASONS = {
     "PoseWithCovarianceStamped.pose.pose.position.x": "not measured by depth",
     "PoseWithCovarianceStamped.pose.pose.position.y": "not measured by depth",
     "ProjectedSonarImage.beam_directions.x": "its fan is in the plane of y and z",
-    "ProjectedSonarImage.ping_info.sound_speed": "it varies along the rays",
     "Range.field_of_view": "one ray", "Range.min_range": "from the sensor",
     "Telemetry.alarms": PANEL, "Telemetry.collision_warning": PANEL, "Telemetry.collisions": PANEL,
     "Telemetry.failsafe": PANEL, "Telemetry.failsafe_cause": PANEL, "Telemetry.range_warning": PANEL,
@@ -128,3 +127,11 @@ def test_a_dvl_is_also_a_twist_in_its_own_frame(sim: Simulator) -> None:
     np.testing.assert_array_equal(twist.twist.covariance.reshape(6, 6)[:3, :3].ravel(), dvl.velocity_covar)
     depth_m = -sim.rov.pose.position_world_m[2]
     assert dvl.sound_speed == pytest.approx(sim.world.water.sound_speed_m_s(-depth_m), abs=0.1)
+
+
+def test_an_imaging_sonar_reports_the_speed_of_sound_at_its_head(sim: Simulator) -> None:
+    found = table(sim)
+    for name, sonar in sim.rov.imaging_sonars.items():
+        speed_m_s = sim.world.water.sound_speed_m_s(sonar.world_from_sonar[2, 3])
+        message = found[f"{name}/image"].read(sim)
+        assert message.ping_info.sound_speed == pytest.approx(speed_m_s, abs=0.1), name
