@@ -49,6 +49,7 @@ def fly(
     verify_map: bool = False,
     map_memory_mb: float | None = None,
     map_growth: bool = True,
+    sample_sensors: bool = True,
     outlier_filter: bool | None = None,
     close_loops: bool = False,
     seed: int | None = None,
@@ -80,7 +81,8 @@ def fly(
     time; by default the battery life. link: a modem, by name or file, that replaces the scenario's; the map built
     ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
     send over the link; by default all that it can carry. record: path of a new recording (.mcap). record_topics: the
-    channels to record; by default all but pictures and maps. autosave_s: wall time between saves, from which `resume`
+    channels to record; by default all but pictures and maps. sample_sensors: whether the record's samples have the
+    readings of all sensors. autosave_s: wall time between saves, from which `resume`
     can continue; 0 disables saving. screen: displays the flight; by default nothing is displayed. With a Terminal,
     Ctrl-C ends the flight and keeps its results.
 
@@ -131,6 +133,7 @@ def fly(
         verify_map=verify_map,
         outlier_filter=outlier_filter,
         map_growth=map_growth,
+        sample_sensors=sample_sensors,
         time_limit_s=time_limit_s,
     )
     if found.file is None:

@@ -26,7 +26,7 @@ class FlightRequest:
     vehicles: by default the scenario's first, or all if the mission takes `vehicles`. link: a modem that replaces the
     scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated
     time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if
-    one is built.
+    one is built. sample_sensors: whether `samples` have the sensors.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -50,6 +50,7 @@ class FlightRequest:
     verify_map: bool = False
     outlier_filter: bool | None = None
     map_growth: bool = True
+    sample_sensors: bool = True
     time_limit_s: float | None = None
 
     def new_simulator(self, threads: int | None = None) -> Simulator:

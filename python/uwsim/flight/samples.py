@@ -123,20 +123,27 @@ class Sampler:
     """Samples a simulator's vehicles and reports changes on their panels as events: an Observer of its journal.
 
     vehicles: by name, as seen by the mission. hear: receives the events. timer: times the sampling. saved: by vehicle,
-    the rows (n, columns) of the flight being resumed; that flight began at begun_tick.
+    the rows (n, columns) of the flight being resumed; that flight began at begun_tick. with_sensors: whether the samples
+    have the sensors' readings, which take longer than all else.
     """
 
     def __init__(
         self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], hear: Hear, timer: Measurement, *,
-        begun_tick: int = 0, saved: Mapping[str, NDArray[np.float64]] | None = None,
+        with_sensors: bool = True, begun_tick: int = 0, saved: Mapping[str, NDArray[np.float64]] | None = None,
     ) -> None:  # fmt: skip
         self._sim, self._hear, self._timer = sim, hear, timer
         self._steps = max(1, round(PERIOD_S / sim.step_s))
         self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
-        self._columns = {name: _Columns(sim.vehicles[name]) for name in vehicles}
+        self._columns = {name: _Columns(sim.vehicles[name], with_sensors) for name in vehicles}
         self._rows: dict[str, list[list[float]]] = {name: [] for name in vehicles}
         if saved:
             self._rows = {name: saved[name].tolist() for name in vehicles}
+            for name, columns in self._columns.items():
+                if saved[name].shape[1] != (width := len(COLUMNS) + len(columns.names)):
+                    raise ValueError(
+                        f"--resume: vehicle '{name}': the saved samples have {saved[name].shape[1]} columns, expected "
+                        f"{width}: the flight was saved by another version"
+                    )
             self.due_tick = begun_tick + self._steps * ((sim.tick - begun_tick) // self._steps + 1)
         else:
             self.observe()
@@ -182,9 +189,9 @@ class Sampler:
 class _Columns:
     """The columns of one vehicle after COLUMNS: its fins, sensors and commands."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: Vehicle, with_sensors: bool) -> None:
         self._vehicle = vehicle
-        self._sensors = [(sensor, _fields(sensor)) for sensor in vehicle.sensors.values()]
+        self._sensors = [(sensor, _fields(sensor)) for sensor in vehicle.sensors.values() if with_sensors]
         self._has_thrusters = bool(vehicle.thrusters)
         sensors = [name for sensor, _ in self._sensors for name in _names(sensor)]
         commands = [f"thruster {one}" for one in vehicle.thrusters] or [f"effort {axis}" for axis in AXES]

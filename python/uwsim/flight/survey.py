@@ -43,7 +43,15 @@ def run_survey(
     required_survey(loaded)
     require_sonar(loaded, loaded.vehicles[0].name)
     return fly(
-        mission, scenario, out, map=True, map_growth=False, carried=SURVEYED, screen=screen or Terminal(), **options
+        mission,
+        scenario,
+        out,
+        map=True,
+        map_growth=False,
+        sample_sensors=False,
+        carried=SURVEYED,
+        screen=screen or Terminal(),
+        **options,
     )
 
 
