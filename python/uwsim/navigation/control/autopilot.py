@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.axes import AXES
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import SteeredVehicle
 
@@ -47,6 +48,8 @@ class Autopilot(Sealed):
         self.period_s = period_s
         self._gains = gains or steady_gains(Gains(), getattr(vehicle, "authority", None), period_s)
         self._core = _core.Autopilot(period_s, _core.AutopilotGains(**asdict(self._gains)))
+        driven = getattr(vehicle, "controllable", AXES)
+        self._idle = tuple(k for k, axis in enumerate(AXES) if axis not in driven)
 
     def __repr__(self) -> str:
         return f"<Autopilot of {self.vehicle!r}, every {self.period_s:g} s>"
@@ -65,6 +68,8 @@ class Autopilot(Sealed):
         """Set the efforts for one control period from a heading, a horizontal velocity (2,) and a height z."""
         vehicle = self.vehicle
         efforts = self._core.steer(vehicle.pose, vehicle.velocity, heading_rad, velocity_world_m_s, z_world_m)
+        if self._idle:  # it keeps every vehicle level, whether or not anything rolls and pitches it
+            efforts = tuple(0.0 if k in self._idle else effort for k, effort in enumerate(efforts))  # type: ignore[assignment]
         vehicle.set_effort(*efforts)
 
     @property
