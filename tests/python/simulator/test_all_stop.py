@@ -31,6 +31,8 @@ MOVING: dict[str, tuple[str, dict[str, Any]]] = {
     "set_fins": ("fins", {"angles_rad": {"top": 0.2, "port": -0.2}}),
 }
 """Commands that move a vehicle, each with a vehicle it moves."""
+FRAMES = "servo_frames"
+"""The steps of an autopilot; tested separately below."""
 REFUSED = {"hold"}
 """Commands that are refused while all stop is set; see test_holds.py."""
 IN_DOCK = ("release", "undock")
@@ -76,7 +78,7 @@ def alone(path: Path) -> bytes:
 
 
 def test_every_command_that_there_is_has_been_thought_of() -> None:
-    assert set(COMMANDS) == set(MOVING) | set(IN_DOCK) | REFUSED | FREE
+    assert set(COMMANDS) == set(MOVING) | set(IN_DOCK) | REFUSED | FREE | {FRAMES}
 
 
 def test_nothing_aboard_moves_a_stopped_vehicle(sim: Simulator) -> None:
@@ -108,6 +110,21 @@ def test_no_command_moves_a_stopped_vehicle_and_the_caller_is_warned_once(
             sim.step()
     assert len(warned) == 1
     assert at_rest(sim) and motion(sim) == alone
+
+
+def test_an_autopilots_frames_do_not_move_a_stopped_vehicle(sim: Simulator, alone: bytes) -> None:
+    frames = np.full((STEPS, 32), 1800, "<u2").tobytes()
+
+    def play(sim: Simulator) -> None:
+        given = {"vehicle": "thrusters", "frame": "vectored_6dof", "from_tick": sim.tick, "frames": frames}
+        COMMANDS[FRAMES](sim, **given)
+        sim.step(STEPS)
+
+    play(sim)
+    assert at_rest(sim) and motion(sim) == alone
+    sim.vehicles["thrusters"].all_stop(False)
+    play(sim)
+    assert not at_rest(sim)
 
 
 @pytest.mark.parametrize("name", MOVING)
