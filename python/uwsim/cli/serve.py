@@ -171,6 +171,8 @@ def serve(
     simulator = autopilot.simulator(
         scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads
     )
+    if meeting is not None and simulator.link is not None:
+        raise ValueError("--mavlink: does not cross the link; use a scenario without one, or --link none")
     origin = origin or default_origin(simulator.scenario)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     with autopilot.flying(live) as flown, live, ExitStack() as sinks:
