@@ -20,7 +20,8 @@ py::bytes as_bytes(const std::vector<ServoOutputs>& frames) {
   return {reinterpret_cast<const char*>(frames.data()), frames.size() * sizeof(ServoOutputs)};
 }
 
-py::typing::Tuple<py::bytes, bool> run(ServoExchange& exchange, OwnedSimulation& owned, std::uint64_t steps, double patience_s, bool steers) {
+py::typing::Tuple<py::bytes, bool> run(ServoExchange& exchange, OwnedSimulation& owned, std::uint64_t steps,
+                                       double patience_s, bool steers) {
   ServoRun all;
   while (all.outputs_us.size() < steps && !all.changed) {
     ServoRun part = owned.with([&](Simulation& sim) {
@@ -97,7 +98,8 @@ void bind_bridges(py::module_& m) {
             return exchange.wait(patience_s);
           },
           py::arg("patience_s"),
-          "Wait until a packet has arrived; return whether one has. From then on, until the next step, an autopilot in\n"
+          "Wait until a packet has arrived; return whether one has. From then on, until the next step, an autopilot "
+          "in\n"
           "lockstep is waiting, too: what other sockets deliver to it meanwhile does not depend on the wall clock.")
       .def_property_readonly("port", &ServoExchange::port)
       .def_property_readonly("peer", &ServoExchange::peer,
