@@ -69,9 +69,9 @@ def _octave(x: Floats, y: Floats, seed: np.int32) -> Floats:
     half, one, two = np.float32(0.5), np.float32(1), np.float32(2)
 
     first = half - x * x - y * y
-    last = two * (one - two * UNSKEW) * (one / UNSKEW - two) * unskew + (
-        -two * (one - two * UNSKEW) * (one - two * UNSKEW) + first
-    )
+    slope = two * (one - two * UNSKEW) * (one / UNSKEW - two)
+    offset = -two * (one - two * UNSKEW) * (one - two * UNSKEW)
+    last = (slope * unskew + (offset + first)).astype(np.float32, copy=False)
     far = two * UNSKEW - one
     upper = y > x
     middle_x = x + np.where(upper, UNSKEW, UNSKEW - one)
