@@ -102,8 +102,8 @@ def serve(
         str | None,
         typer.Option(
             metavar="COUNT,MB",
-            help="With --station: record each session by itself in the folder flights, and keep so many, and so many "
-            "MB, as `uwsim station` does. Default: none.",
+            help="With --station: record each session by itself in the folder flights, as `uwsim station` does, and "
+            "keep so many, and so many MB. Default: none.",
         ),
     ] = None,
     link: Link = None,

@@ -75,6 +75,21 @@ def test_a_timeline_ends_at_the_first_reset_and_still_compares_the_end(tmp_path:
     assert [event.text for event in line.events] == ["undock rov"]
 
 
+def test_faults_holds_and_changed_water_are_repeated(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    sim = Simulator("pool", seed=3)
+    with Recorder(sim, path, is_light=True):
+        sim.rov.undock()
+        sim.advance(0.5)
+        sim.faults.inject("sensor", sensor="depth", mode="stuck", for_s=1.0)
+        sim.rov.command("hold", heading=True)
+        sim.advance(0.5)
+        sim.parameters["water.current_world_m_s.x"] = 0.2
+        sim.rov.all_stop(True)
+        sim.advance(1.5)
+    assert {"alarm", "command"} <= {event.kind for event in Timeline(Recording(path)).events}
+
+
 def test_a_run_that_cannot_be_repeated_is_refused(flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(flown.read_bytes()[: flown.stat().st_size * 2 // 3])

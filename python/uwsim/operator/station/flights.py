@@ -86,9 +86,8 @@ class Flights:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.make_room(more=1)
         now = datetime.now(UTC)
-        name = re.sub(r"[^A-Za-z0-9_-]", "-", scenario)[:40] or "flight"
-        stem = f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{name}"
-        return self.folder / f"{stem}.mcap"
+        what = re.sub("[^A-Za-z0-9_-]", "-", scenario)[:40]
+        return self.folder / f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{what}.mcap"
 
     def make_room(self, more: int = 0) -> None:
         """Delete the oldest flights beyond the bounds, never the one that is being recorded."""

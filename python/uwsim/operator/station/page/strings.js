@@ -175,7 +175,6 @@ const ENGLISH = {
     time: 'Time',
     undock: 'Undock',
     uwsimAnUnderwaterRobotics: 'uwsim, an underwater robotics simulator',
-    timeline: 'Time line',
     vehicle: 'Vehicle',
     vehiclePanel: 'Vehicle panel',
     vehicleThatIsFlown: 'Vehicle that is flown',

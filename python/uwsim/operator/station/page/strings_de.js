@@ -171,7 +171,6 @@ export const GERMAN = {
     time: 'Zeit',
     undock: 'Ablegen',
     uwsimAnUnderwaterRobotics: 'uwsim, ein Simulator für Unterwasserrobotik',
-    timeline: 'Zeitleiste',
     vehicle: 'Fahrzeug',
     vehiclePanel: 'Anzeigen des Fahrzeugs',
     vehicleThatIsFlown: 'Gesteuertes Fahrzeug',

@@ -7,7 +7,9 @@ const WORDS = STRINGS.flights;
 // "23 Nov 2026, 04:12", in the user's time zone; '' if unknown.
 export function begunText(begun) {
   const at = new Date(begun);
-  return Number.isNaN(at.getTime()) ? '' : at.toLocaleString('en-GB', { dateStyle: 'medium', timeStyle: 'medium' });
+  const { lang } = document.documentElement;
+  const style = { dateStyle: 'medium', timeStyle: 'medium' };
+  return Number.isNaN(at.getTime()) ? '' : at.toLocaleString(lang === 'en' ? 'en-GB' : lang, style);
 }
 
 export class Flights {
@@ -37,14 +39,14 @@ export class Flights {
   #row({ name, scenario, begun, duration_s, size_bytes, branched_from, refused }) {
     const title = el('b', {}, begunText(begun) || name);
     const about = scenario ? WORDS.about(scenario, clockText(duration_s), (size_bytes / 1e6).toFixed(1)) : '';
-    const wrong = el('small', { className: 'wrong' }, refused);
+    const wrong = el('small', { className: 'wrong', role: 'status' }, refused);
     const replay = el(
       'button',
       { type: 'button', 'aria-label': WORDS.replayOf(begunText(begun) || name) },
       WORDS.replay,
     );
     replay.disabled = refused !== '';
-    replay.addEventListener('click', () => this.#open(name, wrong));
+    replay.addEventListener('click', () => this.#open(name, wrong, replay));
     return el(
       'li',
       { 'data-flight': name },
@@ -60,7 +62,8 @@ export class Flights {
     );
   }
 
-  async #open(name, wrong) {
+  // The server reads the whole flight first, and refuses one that it cannot repeat.
+  async #open(name, wrong, button) {
     if (this.#isOpening) return;
     this.#isOpening = true;
     this.#say(WORDS.reading);
@@ -68,7 +71,8 @@ export class Flights {
       const answer = await this.station.start({ flight: name, speed: 1 });
       const why = answer.success ? '' : (answer.errors?.flight ?? answer.message);
       write(wrong, why);
-      this.#say(why, 'error');
+      button.disabled = Boolean(answer.errors?.flight);
+      this.#say('');
     } catch (error) {
       this.#say(error.message, 'error');
     }

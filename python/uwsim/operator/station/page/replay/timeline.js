@@ -32,6 +32,7 @@ export class Timeline {
     this.plot.addEventListener('click', ({ offsetX }) => this.seek(this.#timeAt(offsetX)));
     this.apart = el('output', { className: 'timeline-apart', 'aria-label': WORDS.apartLabel });
     this.element = byId('timeline');
+    this.element.setAttribute('aria-label', WORDS.title);
     this.element.append(
       el('div', { className: 'group' }, this.play, this.time),
       this.slider,
