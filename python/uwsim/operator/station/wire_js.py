@@ -72,6 +72,8 @@ def _function(call: Call) -> str:
     comment = f"// {sentence}.\n/** @returns {{Promise<{call.answer.__name__} | Refused>}} */\n"
     if len(head) > 120:  # broken as prettier does
         every = "".join(f"    {field},\n" for field in names)
+        if len(given) > 117:  # with its indent and comma
+            given = "{\n" + "".join(f"    {field},\n" for field in names) + "  }"
         head = f"export const {name} = (\n  bridge,\n  {given},\n) =>"
         return f"{comment}{head}\n  bridge.call('/station/{call.name}', {{\n{every}  }});\n"
     return comment + (line if len(line) <= 120 else f"{head}\n  {body}") + "\n"

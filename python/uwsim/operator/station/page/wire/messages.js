@@ -562,7 +562,20 @@ export const catalog = (bridge) => bridge.call('/station/catalog');
 /** @returns {Promise<ChoiceTaken | Refused>} */
 export const check = (
   bridge,
-  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved, flight },
+  {
+    scenario,
+    vehicle,
+    sonar,
+    mission_time_s,
+    seed,
+    speed,
+    link,
+    rosbridge_host,
+    rosbridge_port,
+    rosbridge_ros,
+    saved,
+    flight,
+  },
 ) =>
   bridge.call('/station/check', {
     scenario,
@@ -583,7 +596,20 @@ export const check = (
 /** @returns {Promise<ChoiceTaken | Refused>} */
 export const start = (
   bridge,
-  { scenario, vehicle, sonar, mission_time_s, seed, speed, link, rosbridge_host, rosbridge_port, rosbridge_ros, saved, flight },
+  {
+    scenario,
+    vehicle,
+    sonar,
+    mission_time_s,
+    seed,
+    speed,
+    link,
+    rosbridge_host,
+    rosbridge_port,
+    rosbridge_ros,
+    saved,
+    flight,
+  },
 ) =>
   bridge.call('/station/start', {
     scenario,
