@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "uwsim/acoustics/modem/bottom_reflection.h"
@@ -57,7 +58,10 @@ class Search {
   }
 
  private:
+  /// Kept from call to call, since most calls have the same bottom.
   void set_least_loss() {
+    if (least_loss_of_ == losses_.bottom) return;
+    least_loss_of_ = losses_.bottom;
     double least = bottom_loss_db(losses_.bottom, 0.5 * kPi);
     for (std::size_t k = least_loss_db_.size(); k-- > 0;) {
       const double grazing = 0.5 * kPi * static_cast<double>(k) / static_cast<double>(least_loss_db_.size());
@@ -66,10 +70,11 @@ class Search {
   }
 
   void search(const RayBand& band) {
-    dips_.clear(), parts_.clear();
+    dips_.clear(), snells_.clear(), parts_.clear();
     for (const double part : kDips) {
       dips_.push_back(std::max(part * band.end_rad, std::min(kFlattest_rad, 1e-3 * band.end_rad)));
-      parts_.push_back(fan_.parts(band, Snell::of(band.speed_m_s, dips_.back())));
+      snells_.push_back(Snell::of(band.speed_m_s, dips_.back()));
+      parts_.push_back(fan_.parts(band, snells_.back()));
     }
     const bool source_above = ends_.from_depth_m <= ends_.to_depth_m;
     find(band, RayFamily::of(0, !source_above, source_above), !source_above, 0);
@@ -112,9 +117,7 @@ class Search {
       const Snell snell = Snell::of(band.speed_m_s, dip);
       return RayReach(family, fan_.parts(band, snell), snell, dip);
     };
-    const auto at = [&](std::size_t k) {
-      return RayReach(family, parts_[k], Snell::of(band.speed_m_s, dips_[k]), dips_[k]);
-    };
+    const auto at = [&](std::size_t k) { return RayReach(family, parts_[k], snells_[k], dips_[k]); };
     bool reaches = false;
     RayReach last = at(0);
     for (std::size_t k = 1; k < dips_.size(); ++k) {
@@ -233,7 +236,9 @@ class Search {
   ArrivalLimits limits_;
   RayFan fan_;
   std::array<double, 32> least_loss_db_{};  // at the bottom, of all rays at least as steep; evenly spaced dips
+  std::optional<FluidBottom> least_loss_of_;
   std::vector<double> dips_;
+  std::vector<Snell> snells_;
   std::vector<RayParts> parts_;
   std::vector<Arrival> found_;
   double strongest_db_ = 0;

@@ -96,6 +96,23 @@ def test_a_packet_is_received_by_all_arrivals_however_often_they_bounce_and_turn
     assert heard.signal_db == pytest.approx(level_db, abs=1.0), "rays that turn focus, so the cell's middle differs"
 
 
+@pytest.mark.parametrize(("top_m", "bounces"), [(-10.5, 0), (-9.5, 1), (0.5, None)])
+def test_a_ridge_blocks_the_rays_below_its_top(top_m: float, bounces: int | None) -> None:
+    """Between ends at 10 m, a ridge leaves the straight ray, then the one by the surface; an island leaves none."""
+    spec, water, world = _core.LinkSpec(), _core.Water(), _core.World()
+    water.profile = _core.WaterProfile([0.0, 40.0], [8.0, 8.0], [0.0, 0.0], [1000.0, 1000.0], [1480.0, 1480.0])
+    water.bottom_depth_m = 40.0
+    spec.modem = modem_spec(load_modem("micromodem"))
+    spec.set_bottom(1.0, 1.0, 0.5)  # water: nothing is reflected
+    heights = np.full((401, 401), -40.0, np.float32)
+    heights[:, 195:206] = top_m
+    world.set_terrain(heights, 1.0, (-200.0, -200.0))
+    heard = _core.LinkWater(spec, water).hear(_core.RayScene(world), (-100.0, -20.0, -10.0), (100.0, 40.0, -10.0))
+    assert heard.reached == (bounces is not None)
+    if bounces is not None:
+        assert heard.delay_s == pytest.approx(np.hypot(np.hypot(200.0, 60.0), 20.0 * bounces) / 1480.0, rel=1e-4)
+
+
 def test_a_blackout_loses_everything_and_restoring_the_state_gives_the_same() -> None:
     fault = {"from_s": 1.0, "until_s": 2.0}
     scenario = load("pair")

@@ -26,7 +26,7 @@ std::size_t mixed(std::uint64_t value) {  // the finalizer of MurmurHash3
 }  // namespace
 
 ArrivalCells::ArrivalCells(std::size_t cells) : cells_(cells) {
-  for (Cell& cell : cells_) cell.arrivals.reserve(kKept.most);
+  for (Cell& cell : cells_) cell.arrivals.reserve(kKept.most), cell.directions.reserve(kKept.most);
   moved_.reserve(kKept.most);
 }
 
@@ -50,33 +50,47 @@ std::span<const Arrival> ArrivalCells::at(const SoundSpeedProfile& profile, cons
     cell.ends.across_m = middle(key.cell[0], key.across_m);
     cell.ends.from_depth_m = std::min(middle(key.cell[1], key.depth_m), cell.ends.bottom_m);
     cell.ends.to_depth_m = std::min(middle(key.cell[2], key.depth_m), cell.ends.bottom_m);
-    find_arrivals(profile, cell.ends, losses, kKept, cell.arrivals);
-    const auto stronger = [](const Arrival& a, const Arrival& b) {  // not std::stable_sort, which allocates
-      return std::tuple(-a.level_db, a.time_s, a.launch_dip_rad) < std::tuple(-b.level_db, b.time_s, b.launch_dip_rad);
-    };
-    std::sort(cell.arrivals.begin(), cell.arrivals.end(), stronger);
+    fill(cell, profile, losses);
   }
-  const double from_m_s = profile.at(cell.ends.from_depth_m), to_m_s = profile.at(cell.ends.to_depth_m);
   const double farther = ends.across_m - cell.ends.across_m, from_lower = ends.from_depth_m - cell.ends.from_depth_m;
   const double to_lower = ends.to_depth_m - cell.ends.to_depth_m;
   const double bed_lower = has_bottom ? ends.bottom_m - cell.ends.bottom_m : 0;
   moved_.assign(cell.arrivals.begin(), cell.arrivals.end());
-  for (Arrival& one : moved_) {
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    Arrival& one = moved_[k];
+    const Directions& d = cell.directions[k];
     const double found_s = one.time_s;
-    one.time_s += (std::cos(one.arrival_dip_rad) * farther + std::sin(one.arrival_dip_rad) * to_lower) / to_m_s -
-                  std::sin(one.launch_dip_rad) * from_lower / from_m_s;
-    double missed_m = farther - to_lower / std::tan(one.arrival_dip_rad) + from_lower / std::tan(one.launch_dip_rad);
+    one.time_s +=
+        (d.arrival_cos * farther + d.arrival_sin * to_lower) / cell.to_m_s - d.launch_sin * from_lower / cell.from_m_s;
+    double missed_m = farther - to_lower / d.arrival_tan + from_lower / d.launch_tan;
     if (one.bottom_bounces > 0) {
       const double lower = 2 * one.bottom_bounces * bed_lower;
-      one.time_s += std::sin(one.bottom_grazing_rad) * lower / profile.at(one.bottom_m);
-      missed_m -= lower / std::tan(one.bottom_grazing_rad);
+      one.time_s += d.bottom_sin * lower / d.bottom_m_s;
+      missed_m -= lower / d.bottom_tan;
       one.bottom_m = ends.bottom_m;
     }
     const double bent_s_m = missed_m / one.widening_m2_s;
-    if (std::abs(bent_s_m) * to_m_s <= kMostBent) one.time_s += 0.5 * missed_m * bent_s_m;
+    if (std::abs(bent_s_m) * cell.to_m_s <= kMostBent) one.time_s += 0.5 * missed_m * bent_s_m;
     one.level_db -= 20 * std::log10(one.time_s / found_s);
   }
   return moved_;
+}
+
+/// Finds the arrivals between the cell's ends, strongest first.
+void ArrivalCells::fill(Cell& cell, const SoundSpeedProfile& profile, const SoundLosses& losses) {
+  find_arrivals(profile, cell.ends, losses, kKept, cell.arrivals);
+  const auto stronger = [](const Arrival& a, const Arrival& b) {  // not std::stable_sort, which allocates
+    return std::tuple(-a.level_db, a.time_s, a.launch_dip_rad) < std::tuple(-b.level_db, b.time_s, b.launch_dip_rad);
+  };
+  std::sort(cell.arrivals.begin(), cell.arrivals.end(), stronger);
+  cell.from_m_s = profile.at(cell.ends.from_depth_m), cell.to_m_s = profile.at(cell.ends.to_depth_m);
+  cell.directions.clear();
+  for (const Arrival& one : cell.arrivals) {
+    cell.directions.push_back({std::cos(one.arrival_dip_rad), std::sin(one.arrival_dip_rad),
+                               std::tan(one.arrival_dip_rad), std::sin(one.launch_dip_rad),
+                               std::tan(one.launch_dip_rad), std::sin(one.bottom_grazing_rad),
+                               std::tan(one.bottom_grazing_rad), profile.at(one.bottom_m)});
+  }
 }
 
 }  // namespace uwsim

@@ -37,11 +37,18 @@ class ArrivalCells {
     std::array<std::int64_t, 4> cell{};
     bool operator==(const Key&) const = default;
   };
+  /// The directions of an arrival at its ends and at the bottom, and the speed of sound there.
+  struct Directions {
+    double arrival_cos, arrival_sin, arrival_tan, launch_sin, launch_tan, bottom_sin, bottom_tan, bottom_m_s;
+  };
   struct Cell {
     Key key;
     RayEnds ends{};
+    double from_m_s = 0, to_m_s = 0;
     std::vector<Arrival> arrivals;
+    std::vector<Directions> directions;  // of each arrival
   };
+  static void fill(Cell& cell, const SoundSpeedProfile& profile, const SoundLosses& losses);
 
   std::vector<Cell> cells_;  // by hash; a new cell replaces an old one
   std::vector<Arrival> moved_;

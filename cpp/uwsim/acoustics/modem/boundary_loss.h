@@ -13,6 +13,7 @@ struct FluidBottom {
   double density_ratio = 1.9;
   double speed_ratio = 1.1;
   double attenuation_db_wavelength = 0.8;
+  bool operator==(const FluidBottom&) const = default;
 };
 
 /// Loss of a plane wave at a fluid bottom [dB]: the Rayleigh reflection coefficient with a complex speed of sound in
