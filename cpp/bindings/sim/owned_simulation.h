@@ -96,13 +96,12 @@ class OwnedSimulation {
   /// Advances in slices, so that Ctrl-C is handled, but does not let other calls run in between.
   void step(std::uint64_t count) {
     with([&](Simulation& sim) {
-      while (count > 0) {
-        const std::uint64_t slice = std::min(count, kStepsBetweenSignals);
-        sim.step(slice);
-        count -= slice;
+      for (; count > kStepsBetweenSignals; count -= kStepsBetweenSignals) {
+        sim.step(kStepsBetweenSignals);
         const GilTaken locked;
-        if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       }
+      sim.step(count);
     });
   }
 
