@@ -17,7 +17,9 @@ See help(uwsim.Simulator) and help(type(rov)) for the rest.
 World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103); quaternions x, y, z, w; SI units.
 """
 
+import gc
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from uwsim._moved import lead_old_names_on
@@ -77,9 +79,20 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in _MODULE_OF:
         raise AttributeError(f"module 'uwsim' has no attribute '{name}'")
-    value = getattr(import_module(_MODULE_OF[name]), name)
+    value = getattr(_import_quickly(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
+
+
+def _import_quickly(module: str) -> ModuleType:
+    """Import a module without garbage collections, which take an eighth of the time and find nothing."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        return import_module(module)
+    finally:
+        if collects:
+            gc.enable()
 
 
 def _version() -> str:
