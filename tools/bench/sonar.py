@@ -2,7 +2,7 @@
 
 All cases alternate within one run, so that other load affects all of them equally; results are medians over the rounds,
 and medians of per-round ratios. Measured in single-thread CPU time, except multithreaded ping_batch, which is measured
-in wall time, and pictures of the imaging sonar, which are measured in the CPU time of all threads.
+in wall time.
 
 All cases ping from the same poses along the survey's lines. From scattered poses, each ping waits for a different part
 of the ray tree to be loaded; this is reported separately. The limit is the best rate of Embree's ray packets.
@@ -39,7 +39,6 @@ ALTITUDE_M = 8.0
 AREA_M = ((-104.0, 56.0), (-80.0, 24.0))  # the lake's survey
 LINES_APART_M = 13.0
 PINGS_APART_M = 0.3
-PINGS_A_PICTURE = 25  # of the imaging sonar
 SIZES = (10_000, 31_623, 100_000, 316_228, 1_000_000, 3_162_278, 10_000_000)
 GROWTH = {"_again": "one place again, all in the caches", "": "along survey lines", "_scattered": "scattered places"}
 LIMITS = {"quads": ("coherent", "quads"), "triangles": ("coherent",), "incoherent": ("quads",)}
@@ -53,7 +52,6 @@ GOALS = {
     "ping/physics": 12.0,  # maximum
     "physics/physics_bent": 2.5,  # maximum
     "physics/physics_multipath": 2.0,  # maximum
-    "imaging/imaging_rays": 0.5,
 }
 
 
@@ -98,10 +96,6 @@ def main(
     with tempfile.TemporaryDirectory() as folder:
         cases = our_cases(sim, heads) | {"ping_scattered": Pings(sim, scattered)}
         cases |= peer_cases(heads, vertices, triangles, Path(folder))
-        cases["imaging"] = pictures = Pictures(sim, heads)
-        columns = Path(folder) / "columns.bin"
-        write_case(pictures.columns(), vertices, triangles, columns)
-        add_native(cases, "imaging_rays", ["embree_fan", columns, "coherent", "quads"], len(pictures))
         cases |= limit_cases(scattered, vertices, triangles, Path(folder) / "scattered.bin", "_scattered")
         for size in SIZES if growth else ():
             grown = lake(size)
@@ -236,57 +230,13 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
     return cases
 
 
-class Pictures:
-    """Pictures of the packaged forward-looking sonar from Python; a call returns the pictures per processor second."""
-
-    def __init__(self, sim: Simulator, heads: Heads) -> None:
-        self._sim, self._sonar = sim, sim.rov.imaging_sonars["forward_looking"]
-        self._places = list(zip(heads.positions_world_m, heads.orientations_xyzw, strict=True))[::PINGS_A_PICTURE]
-
-    def __call__(self) -> float:
-        """Return pictures per second, excluding the time to place the vehicle."""
-        elapsed_s = 0.0
-        for position, orientation in self._places:
-            self._sim.rov.place(position, orientation)
-            begun = time.process_time()
-            self._sonar.ping()
-            elapsed_s += time.process_time() - begun
-        return len(self._places) / elapsed_s
-
-    def columns(self) -> Heads:
-        """Return the fans of rays of all pictures, as heads: the columns over the vertical aperture."""
-        model = self._sonar.model
-        spacing_rad = model.field_of_view_rad / (model.beams - 1) / model.columns_per_beam
-        reach = int(np.ceil(6 * model.beam_width_rad / spacing_rad))
-        last = (model.beams - 1) * model.columns_per_beam + reach
-        bearings = -model.field_of_view_rad / 2 + spacing_rad * np.arange(-reach, last + 1)
-        span_rad = 1.25 * model.vertical_width_rad
-        poses = []
-        for position, orientation in self._places:
-            self._sim.rov.place(position, orientation)
-            world_from_sonar = self._sonar.world_from_sonar
-            columns = np.tile(np.eye(4), (len(bearings), 1, 1))
-            table = np.column_stack([np.cos(bearings), np.sin(bearings), np.zeros_like(bearings)])
-            columns[:, :3, 0] = table @ world_from_sonar[:3, :3].T
-            columns[:, :3, 1] = world_from_sonar[:3, 2]
-            columns[:, :3, 3] = world_from_sonar[:3, 3]
-            poses.append(columns)
-        every = np.concatenate(poses)
-        angles = span_rad * ((2 * np.arange(model.rays_per_column) + 1) / model.rays_per_column - 1)
-        return Heads(every[:, :3, 3], np.zeros((len(every), 4)), every, every, angles, 1.5 * model.range_max_m)
-
-    def __len__(self) -> int:
-        """Return the number of pictures in a call."""
-        return len(self._places)
-
-
 def peer_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], folder: Path
 ) -> dict[str, Callable[[], float]]:
     """Return the limit and the installed peers, all with the same surface and rays."""
     case = folder / "case.bin"
     cases = limit_cases(heads, vertices_m, triangles, case)
-    add_native(cases, "bullet", ["bullet_fan", case], len(heads.world_from_sonar))
+    add_native(cases, "bullet", ["bullet_fan", case], heads)
     for name, make in {"pybullet": pybullet_peer, "trimesh": trimesh_peer}.items():
         try:
             cases[name] = make(heads, vertices_m, triangles, folder)
@@ -302,15 +252,15 @@ def limit_cases(
     write_case(heads, vertices_m, triangles, case)
     cases: dict[str, Callable[[], float]] = {}
     for name, options in LIMITS.items():
-        add_native(cases, f"limit_{name}{suffix}", ["embree_fan", case, *options], len(heads.world_from_sonar))
+        add_native(cases, f"limit_{name}{suffix}", ["embree_fan", case, *options], heads)
     return cases
 
 
-def add_native(cases: dict[str, Callable[[], float]], name: str, command: list[Path | str], pings: int) -> None:
-    """Add a peer that is a program installed with the package; it casts the rays of so many pings in a call."""
+def add_native(cases: dict[str, Callable[[], float]], name: str, command: list[Path | str], heads: Heads) -> None:
+    """Add a peer that is a program installed with the package."""
     program = Path(_core.__file__).parent / "bench" / "native" / command[0]
     if program.is_file():
-        cases[name] = NativePeer([program, *command[1:]], pings)
+        cases[name] = NativePeer([program, *command[1:]], len(heads.world_from_sonar))
     else:
         console.print(f"{name} left out: {command[0]} is not installed with the package (run tools/setup)")
 
@@ -401,8 +351,6 @@ def _table(figures: dict[str, float]) -> Table:
         "physics_bent": "the same with bent rays",
         "physics_multipath": "the same with multipath",
         "physics_water_column": "the same with the water column",
-        "imaging": "a picture of the forward-looking sonar",
-        "imaging_rays": "its rays alone, bare Embree packets",
         "limit_quads": "bare Embree packets, quads",
         "limit_triangles": "bare Embree packets, triangles",
         "limit_incoherent": "bare Embree packets, incoherent",
