@@ -283,8 +283,7 @@ class NativePeer:
     def __init__(self, command: list[Path | str], pings: int) -> None:
         self._pings = pings
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
+        assert self._process.stdin is not None and self._process.stdout is not None
         self._requests, self._answers = self._process.stdin, self._process.stdout
         self._answers.readline()
 
