@@ -78,7 +78,8 @@ PUBLIC = {
 HEAD = """# Python
 
 **Public**: the names on this page, and those of `import uwsim` (`uwsim.Simulator`, `uwsim.Batch`, `uwsim.fly`,
-`uwsim.run_survey`, `uwsim.scenarios`). Changes to them are listed in the changelog and require a new minor version.
+`uwsim.run_survey`, `uwsim.scenarios`, `uwsim.view`). Changes to them are listed in the changelog and require a new
+minor version.
 
 **Internal**: everything else, in particular `uwsim._core` and names that begin with an underscore. Internal names may
 change in any release.
