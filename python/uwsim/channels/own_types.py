@@ -128,7 +128,7 @@ string rosbridge               # address of the user's rosbridge that the simula
 string rosbridge_trouble       # why it is not connected to it; empty: it is
 string comment                 # stands in pictures; empty: none
 uint32 notes                   # written so far in this run, comments included
-string flight                  # recording of this flight, which nobody asked for; empty: none
+string flight                  # automatic recording of this flight; empty: none
 string flight_trouble          # why the flight is not recorded, or no further; empty: it is, or none are kept
 """,
 }

@@ -49,7 +49,7 @@ class Happening(NamedTuple):
 
 @dataclass
 class Track:
-    """Where the first vehicle truly was. poses: (n, 7), position in the world [m] and quaternion x, y, z, w."""
+    """The first vehicle's true motion. poses: (n, 7), position in the world [m] and quaternion x, y, z, w."""
 
     times_s: list[float] = field(default_factory=list)
     poses: list[NDArray[np.float64]] = field(default_factory=list)

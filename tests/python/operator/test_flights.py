@@ -48,7 +48,7 @@ def test_a_flight_is_recorded_unasked_and_listed_by_the_next_server(tmp_path: Pa
         assert re.fullmatch(r"\d{8}-\d{6}-\d{3}-pool\.mcap", state["flight"]) and not state["flight_trouble"]
         assert ada.call("catalog")["flights"] == []  # not before it ends
         ada.call("take_control")
-        ada.call("control", action="quit")  # nobody flew
+        ada.call("control", action="quit")  # without a flight
         assert list((tmp_path / "flights").iterdir()) == []
         ada.call("start", scenario="pool", seed=7)
         ada.call("command", name="undock", vehicle="rov")
@@ -111,16 +111,16 @@ def test_a_folder_that_cannot_be_written_leaves_the_flight_alone(tmp_path: Path)
         assert "is not recorded" in ada.message("/station/state", lambda s: s["flight_trouble"])["flight_trouble"]
 
 
-def test_a_replay_is_a_session_that_nobody_commands_until_the_helm_is_taken(folder: Path):
+def test_a_replay_is_a_session_that_takes_no_commands_until_the_helm_is_taken(folder: Path):
     (name,) = (path.name for path in (folder / "flights").iterdir())
     with serving(folder, keep_flights=KEEP, truth=False) as (station, server), page(server) as ada:
         assert ada.call("check", flight=name, speed=0)["success"]
         assert ada.call("start", flight=name, speed=0)["success"]
         ada.call("take_control")
-        told = ada.call("describe")
-        replay = told["replay"]
-        assert (replay["flight"], replay["start_s"], replay["end_s"]) == (name, 0.0, 6.0) and told["truth_allowed"]
-        assert {"seek", "helm", "pause", "speed"} <= set(told["controls"]) and "save" not in told["controls"]
+        shown = ada.call("describe")
+        replay = shown["replay"]
+        assert (replay["flight"], replay["start_s"], replay["end_s"]) == (name, 0.0, 6.0) and shown["truth_allowed"]
+        assert {"seek", "helm", "pause", "speed"} <= set(shown["controls"]) and "save" not in shown["controls"]
         live = station.present().live
         until(lambda: live.paused and live.tick == 1200, "the end")
         end = live.read(lambda sim: sim.save_state()).result()
@@ -152,8 +152,8 @@ def test_a_replay_is_a_session_that_nobody_commands_until_the_helm_is_taken(fold
         line.go_to(expected, 600)
         said = ada.call("control", action="helm")
         assert said["success"] and f"{name} at 3.00 s" in said["message"]
-        told = ada.call("describe")
-        assert told["replay"] is None and name in told["branched_from"] and not told["truth_allowed"]
+        shown = ada.call("describe")
+        assert shown["replay"] is None and name in shown["branched_from"] and not shown["truth_allowed"]
         live = station.present().live
         assert live.paused and live.tick == 600 and not live.rov.effort.any()
         here = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()

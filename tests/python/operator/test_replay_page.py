@@ -55,7 +55,7 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         until(lambda: live.paused and live.tick == replay.timeline.end_tick, "the end")
         end = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(end - flown_to) < 1.0  # until the menu paused the flight
-        page.keyboard.down("w")  # nobody drives a replay
+        page.keyboard.down("w")  # a replay cannot be driven
         page.wait_for_selector("#hint >> text=Take the helm to fly")
         page.keyboard.up("w")
         assert np.array_equal(end, live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result())
@@ -82,7 +82,7 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         helm_tick = 10 * (pushed // 10 + 8)  # while the first pilot drives ahead; a whole step of the slider
         slide_to(slider, helm_tick / 200)
         until(lambda: live.tick == helm_tick, "the moment after the first effort")
-        when(page, f"station.views.picture('{chase}').drawn > 0")  # a camera that nobody looked at in flight
+        when(page, f"station.views.picture('{chase}').drawn > 0")  # a camera that was not shown in flight
         judge(page, "replay")
         page.screenshot(path=tmp_path / "replay.png")
 

@@ -1,4 +1,4 @@
-"""What the page draws of a replay: the track of its flight, and another flight's track and hull, as its ghost."""
+"""Files that the page draws in a replay: the track of its flight, and another flight's track and hull."""
 
 from __future__ import annotations
 
