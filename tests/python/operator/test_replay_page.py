@@ -92,9 +92,10 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         live = here.station.present().live
         assert live.paused and live.tick == helm_tick and not page.is_hidden("#all-stop")
         page.click("#pause")
-        page.keyboard.down("q")
-        until(lambda: here.effort("yaw") == 0.5 and live.tick > helm_tick + 500, "another flight")
-        page.keyboard.up("q")
+        page.keyboard.down("s")  # back, which differs from the first flight even if its page was silent for a while
+        until(lambda: here.effort("surge") == -0.5, "another effort")
+        until(lambda: live.tick > helm_tick + 500, "another flight")
+        page.keyboard.up("s")
         page.keyboard.press("Escape")
         page.click("text=Quit to the start screen")
         until(lambda: page.locator("#flights li").count() == 2, "the second flight")

@@ -41,7 +41,7 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 
 @dataclass(frozen=True)
 class Bounds:
-    """How many flights are kept, and how many bytes they may take; the oldest are deleted first."""
+    """Bounds of the flights that are kept, and of their bytes; the oldest are deleted first."""
 
     count: int = COUNT
     size_bytes: int = MEGABYTES * 1_000_000
