@@ -1,4 +1,4 @@
-// What lies above the slider of the time line: the events, and the distance between two flights, over time.
+// The part of the time line above its slider: events, and the distance between two flights, over time.
 const HEIGHT = 46;
 const EVENTS_PX = 10;
 const COLOURS = { command: '--text-soft', alarm: '--alarm', collision: '--warn' };
