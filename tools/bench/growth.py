@@ -1,0 +1,294 @@
+"""How cost grows with size: triangles, beams, vehicles, voxels, members, seconds of recording and clients.
+
+The sizes of a panel alternate within each round, so that other load on the machine affects them equally; medians over
+the rounds are reported, in processor time. The slope is that of a straight line through the larger half of the sizes,
+in logarithms of cost and size: 1 is proportional, 0 does not depend on the size.
+"""
+
+from __future__ import annotations
+
+import json
+import runpy
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Batch, Simulator, _core, recording
+from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
+from uwsim.mapping import OccupancyMap
+from uwsim.recording import Recorder
+from uwsim.scenario import VehicleEntry, load
+from uwsim.scenario.spec.vehicle import load_vehicle
+
+console = Console()
+
+SIDE_M, DEPTH_M = 200.0, 30.0  # of the bed below the pings
+FAN_RAD = np.radians(60.0)  # to each side
+START_M = (-60.0, -28.0, -10.0)  # in open water of the lake
+STEPS = 200
+TILE_CELLS, VOXEL_M = 100, 0.2
+CLIENTS_S = 2.0
+
+Costs = dict[str, float]  # the processor time of each operation [s]
+
+
+@dataclass(frozen=True)
+class Growth:
+    """A size, and what is measured at each value of it.
+
+    prepare: returns the measurement at a size, which is called once a round.
+    """
+
+    name: str
+    of: str
+    sizes: Sequence[int]
+    prepare: Callable[[int], Callable[[], Costs]]
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each size is measured. Medians are reported.")] = 5,
+    only: Annotated[list[str] | None, typer.Option(help="Measure only this panel; may be repeated.")] = None,
+    plot: Annotated[Path, typer.Option(help="The file for the sheet of panels.")] = Path("growth.png"),
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
+) -> None:
+    """Measure all sizes alternately, print the slopes and draw a sheet with one panel for each kind of size."""
+    unknown = set(only or ()) - {growth.name for growth in GROWTHS}
+    if unknown:
+        names = ", ".join(growth.name for growth in GROWTHS)
+        raise typer.BadParameter(f"{min(unknown)!r}: must be one of {names}", param_hint="--only")
+    found: dict[str, dict[str, Any]] = {}
+    for growth in GROWTHS:
+        if only and growth.name not in only:
+            continue
+        with console.status(growth.name):
+            found[growth.name] = measured(growth, rounds)
+    console.print(table(found))
+    draw(found, plot)
+    console.print(str(plot))
+    if json_file is not None:
+        json_file.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+
+
+def measured(growth: Growth, rounds: int) -> dict[str, Any]:
+    """Return the sizes, and the median cost at each size and the slope of each operation."""
+    cases = [growth.prepare(size) for size in growth.sizes]
+    turns = [[case() for case in cases] for _ in range(rounds)]
+    costs = {
+        name: [statistics.median(turn[k][name] for turn in turns) for k in range(len(cases))] for name in turns[0][0]
+    }
+    slopes = {name: slope(growth.sizes, values) for name, values in costs.items()}
+    return {"of": growth.of, "sizes": list(growth.sizes), "cost_s": costs, "slope": slopes}
+
+
+def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
+    """Return the exponent with which the cost grows over the larger half of the sizes."""
+    half = len(sizes) // 2
+    return float(np.polyfit(np.log(sizes[half:]), np.log(costs[half:]), 1)[0])
+
+
+def spent_s(call: Callable[[], object], repeats: int = 1) -> float:
+    """Return the mean processor time of a call."""
+    began_s = time.process_time()
+    for _ in range(repeats):
+        call()
+    return (time.process_time() - began_s) / repeats
+
+
+def bed(cells: int, lowered_m: float = 0.0) -> _core.World:
+    """Return a bed of `cells` x `cells` squares over the same area."""
+    along = np.linspace(0.0, 12.0 * np.pi, cells + 1)
+    heights = -DEPTH_M - lowered_m + np.sin(along)[:, None] * np.cos(along)[None, :]
+    world = _core.World()
+    world.set_terrain(heights.astype(np.float32), SIDE_M / cells, (-SIDE_M / 2.0, -SIDE_M / 2.0))
+    return world
+
+
+def fan(beams: int) -> Any:
+    """Return the directions of a fan across x, (beams, 3)."""
+    angles = np.linspace(-FAN_RAD, FAN_RAD, beams)
+    return np.column_stack([np.full(beams, 0.1), np.sin(angles), -np.cos(angles)])
+
+
+def triangles(count: int) -> Callable[[], Costs]:
+    """A ping of 512 beams over a bed of so many triangles, and the preparation of the bed for rays."""
+    cells, beams = round(np.sqrt(count / 2.0)), fan(512)
+    scene, rng = _core.RayScene(bed(cells)), np.random.default_rng(count)
+
+    def prepare() -> float:
+        fresh = bed(cells, rng.uniform())  # a bed that is known already would be shared
+        return spent_s(lambda: _core.RayScene(fresh))
+
+    def ping() -> None:
+        scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], beams, 100.0)
+
+    return lambda: {"a ping of 512 beams": spent_s(ping, 20), "preparing the bed": prepare()}
+
+
+def beams(count: int) -> Callable[[], Costs]:
+    """A ping of so many beams over a bed of half a million triangles."""
+    scene, directions = _core.RayScene(bed(500)), fan(count)
+    rng = np.random.default_rng(0)
+
+    def ping() -> None:
+        scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], directions, 100.0)
+
+    return lambda: {"a ping": spent_s(ping, 20)}
+
+
+def vehicles(count: int) -> Callable[[], Costs]:
+    """A step of so many vehicles, 5 m apart."""
+    scenario = load("lake")
+    entry = VehicleEntry.model_validate(
+        {"name": "x", "model": load_vehicle("bluerov2_heavy"), "start": {"position_m": START_M}}
+    )
+    starts = [(START_M[0] + 5.0 * (k % 8), START_M[1] + 5.0 * (k // 8), START_M[2]) for k in range(count)]
+    fleet = tuple(
+        entry.model_copy(
+            update={"name": f"rov{k}", "start": entry.start.model_copy(update={"position_m": start})}  # type: ignore[union-attr]
+        )
+        for k, start in enumerate(starts)
+    )
+    sim = Simulator(scenario.model_copy(update={"vehicles": fleet}), threads=1)
+
+    def advance() -> float:
+        for rov, start in zip(sim.vehicles.values(), starts, strict=True):
+            rov.place(start)
+            rov.set_effort(surge=0.2, yaw=0.1)
+        return spent_s(lambda: sim.step(STEPS)) / STEPS
+
+    return lambda: {"a step": advance()}
+
+
+def voxels(count: int) -> Callable[[], Costs]:
+    """A ping that adds 10,000 voxels to a map of so many occupied voxels, and writing that map."""
+    cells = np.arange(TILE_CELLS) * VOXEL_M
+    x, y = np.meshgrid(cells, cells)
+    tile = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]) + 0.5 * VOXEL_M
+    side_m, pings = TILE_CELLS * VOXEL_M, max(1, count // TILE_CELLS**2)
+    across = int(np.ceil(np.sqrt(pings)))
+
+    def insert(into: OccupancyMap, k: int) -> None:
+        east_m, north_m = side_m * (k % across), side_m * (k // across)
+        above = (east_m + side_m / 2.0, north_m + side_m / 2.0, 10.0)
+        into.insert_scan((tile + np.array([east_m, north_m, 0.0])).astype(np.float32), above)
+
+    filled = OccupancyMap(VOXEL_M)
+    for k in range(pings):
+        insert(filled, k)
+    following = iter(range(pings, 2**30))
+
+    def write() -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            filled.write(Path(folder) / "map.bt")
+
+    return lambda: {"writing the map": spent_s(write), "a ping": spent_s(lambda: insert(filled, next(following)))}
+
+
+def members(count: int) -> Callable[[], Costs]:
+    """A step of a batch of so many members, on one thread."""
+    batch = Batch("lake", n=count, threads=1)
+    efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (count, 6))
+
+    def advance() -> float:
+        batch.place(START_M)
+        return spent_s(lambda: batch.step(STEPS, efforts)) / STEPS
+
+    return lambda: {"a step of all members": advance()}
+
+
+def seconds(count: int) -> Callable[[], Costs]:
+    """A recording without pictures and maps of so much simulated time, and reading it."""
+
+    def record() -> Costs:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "run.mcap"
+            sim = Simulator("pool", threads=1)
+            sim.rov.undock()
+
+            def run() -> None:
+                with Recorder(sim, path, is_light=True):
+                    sim.advance(float(count))
+
+            def read() -> int:
+                return sum(1 for _ in recording.open(path).messages())
+
+            return {"recording": spent_s(run), "reading it": spent_s(read)}
+
+    return record
+
+
+def clients(count: int) -> Callable[[], Costs]:
+    """The server's cost of a simulated second with so many clients that read scans at 50 Hz and pictures at 10 Hz."""
+    network = runpy.run_path(str(Path(__file__).with_name("network.py")))
+    sys.setswitchinterval(network["SWITCH_S"])
+    sim = Simulator("lake", sonar_model=4)
+    scan, picture = network["true_messages"](sim)
+    return lambda: {"a second in real time": network["load"](sim, scan, picture, count, 0, CLIENTS_S)["cpu_share"]}
+
+
+GROWTHS = (
+    Growth("triangles", "triangles of the bed", (8_000, 32_000, 128_000, 512_000, 2_000_000), triangles),
+    Growth("beams", "beams of a ping", (64, 128, 256, 512, 1024, 2048, 4096, 8192), beams),
+    Growth("vehicles", "vehicles", (1, 2, 4, 8, 16, 32, 64), vehicles),
+    Growth("voxels", "occupied voxels of the map", (10_000, 40_000, 160_000, 640_000, 2_560_000), voxels),
+    Growth("members", "members of a batch", (1, 4, 16, 64, 256), members),
+    Growth("seconds", "recorded seconds", (1, 2, 4, 8, 16), seconds),
+    Growth("clients", "clients", (1, 4, 16, 50), clients),
+)
+
+
+def table(found: dict[str, dict[str, Any]]) -> Table:
+    """Return the costs at the smallest and the largest size, and the slopes."""
+    shown = Table(title="processor time; slope: over the larger half of the sizes", title_justify="left")
+    for column in ("size", "operation", "cost at the smallest", "at the largest", "slope"):
+        shown.add_column(column, justify="left" if column in ("size", "operation") else "right")
+    for panel in found.values():
+        for name, costs in panel["cost_s"].items():
+            ends = [f"{size:,}: {readable(cost)}" for size, cost in ((panel["sizes"][k], costs[k]) for k in (0, -1))]
+            shown.add_row(panel["of"], name, *ends, f"{panel['slope'][name]:.2f}")
+    return shown
+
+
+def readable(cost_s: float) -> str:
+    """Return a time with its unit."""
+    if cost_s >= 1.0:
+        return f"{cost_s:.3g} s"
+    return f"{1e3 * cost_s:.3g} ms" if cost_s >= 1e-3 else f"{1e6 * cost_s:.3g} us"
+
+
+def draw(found: dict[str, dict[str, Any]], path: Path) -> None:
+    """Draw one panel for each kind of size, with logarithmic axes and a dashed line of slope 1 for comparison."""
+    columns = min(4, len(found))
+    rows = -(-len(found) // columns)
+    figure = new_figure(3.4 * columns, 3.1 * rows)
+    figure.set_layout_engine("constrained")
+    for k, (name, panel) in enumerate(found.items()):
+        axes = figure.add_subplot(rows, columns, k + 1)
+        sizes = np.array(panel["sizes"], float)
+        for colour, (operation, costs) in zip((ACCENT, INK), panel["cost_s"].items(), strict=False):
+            label = f"{operation}: slope {panel['slope'][operation]:.2f}"
+            axes.loglog(sizes, costs, "o-", color=colour, markersize=4, linewidth=1.4, label=label)
+        low, high = axes.get_ylim()
+        for costs in panel["cost_s"].values():
+            axes.loglog(sizes, costs[-1] * sizes / sizes[-1], "--", color=FAINT_INK, linewidth=0.8)
+        axes.set_ylim(low, high * (high / low) ** 0.4)
+        label_axes(axes, name, panel["of"], "processor time [s]")
+        axes.grid(alpha=0.25)
+        axes.legend(fontsize=7.5, frameon=False, loc="upper left")
+    save_figure(figure, path)
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench growth")
