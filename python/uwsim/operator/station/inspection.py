@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 PLACES = ("view", "vehicle")
 TIMEOUT_S = 10.0
-FAR_M = 20.0  # from the vehicle, beyond which the height of the bed below says nothing about that in the picture
+FAR_M = 20.0  # from the vehicle; farther away, the bed may be much higher or lower than below it
 STEEP = math.sin(math.radians(10.0))  # the least angle at which a camera's axis must meet the bed
 COLUMNS = (
     "number", "time_s", "vehicle", "category", "text", "east_m", "north_m", "depth_m", "longitude_deg", "latitude_deg",

@@ -90,7 +90,7 @@ export class Inspection extends EventTarget {
     this.comment.select();
   }
 
-  // Write a note of what the form says, with a picture of the large view if a camera's is.
+  // Write a note with the text of the form, and a picture of the large view if a camera's is.
   async add() {
     const { largeView } = this.views;
     const answer = await attempt(
