@@ -75,6 +75,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "replay": (["run.mcap"], {"until_s": "0.1"}),
     "diff": (["run.mcap", "run.mcap"], {}),
     "parameters": (["pool.yaml", "rov"], {}),
+    "vehicle": (["remus100"], {"out": "vehicle.html"}),
     "sonar": (["pool.yaml"], {"kind": "fan", "out": "sonar.png"}),
     "link": (["pool.yaml"], {"out": "link.png"}),
     "rays": (["pool.yaml"], {"source": "0,0,-1", "receiver": "2,0,-1", "out": "rays.png"}),

@@ -142,7 +142,7 @@ def fly(
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
-        plan=plan, lanes_left_out=left_out, carried=carried, recorder=recorder,
+        plan=plan, lanes_left_out=left_out, carried=carried, recorder=recorder, sample_sensors=sample_sensors,
         out=None if out is None else results_folder(Path(out)),
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
@@ -212,7 +212,7 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     return Setup(
         sim=sim, mission=mission, names=request.vehicles or (sim.rov.name,), estimate=request.estimate,
         mapping=mapping, time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out,
-        carried=request.carried, request=request, report=report, saved=saved,
+        carried=request.carried, request=request, report=report, saved=saved, sample_sensors=request.sample_sensors,
     )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ class Setup:
     """The parts of a flight, already validated; see fly() for their meaning.
 
     request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
-    FlownMission.planned. saved: the flight to resume.
+    FlownMission.planned. saved: the flight to resume. sample_sensors: whether `samples` have the sensors.
     """
 
     sim: Simulator
@@ -40,6 +40,7 @@ class Setup:
     recorder: FlightRecorder | None = None
     out: Path | None = None
     request: FlightRequest | None = None
+    sample_sensors: bool = True
     report: str = "full"
     autosave: FlightAutosave | None = None
     screen: Silent = Silent()  # noqa: RUF009  # Silent has no state

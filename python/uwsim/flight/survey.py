@@ -93,7 +93,7 @@ def fly_survey(
     plan, left_out = found.planned(sim, least_share)
     setup = Setup(
         sim=sim, mission=found, names=(sim.rov.name,), estimate=estimate, plan=plan, lanes_left_out=left_out,
-        carried=SURVEYED,
+        carried=SURVEYED, sample_sensors=False,
     )  # fmt: skip
     flight = Flight(setup)
     on_ping = () if on_ping_taken is None else (on_ping_taken,)

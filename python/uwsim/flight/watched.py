@@ -35,8 +35,7 @@ def sampling(flight: Watched, hear: Hear) -> Iterator[Sampler]:
     sim, saved = flight.setup.sim, flight.setup.saved
     rows = saved.samples if saved is not None and saved.mission is not None else None
     timer = flight.timer.measure(SAMPLING)
-    request = flight.setup.request
-    with_sensors = request is None or request.sample_sensors
+    with_sensors = flight.setup.sample_sensors
     sampler = Sampler(sim, flight.own, hear, timer, with_sensors=with_sensors, begun_tick=flight.begun_tick, saved=rows)
     sim.journal.attach(sampler, efforts=False)
     try:

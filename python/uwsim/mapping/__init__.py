@@ -8,7 +8,7 @@ world = OccupancyMap.read("lake.bt")
 
 from uwsim.mapping.body import body_points, poses_along
 from uwsim.mapping.distance_field import DistanceField
-from uwsim.mapping.frontiers import Frontier, frontiers
+from uwsim.mapping.frontier import Frontier, frontiers
 from uwsim.mapping.occupancy_map import (
     ENGINES,
     INSTRUCTION_SETS,

@@ -68,6 +68,7 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("end_fault", {"name": "stuck"}),
     ("set_effort", {"vehicle": "rov", "heave": -0.2}),
     ("override_failsafe", {"vehicle": "rov"}),
+    ("note", {"vehicle": "rov", "text": "rust", "position_world_m": [1.0, 2.0, -3.0]}),
     ("inject_fault", {"kind": "sensor", "name": "compass_sticks", "sensor": "compass", "mode": "stuck"}),
     ("hold", {"vehicle": "torpedo", "heading": True, "depth": True}),
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5, "yaw": 0.2}),

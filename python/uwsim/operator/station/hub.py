@@ -273,8 +273,9 @@ class Station:
         finally:
             if running is not None and self.running is not running:  # something failed
                 running.stop()
-            self._enter(before)
-            self._starting.release()
+            self.phase = before
+            self._starting.release()  # first, since a page that sees the phase may start the next at once
+            self.tell()
 
     def run_exercise(self, exercise: Exercise) -> None:
         """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError."""
@@ -303,7 +304,8 @@ class Station:
         with self._starting:
             self._leave_present()
             self.node.offer_topics(self._topics(None))
-            self._enter("idle")
+            self.phase = "idle"
+        self.tell()
 
     def rewind(self, state: bytes | None = None) -> None:
         """Go to a saved state, by default the initial one, in another session, so that pages request everything again.
