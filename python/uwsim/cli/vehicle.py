@@ -19,7 +19,7 @@ def vehicle(
     out: Annotated[Path | None, typer.Option(help="The HTML page to write. Default: no page.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
-    """Build a vehicle from its file and report how it floats, moves and sees.
+    """Report how a vehicle floats, moves and sees.
 
     Mass, buoyancy, trim and righting; added mass and drag beside estimates from the hull's shape (Lamb's ellipsoid,
     Hoerner, panels); terminal speeds and turning circles; eigenvalues of its linear motion; the rank and authority of
