@@ -49,7 +49,7 @@ class SaveAt(FlightAutosave):
 
 
 def survey(out: Path, scenario: object = "pool", **options: object) -> FlightRecord:
-    return fly(None, scenario, out, map=True, map_growth=False, **options)
+    return fly(None, scenario, out, map=True, map_growth=False, sample_sensors=False, **options)
 
 
 @pytest.fixture(scope="module")

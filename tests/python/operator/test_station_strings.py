@@ -66,8 +66,7 @@ def test_a_german_browser_gets_german_and_the_menu_changes_it(tmp_path):
         judge(page, "the German menu")
         page.screenshot(path=tmp_path / "menu.png")
         page.click("#menu-dialog >> text=English")
-        until(lambda: page.evaluate("document.documentElement.lang") == "en", "the English page")
-        page.wait_for_selector("#station:not([hidden])")
+        page.wait_for_selector("html[lang=en] #station:not([hidden])")
         assert page.inner_text("#dock") == "Release" and not here.station.present().live.paused
         page.reload()
         page.wait_for_selector("#station:not([hidden])")

@@ -1,0 +1,67 @@
+"""A newcomer's three tasks, all from the page: fly to the pipeline without a collision, save the map, replay the run."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from browser import chromium, desk, until, when
+from uwsim.mapping import OccupancyMap
+from uwsim.operator.station.flights import Bounds
+
+PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
+ABOVE_M = 5.0
+
+
+def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_path: Path):
+    with chromium() as browser, desk(browser, tmp_path, keep_flights=Bounds(10)) as here:
+        page = here.open(viewport={"width": 1440, "height": 900})
+        page.wait_for_selector("#field-scenario")
+        page.select_option("#field-scenario", "lake")
+        page.click("button[type=submit]")
+        when(page, "station.station.isPilot && station.telemetry.message")
+        page.click("text=Undock")
+        until(lambda: here.rov.released, "the vehicle in free water")
+        page.select_option("#speed", "10")
+
+        page.evaluate("station.views.enlarge('chart')")
+        when(page, "station.chart.frame.scale > 0 && station.chart.flown.length > 0")
+        page.click(".chart-tools >> text=Fit")
+        box = page.locator(".view.is-large canvas").first.bounding_box()
+        x, y = page.evaluate("(place) => station.chart.frame.at(place)", list(PIPELINE))
+        page.mouse.move(box["x"] + x, box["y"] + y)
+        until(lambda: "deep" in page.inner_text(".view.is-large .scene-note"), "the depth at the pipeline")
+        bed_m = float(re.search(r"([\d.]+) m deep", page.inner_text(".view.is-large .scene-note"))[1])
+        page.click("text=Waypoint")
+        for depth_m in (10.0, bed_m - ABOVE_M):
+            page.fill("[aria-label='Depth of waypoints [m]']", str(depth_m))
+            page.mouse.click(box["x"] + x, box["y"] + y)
+        page.fill("[aria-label='Speed [m/s]']", "0.8")
+        page.click(".chart-tools >> text=Fly")
+        until(lambda: "all waypoints are reached" in page.inner_text(".view.is-large .scene-note"), "the pipeline")
+        live = here.station.present().live
+        there = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+        assert np.linalg.norm(there[:2] - PIPELINE) < 4.0 and abs(there[2] + bed_m - ABOVE_M) < 2.0
+        assert page.evaluate("station.telemetry.message.collisions") == 0
+        page.screenshot(path=tmp_path / "there.png")
+
+        with page.expect_download() as download:
+            page.click("text=.bt")
+        download.value.save_as(tmp_path / "map.bt")
+        seen = OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()
+        assert np.linalg.norm(seen[:, :2] - PIPELINE, axis=1).min() < 1.0
+
+        page.keyboard.press("Escape")
+        page.click("text=Quit to the start screen")
+        page.wait_for_selector("#flights li button:not(:disabled)")
+        page.click("#flights li button")
+        page.wait_for_selector("#timeline:not([hidden])")
+        live, timeline = here.station.present().live, here.station.present().replay.timeline
+        slider = page.locator("#timeline input[type=range]")
+        slider.focus()
+        page.keyboard.press("End")
+        until(lambda: live.paused and live.tick == timeline.end_tick, "the end of the replay")
+        again = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+        assert np.linalg.norm(again - there) < 3.0  # it hovered until the menu paused the flight
+        page.screenshot(path=tmp_path / "again.png")
+        assert not here.complaints
