@@ -1,4 +1,4 @@
-"""A newcomer's three tasks, all from the page: fly to the pipeline without a collision, save the map, replay the run."""
+"""A newcomer's three tasks, all from the page: fly to the pipeline without a collision, save the map, replay it."""
 
 import re
 from pathlib import Path
