@@ -2,9 +2,11 @@
 
 import io
 import json
+import time
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 from PIL import Image
 
@@ -44,8 +46,10 @@ def test_the_start_screen_has_a_picture_of_each_scenario_from_above():
 
 
 def test_the_map_goes_home_in_every_format(tmp_path):
-    with serving(tmp_path) as (_, server), page(server) as ada:
+    with serving(tmp_path) as (station, server), page(server) as ada:
         ada.call("start", scenario="pool", speed=2)
+        while station.present().live.tick < 200:  # the map of a docked vehicle no longer changes
+            time.sleep(0.02)
         ada.subscribe("/map_changes", throttle_rate=100)
         first = ada.message("/map_changes")
         assert first["snapshot"] and len(first["cells"]) > 0
@@ -85,6 +89,25 @@ def test_the_scene_is_the_world(pool):
     hull = trimesh.load(io.BytesIO(get(server, scene["vehicles"][0]["url"])[1]), file_type="glb")
     assert 0.5 < np.ptp(hull.bounds, axis=0).max() < 3.0
     assert get(server, "/scene/mesh/999.glb")[0] == 404
+
+
+def test_outlines_on_the_chart_are_those_of_the_obstacles():
+    with serving() as (station, server):
+        station.start({"scenario": "lake"})
+        bent = {
+            each.name: each for each in station.running.live.simulator.scenario.obstacles if each.kind == "pipeline"
+        }
+        parts = json.loads(get(server, "/scene/scene.json")[1])["meshes"]
+        for part in parts:
+            mesh = trimesh.load(io.BytesIO(get(server, part["url"])[1]), file_type="glb", force="mesh")
+            drawn = shapely.Polygon(part["outline_m"])
+            seen = shapely.points(mesh.vertices[:, :2])
+            assert shapely.distance(drawn, seen).max() < 0.3, part["name"]  # pipes have round ends
+            if part["name"] in bent:
+                pipe = bent[part["name"]]
+                length_m = shapely.LineString(pipe.points_m).length
+                assert drawn.area == pytest.approx(2.0 * pipe.radius_m * length_m, rel=0.05), "not its convex hull"
+        assert bent
 
 
 def test_only_this_machine_s_pages_are_served_and_nothing_foreign_is_loaded(pool):

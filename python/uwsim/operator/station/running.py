@@ -111,8 +111,12 @@ class Running:
         if self.arrivals is not None:
             self.arrivals.start()
         for name, ping_map in self.maps.items():
-            rate_hz = self.table.pings[name].rate_hz
-            self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
+            offered = [each for each in self.table.channels if each.read == ping_map.read_changes]
+            for channel in offered:  # through the feed, which gives the whole map to a page that subscribes later
+                self.feed.listen(channel, lambda reading: None)
+            if not offered:
+                rate_hz = self.table.pings[name].rate_hz
+                self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
         if self.judged is not None:
             self.judged.start()
         if self.flight is not None:

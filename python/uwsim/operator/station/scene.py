@@ -48,7 +48,7 @@ class Scene:
             "meshes": [
                 {
                     "name": name, "label": label, "url": f"/scene/mesh/{k}.glb",
-                    "outline_m": self._once(f"outline {k}", partial(self._outline, make)),
+                    "outline_m": self._once(f"outline {k}", partial(self._outline, name, make)),
                 }
                 for k, (name, label, make) in enumerate(self._solids())
             ],
@@ -57,8 +57,11 @@ class Scene:
             "surface_m": float(self._origin_m[2]),
         }  # fmt: skip
 
-    def _outline(self, make: Callable[[], Mesh]) -> list[list[float]]:
-        return outline(make()[0] + self._origin_m)
+    def _outline(self, name: str, make: Callable[[], Mesh]) -> list[list[float]]:
+        for obstacle in self._scenario.obstacles:
+            if obstacle.kind == "pipeline" and obstacle.name == name:
+                return strip(np.asarray(obstacle.points_m) + self._origin_m[:2], obstacle.radius_m)
+        return outline(make()[0][:, :2] + self._origin_m[:2])
 
     def grid(self) -> Terrain:
         """Return the terrain, thinned to GRID_MAX points along an edge."""
@@ -110,13 +113,26 @@ def thinned(terrain: Terrain) -> Terrain:
     return Terrain(terrain.heights_m[::stride, ::stride], stride * terrain.spacing_m, terrain.origin_m)
 
 
-def outline(vertices_m: NDArray[np.float64]) -> list[list[float]]:
-    """Return the corners (x, y) of the convex outline of vertices (n, 3), seen from above."""
+def outline(points_m: NDArray[np.float64]) -> list[list[float]]:
+    """Return the corners (x, y) of the convex outline of points (n, 2)."""
     from scipy.spatial import ConvexHull
 
-    points = np.asarray(vertices_m)[:, :2]
-    corners = points[ConvexHull(points).vertices]
-    return [[round(float(x), 3), round(float(y), 3)] for x, y in corners]
+    return rounded(points_m[ConvexHull(points_m).vertices])
+
+
+def strip(line_m: NDArray[np.float64], half_width_m: float) -> list[list[float]]:
+    """Return the corners (x, y) of a strip along a line (n, 2) that bends gently: along its left side, and back."""
+    ways = np.diff(line_m, axis=0)
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    before, after = np.concatenate([ways[:1], ways]), np.concatenate([ways, ways[-1:]])
+    along = (before + after) / (1.0 + np.sum(before * after, axis=1))[:, None]  # longer at corners, which are mitred
+    left_m = half_width_m * np.column_stack([-along[:, 1], along[:, 0]])
+    return rounded(np.concatenate([line_m + left_m, (line_m - left_m)[::-1]]))
+
+
+def rounded(corners_m: NDArray[np.float64]) -> list[list[float]]:
+    """Return corners (n, 2) as lists, in whole millimetres."""
+    return [[round(float(x), 3), round(float(y), 3)] for x, y in corners_m]
 
 
 def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:
