@@ -1,4 +1,4 @@
-// The start screen's list of flights, which the server has recorded unasked: each can be replayed, or says why not.
+// The start screen's list of automatically recorded flights, each with a button that replays it or the reason why not.
 import { byId, clockText, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 
