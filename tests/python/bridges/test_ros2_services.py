@@ -1,12 +1,15 @@
 """Services and parameters of the ROS 2 node, as clients with rmw_cyclonedds call them."""
 
+import time
 from contextlib import suppress
 
 import pytest
 
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps
+from uwsim.bridges.ros2.qos import writer_qos
 from uwsim.bridges.ros2.rtps_endpoints import Track
+from uwsim.bridges.ros2.rtps_participant import RtpsParticipant
 from uwsim.channels import Table, build
 from uwsim.channels.cdr import store_of
 from uwsim.channels.messages import typestore
@@ -19,6 +22,7 @@ SETTINGS = Ros2Settings(domain_id=free_domain())
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 RCL = "rcl_interfaces/srv/"
 NUMBER = build.message("uwsim_msgs/msg/NamedNumber", name="nothing", value=0.5)
+SERVICE_WRITER = 0x03
 SURGE = "rov.drag.linear.surge"
 PUBLISHED = {  # hashes in ROS 2's own type descriptions
     "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
@@ -125,6 +129,33 @@ def test_humble_s_types_have_services_too_even_if_they_were_in_use_before(live):
     settings = Ros2Settings("humble", domain_id=free_domain())
     with Ros2Node(live, [], Table(live.simulator).services, settings), peer(settings) as other:
         assert not other.call("set_fins", "uwsim_msgs/srv/SetFins", angles_rad=[NUMBER]).success
+
+
+def test_a_response_waits_for_a_client_whose_heartbeats_were_lost(node, monkeypatch):
+    """A client's reader skips all responses before the first heartbeat that reaches it."""
+    send, lost = RtpsParticipant._send, []
+
+    def lossy(participant, address, prefix, submessage):
+        if submessage[0] == rtps.HEARTBEAT and submessage[11] == SERVICE_WRITER and len(lost) < 3:
+            lost.append(submessage)
+        else:
+            send(participant, address, prefix, submessage)
+
+    monkeypatch.setattr(RtpsParticipant, "_send", lossy)
+    with peer(SETTINGS) as new:
+        assert new.call("lights/front", SET_BOOL, data=False).success
+    assert len(lost) == 3
+
+
+def test_a_participant_met_again_is_asked_for_its_endpoints(other, node):
+    qos = writer_qos(1, latched=False, user_data=b"")
+    client = other.participant.writer("rq/lights/frontRequest", "std_srvs/srv/SetBool_Request", qos)
+    peers = node._transport._services._peers
+    until(lambda: any(peer.clients for peer in list(peers.values())), "a client was not announced")
+    time.sleep(0.3)  # until it has received our acknowledgement, after which it announces no more by itself
+    peers.clear()  # as after an interruption longer than the lease
+    until(lambda: any(peer.clients for peer in list(peers.values())), "a client was not announced again")
+    assert client.readers() == 1
 
 
 def test_a_damaged_packet_is_refused_and_a_sample_is_counted_once():

@@ -98,14 +98,17 @@ def heartbeat(reader: bytes, writer: bytes, first: int, last: int, count: int) -
     return _submessage(HEARTBEAT, 0, reader + writer + _number(first) + _number(last) + struct.pack("<i", count))
 
 
-def missing(reader: bytes, writer: bytes, base: int, numbers: Sequence[int], count: int) -> bytes:
-    """Return an acknowledgement of all samples before `base` that requests others, less than WINDOW beyond it."""
+def missing(reader: bytes, writer: bytes, base: int, numbers: Sequence[int], count: int, more: bool = False) -> bytes:
+    """Return an acknowledgement of all samples before `base` that requests others, less than WINDOW beyond it.
+
+    more: whether it requests a heartbeat as well.
+    """
     bits = max(numbers) - base + 1 if numbers else 0
     words = [0] * -(-bits // 32)
     for number in numbers:
         words[(number - base) // 32] |= 0x8000_0000 >> (number - base) % 32
     body = _number(base) + struct.pack(f"<I{len(words)}I", bits, *words)
-    return _submessage(ACKNACK, 0 if numbers else 0x02, reader + writer + body + struct.pack("<i", count))
+    return _submessage(ACKNACK, 0 if numbers or more else 0x02, reader + writer + body + struct.pack("<i", count))
 
 
 def parameters(values: Sequence[tuple[int, bytes]]) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from typing import NamedTuple
 
 from uwsim.bridges.ros2 import rtps
 from uwsim.bridges.ros2.transport import Call
@@ -12,14 +13,19 @@ from uwsim.bridges.ros2.transport import Call
 Address = tuple[str, int]
 KEPT = 100  # responses that may be sent again
 CALLS_MAX = 100
-PAIRS_MAX = 10_000  # readers of a participant and writers of ours
+READERS_MAX = 1000  # of one participant, at one writer of ours
+HELD_MAX = 100
+HOLD_S = 2.0
 
 
 class History:
-    """The samples of a writer of ours: (number, submessages)."""
+    """The samples of a writer of ours: (number, submessages).
 
-    def __init__(self, writer: bytes, reader: bytes = rtps.UNKNOWN, kept: int | None = None) -> None:
-        self.writer, self.reader, self.last = writer, reader, 0
+    last: the number before the first sample; if it is 1, an empty history can be acknowledged.
+    """
+
+    def __init__(self, writer: bytes, reader: bytes = rtps.UNKNOWN, kept: int | None = None, last: int = 0) -> None:
+        self.writer, self.reader, self.last = writer, reader, last
         self.samples: deque[tuple[int, list[bytes]]] = deque(maxlen=kept)
 
     def add(self, payload: bytes, qos: bytes = b"") -> list[bytes]:
@@ -30,7 +36,7 @@ class History:
 
     def heartbeat(self, count: int) -> bytes:
         """Return a heartbeat for all samples."""
-        first = self.samples[0][0] if self.samples else 1
+        first = self.samples[0][0] if self.samples else self.last + 1
         return rtps.heartbeat(self.reader, self.writer, first, self.last, count)
 
 
@@ -66,8 +72,21 @@ class Track:
             self.base += 1
 
 
+class Response(NamedTuple):
+    """A response that waits for the readers of the client; until `deadline_s` at most."""
+
+    history: History
+    payload: bytes
+    qos: bytes
+    deadline_s: float
+
+
 class Peer:
-    """Another participant. Ports: of its discovery, and of its other endpoints."""
+    """Another participant. Ports: of its discovery, and of its other endpoints.
+
+    A reader that has no heartbeat of a writer yet regards all samples up to the first one as history, and skips them.
+    It is in step once it has acknowledged a heartbeat; a response sent before that could be lost.
+    """
 
     def __init__(self, vendor: bytes, host: str, discovery_port: int, port: int) -> None:
         self.vendor = vendor
@@ -77,17 +96,32 @@ class Peer:
         self.tracks: dict[bytes, Track] = {}
         self.clients: dict[bytes, RtpsServer] = {}  # by their writers
         self.awaited: dict[bytes, int] = {}  # for each writer of ours, the first sample not acknowledged
-        self._met: set[tuple[bytes, bytes]] = set()
+        self.held: list[Response] = []
+        self._in_step: dict[bytes, dict[bytes, bool]] = {}  # for each writer of ours, its readers
 
-    def is_new(self, reader: bytes, writer: bytes) -> bool:
-        """Return whether a reader has not been met before, at a writer of ours.
+    def add_reader(self, reader: bytes, writer: bytes) -> None:
+        """Note a reliable reader of a writer of ours, which is not in step yet."""
+        readers = self._in_step.setdefault(writer, {})
+        if len(readers) < READERS_MAX:
+            readers.setdefault(reader, False)
 
-        A new reader requests a heartbeat by an acknowledgement of nothing, and may skip what was sent before it.
-        """
-        is_new = (reader, writer) not in self._met and len(self._met) < PAIRS_MAX
-        if is_new:
-            self._met.add((reader, writer))
-        return is_new
+    def remove_reader(self, reader: bytes) -> None:
+        """Forget a reader that has been deleted."""
+        for readers in self._in_step.values():
+            readers.pop(reader, None)
+
+    def acknowledge(self, reader: bytes, writer: bytes, base: int) -> None:
+        """Note an acknowledgement of all samples before `base`; a reader without a heartbeat acknowledges none."""
+        self.awaited[writer] = base
+        if base > 1:
+            self.add_reader(reader, writer)
+            if reader in self._in_step[writer]:
+                self._in_step[writer][reader] = True
+
+    def is_ready(self, writer: bytes) -> bool:
+        """Return whether responses of a writer of ours have readers, and all of these are in step."""
+        readers = self._in_step.get(writer, {})
+        return len(readers) > 0 and all(readers.values())
 
 
 class RtpsServer:
@@ -98,7 +132,7 @@ class RtpsServer:
     def __init__(self, number: int, put: Callable[[RtpsServer], object]) -> None:
         self.reader, self.history = (
             number.to_bytes(3, "big") + b"\x04",
-            History(number.to_bytes(3, "big") + b"\x03", kept=KEPT),
+            History(number.to_bytes(3, "big") + b"\x03", kept=KEPT, last=1),
         )
         self._put = put
         self._calls: deque[Call] = deque(maxlen=CALLS_MAX)

@@ -20,7 +20,7 @@ from functools import partial
 
 from uwsim.bridges.ros2 import rtps
 from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name, endpoint_data
-from uwsim.bridges.ros2.rtps_endpoints import History, Peer, RtpsServer, Track
+from uwsim.bridges.ros2.rtps_endpoints import HELD_MAX, HOLD_S, History, Peer, Response, RtpsServer, Track
 from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2Settings, multicast_port, unicast_port
 from uwsim.bridges.ros2.transport import Call
 from uwsim.channels.service_types import request_type, response_type
@@ -33,9 +33,10 @@ PUBLICATIONS, SUBSCRIPTIONS = b"\0\0\x03\xc2", b"\0\0\x04\xc2"  # the writers by
 READER_OF = {PUBLICATIONS: b"\0\0\x03\xc7", SUBSCRIPTIONS: b"\0\0\x04\xc7"}
 PROTOCOL_VERSION, VENDOR, LEASE, BUILTIN_ENDPOINTS = 0x15, 0x16, 0x02, 0x58
 TYPE_NAME, RELIABILITY, DURABILITY, USER_DATA = 0x07, 0x1A, 0x1D, 0x2C
+RELIABLE = 2
 BUILTINS = 0x3F  # participants, publications, subscriptions: announced and detected
 CDR_HEADER, CALL_HEADER = 4, 16  # bytes
-ANNOUNCE_S, LEASE_S = 1.0, 20
+ANNOUNCE_S, RETRY_S, LEASE_S = 1.0, 0.1, 20
 PEERS_MAX, CLIENTS_MAX = 200, 1000
 PACKET_BYTES = 65_536
 
@@ -49,11 +50,12 @@ class RtpsParticipant:
         self._host = "127.0.0.1" if settings.reach == "localhost" else _own_address()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind((self._host, 0))
-        self._socket.settimeout(0.2)
+        self._socket.settimeout(RETRY_S)
         self._port: int = self._socket.getsockname()[1]
         self._lock = threading.Lock()
         self._peers: dict[bytes, Peer] = {}
         self._servers: dict[str, RtpsServer] = {}  # by the topics of their requests
+        self._responses: dict[str, bytes] = {}  # the writers of responses, by their topics
         self._histories = {writer: History(writer, reader) for writer, reader in READER_OF.items()}
         self._count = 0
         self._stopping = threading.Event()
@@ -80,6 +82,7 @@ class RtpsParticipant:
             ]
             self._histories[writer].add(rtps.PL_CDR_LE + rtps.parameters(found))
         self._servers[f"rq/{name}Request"] = server
+        self._responses[f"rr/{name}Reply"] = server.history.writer
         self._histories[server.history.writer] = server.history
         return server
 
@@ -103,11 +106,14 @@ class RtpsParticipant:
         self._socket.close()
 
     def _run(self) -> None:
-        next_s = 0.0
+        next_s = retry_s = 0.0
         while not self._stopping.is_set():
             if time.monotonic() >= next_s:
                 next_s = time.monotonic() + ANNOUNCE_S
                 self._announce()
+            if time.monotonic() >= retry_s:
+                retry_s = time.monotonic() + RETRY_S
+                self._retry()
             try:
                 packet, (host, _) = self._socket.recvfrom(PACKET_BYTES)
             except OSError:  # a timeout, or a report that a port is closed
@@ -135,6 +141,14 @@ class RtpsParticipant:
                     if base <= self._histories[writer].last:
                         self._send_to(prefix, peer, writer, self._heartbeat(self._histories[writer]))
 
+    def _retry(self) -> None:
+        """Send heartbeats to readers for which responses are held, and what has been held for long."""
+        with self._lock:
+            for prefix, peer in self._peers.items():
+                for history in {one.history.writer: one.history for one in peer.held}.values():
+                    self._send(peer.address, prefix, self._heartbeat(history))
+                self._release(prefix, peer)
+
     def _places(self) -> Iterator[Address]:
         domain, peers = self._settings.domain_id, self._settings.peers
         if self._settings.reach == "subnet":
@@ -158,7 +172,7 @@ class RtpsParticipant:
         return rtps.data(SPDP_READER, SPDP_WRITER, 1, rtps.PL_CDR_LE + rtps.parameters(found))[0]
 
     def _meet(self, vendor: bytes, prefix: bytes, host: str, payload: bytes) -> None:
-        """Notice a participant's announcement; send ours and our endpoints to a new one."""
+        """Notice a participant's announcement; send ours and our endpoints to a new one, and request its endpoints."""
         if prefix in self._peers:
             self._peers[prefix].heard_s = time.monotonic()
             return
@@ -179,6 +193,8 @@ class RtpsParticipant:
                 self._send(peer.discovery, prefix, *submessages)
             peer.awaited[writer] = 1
             self._send(peer.discovery, prefix, self._heartbeat(history))
+            self._count += 1  # one that was lost for a while has sent its endpoints before, and waits for no more
+            self._send(peer.discovery, prefix, rtps.missing(READER_OF[writer], writer, 1, [], self._count, more=True))
 
     # Samples
 
@@ -214,13 +230,12 @@ class RtpsParticipant:
         server = peer.clients.get(found.writer)
         if found.writer not in READER_OF and server is None:
             return  # its writer has not been announced yet: it will be sent again
-        if not peer.tracks.setdefault(found.writer, Track()).add(found.number) or not found.payload:
+        if not peer.tracks.setdefault(found.writer, Track()).add(found.number):
             return
-        if found.writer == PUBLICATIONS:
-            known = dict(rtps.read_parameters(found.payload[4:], _order_of(found.payload))[0])
-            topic = known.get(rtps.TOPIC_NAME, b"")[4:].split(b"\0")[0].decode(errors="replace")
-            if topic in self._servers and len(peer.clients) < CLIENTS_MAX:
-                peer.clients[known.get(rtps.ENDPOINT_GUID, bytes(16))[12:]] = self._servers[topic]
+        if found.writer in READER_OF:
+            self._learn(peer, found)
+        elif not found.payload:
+            return
         elif server is not None and peer.vendor == CYCLONE_DDS:
             start = CDR_HEADER + CALL_HEADER
             if len(found.payload) >= start:
@@ -234,35 +249,60 @@ class RtpsParticipant:
             identity = client + struct.pack("<iI", found.number >> 32, found.number & 0xFFFF_FFFF)
             server.receive(Call(found.payload, partial(self._respond, prefix, server.history, identity)))
 
+    def _learn(self, peer: Peer, found: rtps.Data) -> None:
+        """Note an endpoint that a participant announces: a writer of requests, or a reader of responses."""
+        order = _order_of(found.payload)
+        known = dict(rtps.read_parameters(found.payload[4:], order)[0]) if found.payload else {}
+        entity = known.get(rtps.ENDPOINT_GUID, found.qos.get(rtps.KEY_HASH, bytes(16)))[12:]
+        topic = known.get(rtps.TOPIC_NAME, b"")[4:].split(b"\0")[0].decode(errors="replace")
+        if rtps.STATUS_INFO in found.qos:  # it has been deleted
+            peer.remove_reader(entity)
+        elif found.writer == PUBLICATIONS and topic in self._servers and len(peer.clients) < CLIENTS_MAX:
+            peer.clients[entity] = self._servers[topic]
+        elif found.writer == SUBSCRIPTIONS and topic in self._responses:
+            kind = known.get(RELIABILITY, b"")[:4]
+            if int.from_bytes(kind, "little" if order == "<" else "big") == RELIABLE:
+                peer.add_reader(entity, self._responses[topic])
+
     def _respond(self, prefix: bytes, history: History, identity: bytes, response: memoryview) -> bool:
-        """Send a response, from the thread of a service."""
+        """Send a response, from the thread of a service, as soon as the client can receive it."""
         with self._lock:
             peer = self._peers.get(prefix)
-            if peer is None:
+            if peer is None or len(peer.held) >= HELD_MAX:
                 return False
             if peer.vendor == CYCLONE_DDS:
-                payload = bytes(response[:CDR_HEADER]) + identity + bytes(response[CDR_HEADER:])
-                submessages = history.add(payload)
+                payload, qos = bytes(response[:CDR_HEADER]) + identity + bytes(response[CDR_HEADER:]), b""
             else:
+                payload = bytes(response)
                 qos = rtps.parameters([(name, identity) for name in rtps.RELATED_IDENTITIES])
-                submessages = history.add(bytes(response), qos)
-            peer.awaited.setdefault(history.writer, 1)
-            for submessage in submessages:
-                self._send(peer.address, prefix, submessage)
-            self._send(peer.address, prefix, self._heartbeat(history))
+            peer.held.append(Response(history, payload, qos, time.monotonic() + HOLD_S))
+            self._release(prefix, peer)
         return True
+
+    def _release(self, prefix: bytes, peer: Peer) -> None:
+        """Send the responses whose readers are in step, or that have been held for long."""
+        held, peer.held = peer.held, []
+        for one in held:
+            if not peer.is_ready(one.history.writer) and time.monotonic() < one.deadline_s:
+                peer.held.append(one)
+                continue
+            peer.awaited.setdefault(one.history.writer, 1)
+            for submessage in one.history.add(one.payload, one.qos):
+                self._send(peer.address, prefix, submessage)
+            self._send(peer.address, prefix, self._heartbeat(one.history))
 
     def _resend(self, prefix: bytes, peer: Peer, found: rtps.Missing) -> None:
         history = self._histories.get(found.writer)
         if history is None:
             return
-        peer.awaited[found.writer] = found.base
+        peer.acknowledge(found.reader, history.writer, found.base)
         for number, submessages in history.samples:
             if number in found.numbers:
                 for submessage in submessages:
                     self._send_to(prefix, peer, found.writer, submessage)
-        if found.numbers or peer.is_new(found.reader, found.writer):
+        if found.numbers or found.base <= history.last:
             self._send_to(prefix, peer, found.writer, self._heartbeat(history))
+        self._release(prefix, peer)
 
     def _heartbeat(self, history: History) -> bytes:
         self._count += 1
