@@ -75,6 +75,7 @@ class Agenda:
         self._entries = tuple(sorted(entries, key=lambda one: one.rank))  # stable: in order of addition within a rank
         self._reached = tuple(one for one in self._entries if one.rank in REACHED)
         self._left = tuple(one for one in self._entries if one.rank in LEFT)
+        self._of: dict[tuple[Rank, ...], tuple[_Entry, ...]] = {}
         self.is_empty = not self._entries
 
     def add(
@@ -107,7 +108,10 @@ class Agenda:
 
     def of(self, *ranks: Rank) -> tuple[_Entry, ...]:
         """Return the entries of these ranks, in order."""
-        return tuple(one for one in self._entries if one.rank in ranks)
+        found = self._of
+        if ranks not in found:
+            found[ranks] = tuple(one for one in self._entries if one.rank in ranks)
+        return found[ranks]
 
     @property
     def tick(self) -> int:

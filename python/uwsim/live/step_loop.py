@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
 from typing import Any, TypeVar
@@ -166,7 +166,8 @@ class StepLoop:
         try:
             while self._wait_for_work():
                 self._make_steps()  # those that are due before the pending requests
-                self._answer_requests()
+                if self._requests:
+                    self._answer_requests()
                 act(self.sim.agenda.of(*AWAITED), self._tick)  # items that became due through a request
         finally:
             self._refuse_what_waits()
@@ -179,20 +180,22 @@ class StepLoop:
         """Sleep until there is work to do; return whether to continue."""
         with self.lock:
             while self._is_open:
-                if self._requests or self._awaited_tick <= self._tick:
+                awaited = self._awaited_tick - self._tick
+                if self._requests or awaited <= 0:
                     return True
-                wait_s = self._time_to_step_s(time.monotonic())
+                wait_s = self._time_to_step_s(time.monotonic(), awaited)
                 if wait_s is not None and wait_s <= 0:
                     return True
                 self.lock.wait(wait_s)
             return False
 
-    def _time_to_step_s(self, now_s: float) -> float | None:
-        if any(until <= self.steps_made for until in self.holds.values()):
+    def _time_to_step_s(self, now_s: float, awaited: int) -> float | None:
+        """Return how long to wait before the next step; None: until something changes. awaited: as `_steps_left`."""
+        if self.holds and min(self.holds.values()) <= self.steps_made:
             return None
         if self.paused:
             return 0.0 if self.steps_made < self._steps_until else None
-        return self.pace.wait_s(now_s, min(self._steps_awaited()))
+        return self.pace.wait_s(now_s, self._steps_left(awaited))
 
     @property
     def _awaited_tick(self) -> int:
@@ -269,22 +272,28 @@ class StepLoop:
             self._stepping = False
             self.steps_made += steps
             self.lock.notify_all()
-            rung = [future for until, future in self._alarms if until <= self.steps_made]
-            self._alarms = [alarm for alarm in self._alarms if alarm[0] > self.steps_made]
-        for future in rung:
+            rung = [alarm for alarm in self._alarms if alarm[0] <= self.steps_made] if self._alarms else []
+            for alarm in rung:
+                self._alarms.remove(alarm)
+        for _, future in rung:
             future.set_result(None)
 
     def _steps_to_make(self, now_s: float) -> int:
         """Return the number of steps due on the wall clock, up to the next reading, delivery, alarm or hold."""
         wanted = self._steps_until - self.steps_made
         steps = min(wanted, self.pace.batch) if self.paused else self.pace.due(now_s)
-        return min(steps, *self._steps_awaited(), steps)
+        return min(steps, self._steps_left(self._awaited_tick - self._tick))
 
-    def _steps_awaited(self) -> Iterator[int]:
-        """Yield the number of steps until a reading or delivery is due, each alarm rings and each hold begins."""
-        yield self._awaited_tick - self._tick
-        yield from (until - self.steps_made for until, _ in self._alarms)
-        yield from (until - self.steps_made for until in self.holds.values())
+    def _steps_left(self, awaited: int) -> int:
+        """Return the number of steps until something is due.
+
+        That is a reading or delivery (`awaited` steps away), an alarm, or the begin of a hold.
+        """
+        for until, _ in self._alarms:
+            awaited = min(awaited, until - self.steps_made)
+        for until in self.holds.values():
+            awaited = min(awaited, until - self.steps_made)
+        return awaited
 
     def _halt(self, error: Exception) -> None:
         with self.lock:
