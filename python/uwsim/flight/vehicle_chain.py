@@ -41,6 +41,7 @@ def chain_of(
         hull_box_m(entry.model),
         filler,
         wire=wire if timer is None else timer.timed(CODEC, wire),
+        decodes=True,
         outlier_filter=filters,
         max_uncertainty_m=limit_m,
     )

@@ -22,8 +22,9 @@ class PingToMap(Sealed):
     """Processes pings and inserts them into a map.
 
     hull: a box around the vehicle's hull, body frame; echoes from inside it are discarded. wire: transmits the ranges
-    from the sonar to the map; by default, as a depth string. outlier_filter: whether ranging.reject_outliers is part of
-    the chain. max_uncertainty_m: the limit for ranging.reject_uncertain; None omits that step.
+    from the sonar to the map; by default, as a depth string. decodes: whether it returns what `decode_depth_string`
+    returned, which has been checked. outlier_filter: whether ranging.reject_outliers is part of the chain.
+    max_uncertainty_m: the limit for ranging.reject_uncertain; None omits that step.
     """
 
     model: _core.MultibeamModel
@@ -38,6 +39,7 @@ class PingToMap(Sealed):
         filler: MapFiller,
         *,
         wire: Wire | None = None,
+        decodes: bool = False,
         outlier_filter: bool = False,
         max_uncertainty_m: float | None = None,
     ) -> None:
@@ -45,7 +47,7 @@ class PingToMap(Sealed):
         self.hull = hull
         self.filler = filler
         self._carried = wire or depth_string(self.model)
-        self._scan_of = ranging.to_laser_scan if wire else ranging.scan_of_decoded  # the latter's ranges are checked
+        self._scan_of = ranging.scan_of_decoded if decodes or wire is None else ranging.to_laser_scan
         self._outlier_filter = outlier_filter
         self._max_uncertainty_m = max_uncertainty_m
 
