@@ -21,8 +21,8 @@ def environments_page() -> str:
 
 def _section(name: str, task: type[Task]) -> str:
     text = f"## uwsim/{name}-v0\n\n{plain(task.__doc__ or '')}\n\n"
-    text += f"An action every {task.period_s:g} s: {', '.join(task.axes)}. Truncated after {task.duration_s:g} s. "
-    text += f"Scenario: `learning/{task.scenario_file}` of the assets."
+    text += f"One action every {task.period_s:g} s: {', '.join(task.axes)}. Truncated after {task.duration_s:g} s. "
+    text += f"Scenario: `learning/{task.scenario_file}` in the assets."
     drawn = [f"`{key}` in ({low:g}, {high:g})" for key, (low, high) in task.randomize.items()]
     text += f" Drawn for each episode: {', '.join(drawn)}.\n\n" if drawn else "\n\n"
     rows, first = [], 0

@@ -1,4 +1,4 @@
-"""The sensor reference: the kinds, with their quantities, noise channels and own keys, and the packaged sensors."""
+"""The sensor reference: kinds, with their quantities, noise channels and specific keys, and the packaged sensors."""
 
 import math
 
@@ -25,8 +25,12 @@ def sensors_page() -> str:
     return HEAD + "\n".join(_section(_core.sensor_kind(name)) for name in _core.sensor_kinds())
 
 
+def _with_article(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} `{name}`"
+
+
 def _section(kind: _core.SensorKind) -> str:
-    reads = f"`{READINGS[kind.name].__name__}`" if kind.name in READINGS else "a number"
+    reads = _with_article(READINGS[kind.name].__name__) if kind.name in READINGS else "a number"
     meaning = plain(kind.meaning)
     text = f"## {kind.name}\n\n{meaning[:1].upper()}{meaning[1:]}. A reading is {reads}.\n\n"
     rows = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.fields.items()]

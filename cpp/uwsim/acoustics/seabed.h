@@ -5,10 +5,10 @@
 
 namespace uwsim {
 
-/// A seabed by the six parameters of APL-UW 1994, "High-Frequency Ocean Environmental Acoustic Models Handbook", TR
-/// 9407, ch. IV, table 1. The report itself was not at hand: table 2 and the equations are as restated by
-/// UnderwaterAcoustics.jl and uacpy (both public), and checked against table 3 as printed there (`uwsim validate
-/// sound`).
+/// A seabed described by the six parameters of APL-UW 1994, "High-Frequency Ocean Environmental Acoustic Models
+/// Handbook", TR 9407, ch. IV, table 1. The report itself was not available: table 2 and the equations are taken from
+/// UnderwaterAcoustics.jl and uacpy (both public), which restate them, and checked against table 3 as printed there
+/// (`uwsim validate sound`).
 struct Seabed {
   std::string_view name;
   double density_ratio;    ///< of sediment to water

@@ -41,9 +41,10 @@ Write = Callable[[Any, Any, Errors], Any]
 
 
 class FilterInput(NamedTuple):
-    """A second message of a kind of sensor, whose type filters take.
+    """A second message for one kind of sensor, of a type that filters accept as input.
 
-    write(value, header, errors, origin_m): builds one; origin_m: the world's origin in odom. frame: "": the sensor's.
+    write(value, header, errors, origin_m): builds one; origin_m: the world's origin in odom. frame: the message's
+    frame; "" means the sensor's.
     """
 
     suffix: str

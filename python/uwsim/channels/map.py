@@ -59,8 +59,8 @@ class _Late:
 class PingMap:
     """A map, in the odom frame, of all pings since a server started to offer it, with or without subscribers.
 
-    For each ping, the steps wait only for ray casting and the processing chain; insertion and serialisation run in
-    order on a separate thread. A map is published one ping later, the first map immediately.
+    For each ping, the simulation waits only for ray casting and the processing chain; insertion and serialisation run
+    in order on a separate thread. Each map is published one ping later, except the first, which is published at once.
     """
 
     def __init__(self, source: Source, pings: Pings) -> None:

@@ -23,7 +23,7 @@ PASSED = 0.95  # share of a path or an area that counts as all of it
 
 
 class Progress(ABC):
-    """How far a goal has been met. share: in [0, 1]. errors_m: distances from what was to be kept, if it has such."""
+    """How far a goal has been met. share: in [0, 1]. errors_m: deviations from what was to be held, if any."""
 
     def __init__(self) -> None:
         self.share = 0.0

@@ -46,7 +46,7 @@ def sheet_html(folder: Path, course: Course) -> str:
     if errors := course.errors():
         path = folder / "exercise_errors.png"
         draw_errors(path, errors)
-        figures.append(("Errors", "Distances from what was to be kept.", path))
+        figures.append(("Errors", "Deviations from what was to be held.", path))
     return filled_page(
         TEMPLATE, sheet=sheet, figures=[(title, caption, data_uri(path)) for title, caption, path in figures]
     )

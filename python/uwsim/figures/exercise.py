@@ -1,4 +1,4 @@
-"""Figures of an exercise: the track among its goals, and the errors of what was to be kept."""
+"""Figures for an exercise: the track with its goals, and the deviations from what was to be held."""
 
 from __future__ import annotations
 

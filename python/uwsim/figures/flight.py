@@ -152,14 +152,17 @@ def draw_power(
 
 
 def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
-    """Draw distances [m] from the true position over times [s], (n,) each, as named pairs. Raises OSError."""
+    """Draw distances [m] from the true position against time [s]. errors: times and distances (n,), by name.
+
+    Raises OSError.
+    """
     draw_curves(path, "Estimate against truth", "distance [m]", errors)
 
 
 def draw_curves(
     path: Path, title: str, label: str, curves: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
 ) -> None:
-    """Draw values, from 0 upwards, over times [s], (n,) each, as named pairs. Raises OSError."""
+    """Draw values, from 0 upwards, against time [s]. curves: times and values (n,), by name. Raises OSError."""
     times_s = np.sort(np.concatenate([time_s for time_s, _ in curves.values()]))
     figure, axes = _over_time(title, label, times_s, 2.2)
     for colour, (name, (time_s, values)) in zip(_colours(len(curves)), curves.items(), strict=True):

@@ -87,7 +87,7 @@ def draw_plan(
     ends_m: NDArray[np.float64],
     echo: NDArray[np.bool_],
 ) -> float:
-    """Draw the fan from above, with ahead up; return the height in inches at which both scales are equal."""
+    """Draw the fan seen from above, forward up; return the height in inches at which both axes have equal scales."""
     origin, level = ping.world_from_sonar[:3, 3], _level_axes(ping)
     ends = (ends_m[:, :2] - origin[:2]) @ level.T
     low, high = np.minimum(ends.min(axis=0), 0.0), np.maximum(ends.max(axis=0), 0.0)

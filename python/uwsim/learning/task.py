@@ -64,7 +64,7 @@ class Verdict:
 class Task(ABC):
     """A kind of episode, for all members of a batch together: arrays have one row per member.
 
-    scenario_file: name of a file in the `learning` folder of the assets. period_s: time between actions. duration_s:
+    scenario_file: name of a file in the `learning` folder in the assets. period_s: time between actions. duration_s:
     time after which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: (low, high)
     ranges of the parameters drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
     needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;

@@ -92,7 +92,7 @@ def _in_effect(model: BaseModel, name: str) -> Any:
 
 
 def _counts(field: FieldInfo, value: Any) -> bool:
-    """Return whether a field's value must be included: it has no default, differs from it, or names a variant."""
+    """Return whether a field's value must be included: it is not the default, there is none, or it names a variant."""
     if field.is_required() or get_origin(field.annotation) is Literal:
         return True
     default = field.get_default(call_default_factory=True, validated_data={})

@@ -36,7 +36,7 @@ ON_REQUEST = ("reality", "peers")
 def run_suite(name: str, out: Path | None = None, data: Path | None = None, engine: str = "uwsim") -> list[Check]:
     """Run a suite and return its checks; draw its curves into the folder `out`. data: folder of recorded data.
 
-    engine: the `dynamics.engine` of the suite dynamics. Raises ValueError for an unknown name, and for `reality`
+    engine: the `dynamics.engine` used by the `dynamics` suite. Raises ValueError for an unknown name, and for `reality`
     without data.
     """
     if name not in SUITES:

@@ -40,7 +40,7 @@ class FieldOfView:
 
 
 def fields_of_view(sim: Simulator) -> tuple[FieldOfView, ...]:
-    """Return the fields of view of the first vehicle's sensors with beams, cameras, sonars and lamps."""
+    """Return the fields of view of the first vehicle's cameras, sonars, lamps and sensors with beams."""
     model = sim.scenario.vehicles[0].model
     scene = hull_scene(*vehicle_hull(model))
     found = []

@@ -26,7 +26,7 @@ class Coverage(Task):
     """Survey a plot of 20 x 20 m with a tilted sonar. Actions set surge, sway and yaw; depth is kept at 3.5 m.
 
     The map is an image (1, 40, 40): 255 for surveyed cells of 0.5 m; rows from south to north, columns from west to
-    east. Start: in the plot, with any heading. Reward of a step: 100 x the newly surveyed share of the plot, except for
+    east. Start: in the plot, with any heading. Reward per step: 100 x the newly surveyed share of the plot, except for
     the first ping; 10 on reaching 95 %, -5 for a collision. Termination: 95 % surveyed, a collision, or 4 m outside the
     plot.
     """

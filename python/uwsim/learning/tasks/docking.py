@@ -24,7 +24,7 @@ class Docking(Task):
     """Enter the dock: within 0.5 m of its centre, below 0.5 m/s and within 30 degrees of its heading.
 
     Start: 3 to 8 m ahead of the dock, at most 2 m to the side and 1 m above or below, within 60 degrees of its heading,
-    in a current of up to 0.14 m/s. Reward of a step: the approach in metres, plus 1 per radian turned towards the
+    in a current of up to 0.14 m/s. Reward per step: the approach in metres, plus 1 per radian turned towards the
     dock's heading, minus 0.01 x the mean square of the efforts; -1 for each new collision, 10 for docking. Termination:
     docked, or 20 m away.
     """

@@ -19,12 +19,12 @@ LOST_M = 18.0
 
 
 class GatePassing(Task):
-    """Pass the scenario's gate, which is observed only through pings of a level sonar. The heading is not observed.
+    """Fly through the scenario's gate, observed only through pings of a level sonar. The heading is not observed.
 
     Start: 6 to 11 m in front of the gate, at most 3 m to the side, 1.5 to 2.5 m above the bed, heading within 25
-    degrees of the direction to the gate. Reward of a step: the approach to the opening's centre in metres, minus 0.01 x
-    the mean square of the efforts; 10 for passing between the posts and below the bar, -5 for passing anywhere else and
-    -5 for a collision. Termination: any of these, or 18 m from the gate.
+    degrees of the direction to the gate. Reward per step: the reduction in distance to the opening's centre in metres,
+    minus 0.01 x the mean square of the efforts; 10 for passing between the posts and below the bar, -5 for passing
+    anywhere else and -5 for a collision. Termination: any of these three, or a distance of 18 m from the gate.
     """
 
     scenario_file = "gate.yaml"

@@ -25,7 +25,7 @@ FIRST_SHARE = 0.6  # episodes begin within this initial share of the pipe's leng
 class PipelineFollowing(Task):
     """Follow the scenario's pipeline to its end, 3 m above the bed. The pipe is observed only through sonar pings.
 
-    Start: along the pipe, at most 1.5 m to the side, within 20 degrees of its direction. Reward of a step: progress
+    Start: along the pipe, at most 1.5 m to the side, within 20 degrees of its direction. Reward per step: progress
     along the pipe in metres / (1 + (cross-track error / 1 m)^2), minus 0.02 x |altitude - 3 m| and 0.01 x the mean
     square of the efforts; 10 for reaching the end of the pipe, -5 for losing it (5 m to the side) and -5 for a
     collision. Termination: any of these.

@@ -19,7 +19,7 @@ LOST_M = 5.0
 class StationKeeping(Task):
     """Hold PLACE_M, heading east and level, in a current of up to 0.42 m/s with gusts of 0.2 m/s rms.
 
-    Start: within 1 m of PLACE_M along each axis, and within 45 degrees of the heading. Reward of a step: (1 + cos
+    Start: within 1 m of PLACE_M along each axis, and within 45 degrees of the heading. Reward per step: (1 + cos
     heading error) / 2 / (1 + distance / 0.2 m) - 0.02 x the mean square of the efforts: at most 1. Termination: 5 m
     from the target.
     """

@@ -22,7 +22,7 @@ MIDDLE_M = np.array([0.0, 0.0, -7.0])
 class Waypoint(Task):
     """Move from one position to another, both drawn in a box of 16 x 16 x 6 m, in a gusty current of up to 0.28 m/s.
 
-    Reward of a step: the approach in metres, minus 0.02 x the mean square of the efforts; 10 for arriving, within 0.5 m
+    Reward per step: the approach in metres, minus 0.02 x the mean square of the efforts; 10 for arriving, within 0.5 m
     and slower than 0.3 m/s; -5 for a collision. Termination: arrival, a collision, or 25 m away.
     """
 

@@ -196,7 +196,7 @@ def _rows(sim: Simulator, notes: list[Event]) -> list[dict[str, Any]]:
 
 
 def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, float | None]]:
-    """Return the longitudes and latitudes of WGS 84 of places, None where there are none."""
+    """Return the WGS 84 longitude and latitude of each place, both None if it has none."""
     earth = georeference(sim.scenario)
     found: list[tuple[float | None, float | None]] = [(None, None)] * len(places)
     known = [k for k, place in enumerate(places) if place is not None]

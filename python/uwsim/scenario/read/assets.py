@@ -22,7 +22,7 @@ def assets_folder() -> Path:
 
 
 def packaged_names(kind: str) -> list[str]:
-    """Return the names that can be loaded without a path. kind: a folder of the assets, such as "scenarios"."""
+    """Return the names that can be loaded without a path. kind: a folder in the assets, such as "scenarios"."""
     return sorted(path.stem for path in (assets_folder() / kind).glob("*.yaml"))
 
 

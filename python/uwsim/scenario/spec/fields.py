@@ -136,7 +136,7 @@ class OneOf:
 
 @dataclass(frozen=True)
 class AssetName:
-    """Schema annotation: a packaged name, which editors complete, or a path. kind: a folder of the assets."""
+    """Schema annotation: a packaged name, which editors complete, or a path. kind: a folder in the assets."""
 
     kind: str
 

@@ -19,9 +19,9 @@ class Survey(Model):
     area_m: corners (x, y) of the polygon to cover, in order around it. altitude_m: height above the bed.
     line_spacing_m: distance between the lawn-mower's lanes. speed_m_s: speed along the lanes. tilt_deg: tilt of the
     sonar, positive nose down. voxel_m: edge of the map's voxels. ping_rate_hz: maximum ping rate of the sonar.
-    outlier_filter: whether ranging.reject_uncertain and reject_outliers are used; by default in the sonar's physics
-    mode. max_uncertainty_m: the limit of reject_uncertain, at 95 % confidence; by default half a voxel, within which
-    most echoes fall into the right voxels. Uncertainties are only known in physics mode.
+    outlier_filter: whether ranging.reject_uncertain and reject_outliers are used; by default, they are if the sonar is
+    in physics mode. max_uncertainty_m: the limit of reject_uncertain, at 95 % confidence; by default half a voxel, so
+    that most of the remaining echoes fall into the right voxels. Uncertainties are only known in physics mode.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]

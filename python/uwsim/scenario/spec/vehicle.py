@@ -63,16 +63,16 @@ class Trim(Model):
 class VehicleModel(Model):
     """A rigid vehicle, driven by thrusters and fins, or by forces and torques along and about its axes.
 
-    Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative. Instead of one, a full
-    matrix about the origin may be given by rows, such as added_mass_matrix. mesh: the hull, closed and winding outward.
-    Buoyancy acts on its triangles, and it collides. It also determines the volume, and the inertia (as a solid of
-    uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's axis that
-    points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: mass of the vehicle, without
-    ballast and water inside; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3: instead, mean
-    density over the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole hull displaces in
-    the scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box. ballast_kg,
-    ballast_position_m: an additional point mass: it adds to mass and inertia and moves the centre of mass, but
-    displaces no water. compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by
+    Six-vectors are surge, sway, heave, roll, pitch, yaw; all components are magnitudes and not negative. A full matrix
+    about the origin, such as added_mass_matrix, may be given by rows instead. mesh: the hull, closed and winding
+    outward. Buoyancy acts on its triangles, and collisions use it. It also determines the volume, and the inertia (as a
+    solid of uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's
+    axis that points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: mass of the
+    vehicle, without ballast and water inside; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3:
+    instead, mean density over the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole
+    hull displaces in the scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box.
+    ballast_kg, ballast_position_m: an additional point mass: it adds to mass and inertia and moves the centre of mass,
+    but displaces no water. compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by
     default it is as compressible as the water around it (assumed). trim: for the scenario's water; by default the mass
     and the water determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published values, to
     which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex hull, the
