@@ -17,6 +17,9 @@ __all__: list[str] = [
     "Autopilot",
     "AutopilotGains",
     "Batch",
+    "BatchAutopilot",
+    "BatchMotionController",
+    "BatchPathFollower",
     "BatterySpec",
     "BatteryState",
     "BiasModel",
@@ -125,6 +128,7 @@ __all__: list[str] = [
     "jerlov_types",
     "material_names",
     "mounted_pose",
+    "mounted_poses",
     "multibeam_model",
     "network_trial",
     "packet_error",
@@ -137,6 +141,7 @@ __all__: list[str] = [
     "remove_box",
     "remove_outliers",
     "remove_unfinished_files",
+    "render_many",
     "saved_build",
     "saved_notes",
     "scan_to_points",
@@ -513,6 +518,10 @@ class World:
         """
         Return (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16) of the terrain,
         if requested, and of all solids.
+        """
+    def with_water(self, water: Water) -> World:
+        """
+        Return a world with the same terrain and solids, which it shares, in another water.
         """
     @property
     def highest_m(self) -> float:
@@ -1543,6 +1552,16 @@ class PathFollower:
         """
         Return guidance for one control period.
         """
+    def pace(
+        self,
+        course_rad: typing.SupportsFloat | typing.SupportsIndex,
+        speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        force_share: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
+        """
+        Adapt the pace for one control period to the share of the force that the thrusters delivered, and return
+        the velocity over ground (2,) along a course.
+        """
     @property
     def integral_s(self) -> float: ...
     @integral_s.setter
@@ -1551,6 +1570,111 @@ class PathFollower:
     def segment(self) -> int: ...
     @segment.setter
     def segment(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class BatchMotionController:
+    """
+    n instances of MotionController, called together; arrays have one row each.
+    """
+    def __init__(
+        self,
+        model: ControlModel,
+        gains: ControlGains,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+        n: typing.SupportsInt | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        Raises ValueError.
+        """
+    def hold_velocity(
+        self,
+        positions_world_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        velocities_body: typing.Any,
+        wanted_body: typing.Any,
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the efforts (n, 6) of MotionController.hold_velocity for velocities (n, 6). Releases the GIL.
+        """
+    def reach(
+        self,
+        positions_world_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        velocities_body: typing.Any,
+        targets_world_m: typing.Any,
+        velocities_world_m_s: typing.Any,
+        rolls_rad: typing.Any,
+        pitches_rad: typing.Any,
+        headings_rad: typing.Any,
+        across_first: bool,
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the efforts (n, 6) of MotionController.reach. The first three are the estimated motion: (n, 3),
+        (n, 4) and (n, 6). Releases the GIL. Raises ValueError for wrong shapes.
+        """
+    def restart(self, chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        """
+        Return some controllers to their initial state.
+        """
+    @property
+    def force_shares(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        MotionController.force_share of each, (n,).
+        """
+
+class BatchAutopilot:
+    """
+    n instances of Autopilot, called together.
+    """
+    def __init__(
+        self, period_s: typing.SupportsFloat | typing.SupportsIndex, gains: collections.abc.Sequence[AutopilotGains]
+    ) -> None: ...
+    def restart(self, chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        """
+        Return some autopilots to their initial state.
+        """
+    def steer(
+        self,
+        positions_world_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        velocities_body: typing.Any,
+        headings_rad: typing.Any,
+        velocities_world_m_s: typing.Any,
+        heights_world_m: typing.Any,
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the efforts (n, 6) of Autopilot.steer for headings (n,), horizontal velocities (n, 2) and heights
+        (n,). The first three are the estimated motion: (n, 3), (n, 4) and (n, 6). Raises ValueError.
+        """
+
+class BatchPathFollower:
+    """
+    n instances of PathFollower, called together.
+    """
+    def __init__(
+        self,
+        paths_m: collections.abc.Sequence[typing.Any],
+        lookahead_m: typing.SupportsFloat | typing.SupportsIndex,
+        integral_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        paths_m: n paths (points, 3). Raises ValueError.
+        """
+    def guide(
+        self,
+        positions_world_m: typing.Any,
+        speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        force_shares: typing.Any,
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Guide and pace each for one control period: the fields of Guidance in order, then the velocity over
+        ground, (n, 9). positions_world_m (n, 3); force_shares (n,), see PathFollower.pace.
+        """
+    def restart(self, chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        """
+        Return some followers to the beginnings of their paths.
+        """
 
 class SensorKind:
     """
@@ -2391,26 +2515,6 @@ class CameraScene:
         vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: (6,) of the camera, in its frame [m/s, rad/s]. The bytes do
         not depend on the number of threads. Releases the GIL. Raises ValueError.
         """
-    def render_many(
-        self,
-        camera: Camera,
-        optics: Optics,
-        positions_m: typing.Any,
-        orientations_xyzw: typing.Any,
-        times_ns: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
-        effects: collections.abc.Sequence[str],
-        lamps: collections.abc.Sequence[collections.abc.Sequence[SpotLamp]],
-        vehicles: collections.abc.Sequence[tuple[typing.Any, typing.Any]],
-        hidden_vehicle: typing.SupportsInt | typing.SupportsIndex | None,
-        velocities_camera: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]],
-        threads: typing.SupportsInt | typing.SupportsIndex,
-    ) -> numpy.typing.NDArray[numpy.uint8]:
-        """
-        Render n pictures of one camera, (n, H, W, 3) uint8, as render does one by one, several at a time.
-        positions_m (n, 3), orientations_xyzw (n, 4), times_ns, lamps and velocities_camera (n, 6): of each picture;
-        vehicles: the positions (v, 3) and orientations (v, 4) of all vehicles in each. Releases the GIL. Raises
-        ValueError.
-        """
     def set_appearance(
         self,
         label: typing.SupportsInt | typing.SupportsIndex,
@@ -2427,6 +2531,10 @@ class CameraScene:
     def set_ground(self, bed: str, steep: str, land: str) -> None:
         """
         Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.
+        """
+    def with_water(self, water: Water, seed: typing.SupportsInt | typing.SupportsIndex) -> CameraScene:
+        """
+        Return a scene with the same surfaces in another water, with another seed.
         """
     @property
     def classes_by_label(self) -> list[int]:
@@ -4120,15 +4228,19 @@ class Batch:
         """
         Restart members, with new specs if any are given. Raises ValueError without changing anything.
         """
-    def save_state(
-        self, member: typing.SupportsInt | typing.SupportsIndex, scenario: str, build: str, notes: str
-    ) -> bytes:
-        """
-        Like Simulation.save_state of that member.
-        """
     def set_efforts(self, vehicle: typing.SupportsInt | typing.SupportsIndex, efforts: typing.Any) -> None:
         """
         Set efforts (n, 6), each in [-1, 1]. Raises ValueError without changing anything.
+        """
+    def set_fins(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        names: collections.abc.Sequence[str],
+        angles_rad: typing.Any,
+    ) -> None:
+        """
+        Set fin deflections (n, names) [rad]; the others are centred. Raises ValueError, after the other members
+        have been commanded.
         """
     def set_states(
         self,
@@ -4136,6 +4248,20 @@ class Batch:
         members: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
         states: collections.abc.Sequence[BodyState],
     ) -> None: ...
+    def set_thrusters(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        names: collections.abc.Sequence[str],
+        commands: typing.Any,
+    ) -> None:
+        """
+        Set thruster commands (n, names), each in [-1, 1]; the others stop. Raises ValueError, after the other
+        members have been commanded.
+        """
+    def set_wrenches(self, vehicle: typing.SupportsInt | typing.SupportsIndex, wrenches_body: typing.Any) -> None:
+        """
+        Set wrenches (n, 6) [N, N m]. Raises ValueError.
+        """
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
         Advance all members by fixed steps. Can be interrupted by Ctrl-C.
@@ -4435,6 +4561,16 @@ def mounted_pose(
     both as (4, 4).
     """
 
+def mounted_poses(
+    positions_m: typing.Any,
+    orientations_xyzw: typing.Any,
+    mount_positions_m: typing.Any,
+    mount_orientations_xyzw: typing.Any,
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Return n poses as mounted_pose does: positions (n, 3) and orientations (n, 4) as x, y, z, w.
+    """
+
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     Return the EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
@@ -4546,6 +4682,31 @@ def remove_unfinished_files() -> None:
     """
     Remove the temporary files of all maps being written, for a process that ends while other threads are
     writing.
+    """
+
+def render_many(
+    scenes: collections.abc.Sequence[CameraScene],
+    cameras: collections.abc.Sequence[Camera],
+    optics: collections.abc.Sequence[Optics],
+    positions_m: typing.Any,
+    orientations_xyzw: typing.Any,
+    times_ns: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    effects: collections.abc.Sequence[str],
+    lamps: collections.abc.Sequence[
+        collections.abc.Sequence[tuple[typing.SupportsInt | typing.SupportsIndex, SpotLamp]]
+    ],
+    vehicle_positions_m: typing.Any,
+    vehicle_orientations_xyzw: typing.Any,
+    hidden_vehicle: typing.SupportsInt | typing.SupportsIndex | None,
+    velocities_camera: typing.Any,
+    threads: typing.SupportsInt | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    Render one picture of each of n scenes, (n, H, W, 3) uint8, as CameraScene.render does, several at a time.
+    scenes: None for a black picture. cameras: of one size. positions_m (n, 3), orientations_xyzw (n, 4) and velocities_camera (n, 6): of the
+    cameras. lamps: for each scene, those that are on, as (vehicle, lamp with its pose on that vehicle).
+    vehicle_positions_m (n, v, 3), vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises
+    ValueError.
     """
 
 def saved_build(state: bytes) -> str:

@@ -67,6 +67,11 @@ PUBLIC = {
         "uwsim.batch.BatchSamples",
         "uwsim.batch.BatchPings",
         "uwsim.batch.BatchPhysicsPings",
+        "uwsim.batch.BatchEstimate",
+        "uwsim.batch.BatchController",
+        "uwsim.batch.BatchPathFollower",
+        "uwsim.batch.BatchGuidance",
+        "uwsim.batch.BatchAutopilot",
         "uwsim.batch.MemberAboard",
     ],
     "Learning": [

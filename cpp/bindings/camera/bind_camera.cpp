@@ -88,6 +88,25 @@ void bind_lamp(py::module_& m) {
       py::arg("mount_orientation_xyzw"),
       "Return the pose of an object mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and\n"
       "both as (4, 4).");
+  m.def(
+      "mounted_poses",
+      [](const py::object& positions_m, const py::object& orientations_xyzw, const py::object& mount_positions_m,
+         const py::object& mount_orientations_xyzw) {
+        const std::vector<Pose> carriers = as_poses(positions_m, orientations_xyzw, "carriers");
+        const std::vector<Pose> mounts = as_poses(mount_positions_m, mount_orientations_xyzw, "mounts");
+        require(mounts.size() == carriers.size(), "mounts.size", mounts.size(), "must equal the number of carriers");
+        const auto n = static_cast<py::ssize_t>(carriers.size());
+        DoubleArray positions({n, py::ssize_t{3}}), orientations({n, py::ssize_t{4}});
+        for (std::size_t k = 0; k < carriers.size(); ++k) {
+          const Pose pose = carriers[k] * mounts[k];
+          Eigen::Vector3d::Map(positions.mutable_data(static_cast<py::ssize_t>(k))) = pose.position_m;
+          Eigen::Vector4d::Map(orientations.mutable_data(static_cast<py::ssize_t>(k))) = pose.orientation.coeffs();
+        }
+        return std::tuple(positions, orientations);
+      },
+      py::arg("positions_m"), py::arg("orientations_xyzw"), py::arg("mount_positions_m"),
+      py::arg("mount_orientations_xyzw"),
+      "Return n poses as mounted_pose does: positions (n, 3) and orientations (n, 4) as x, y, z, w.");
   py::class_<SpotLamp>(m, "SpotLamp", "A spot lamp that shines along its x axis; an irradiance of 1 is 1e5 lx.")
       .def(py::init([](const py::object& position_m, const py::object& orientation_xyzw, double flux_lm,
                        double half_angle_rad, double soft_share, const py::object& colour) {

@@ -75,44 +75,79 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
   return {std::move(picture), cost, packets};
 }
 
-/// Pictures of one camera in colour, taken by several threads: each takes the next picture when it has finished one.
-py::array_t<std::uint8_t> render_many(const CameraScene& scene, const Camera& camera, const Optics& optics,
-                                      const py::object& positions_m, const py::object& orientations_xyzw,
-                                      const std::vector<std::uint64_t>& times_ns,
-                                      const std::vector<std::string>& effects,
-                                      const std::vector<std::vector<SpotLamp>>& lamps,
-                                      const std::vector<std::pair<py::object, py::object>>& vehicles,
-                                      std::optional<std::size_t> hidden_vehicle,
-                                      const std::vector<Vector6d>& velocities_camera, int threads) {
+/// A lamp that is mounted on a vehicle, given by its index; the lamp's pose is that on the vehicle.
+using MountedLamp = std::pair<std::size_t, SpotLamp>;
+
+/// Pictures in colour of several scenes, each with its own camera; each thread takes the next picture when it has
+/// finished one.
+py::array_t<std::uint8_t> render_many(
+    const std::vector<std::optional<std::shared_ptr<CameraScene>>>& scenes, const std::vector<std::shared_ptr<Camera>>& cameras,
+    const std::vector<Optics>& optics, const py::object& positions_m, const py::object& orientations_xyzw,
+    const std::vector<std::uint64_t>& times_ns, const std::vector<std::string>& effects,
+    const std::vector<std::vector<MountedLamp>>& lamps, const py::object& vehicle_positions_m,
+    const py::object& vehicle_orientations_xyzw, std::optional<std::size_t> hidden_vehicle,
+    const py::object& velocities_camera, int threads) {
+  const std::size_t count = scenes.size();
+  const auto n = static_cast<py::ssize_t>(count);
+  for (const auto& [name, size] : {std::pair{"cameras", cameras.size()},
+                                   {"optics", optics.size()},
+                                   {"times_ns", times_ns.size()},
+                                   {"lamps", lamps.size()}}) {
+    require(size == count, std::string(name) + ".size", size, "must equal the number of scenes");
+  }
+  const auto carried = as_array<double>(vehicle_positions_m, "vehicle_positions_m", {n, -1, 3});
+  const py::ssize_t vehicles = carried.shape(1);
+  const auto turned = as_array<double>(vehicle_orientations_xyzw, "vehicle_orientations_xyzw", {n, vehicles, 4});
+  const auto velocities = as_array<double>(velocities_camera, "velocities_camera", {n, 6});
   const std::vector<Pose> poses = as_poses(positions_m, orientations_xyzw, "cameras");
-  const std::size_t count = poses.size();
-  require(times_ns.size() == count, "times_ns.size", times_ns.size(), "must equal the number of poses");
-  require(lamps.size() == count, "lamps.size", lamps.size(), "must equal the number of poses");
-  require(vehicles.size() == count, "vehicles.size", vehicles.size(), "must equal the number of poses");
-  require(velocities_camera.size() == count, "velocities_camera.size", velocities_camera.size(),
-          "must equal the number of poses");
+  require(poses.size() == count, "positions_m.size", poses.size(), "must equal the number of scenes");
   require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
+  const Effects on = as_effects(effects);
   std::vector<PictureRequest> requests(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector6d& velocity = velocities_camera[k];
-    require(velocity.allFinite(), "velocities_camera", velocity.transpose(), "must be finite");
-    requests[k].world_from_camera = poses[k];
-    requests[k].velocity_camera = velocity;
-    requests[k].time_s = static_cast<double>(times_ns[k]) * 1e-9;
-    requests[k].tick = times_ns[k];
-    requests[k].effects = as_effects(effects);
-    requests[k].lamps = lamps[k];
-    requests[k].world_from_vehicles = as_poses(vehicles[k].first, vehicles[k].second, "vehicles");
-    requests[k].hidden_vehicle = hidden_vehicle;
+    const auto row = static_cast<py::ssize_t>(k);
+    PictureRequest& request = requests[k];
+    request.world_from_camera = poses[k];
+    request.velocity_camera = Vector6d::Map(velocities.data(row));
+    require(request.velocity_camera.allFinite(), "velocities_camera", request.velocity_camera.transpose(),
+            "must be finite");
+    request.time_s = static_cast<double>(times_ns[k]) * 1e-9;
+    request.tick = times_ns[k];
+    request.effects = on;
+    for (py::ssize_t v = 0; v < vehicles; ++v) {
+      const double* const q = turned.data(row, v);
+      request.world_from_vehicles.push_back(
+          checked_pose(Eigen::Vector3d::Map(carried.data(row, v)), {q[3], q[0], q[1], q[2]}, "vehicles"));
+    }
+    for (const auto& [vehicle, lamp] : lamps[k]) {
+      SpotLamp placed = lamp;
+      const Pose pose = request.world_from_vehicles.at(vehicle) * lamp.world_from_lamp;
+      placed.world_from_lamp = checked_pose(pose.position_m, pose.orientation, "lamp");
+      request.lamps.push_back(placed);
+    }
+    request.hidden_vehicle = hidden_vehicle;
+    require(cameras[k] != nullptr, "cameras[" + std::to_string(k) + "]", "none", "must be a camera");
+    require(cameras[k]->lens().width == cameras[0]->lens().width &&
+                cameras[k]->lens().height == cameras[0]->lens().height,
+            "cameras[" + std::to_string(k) + "]", "of another size", "must be as large as the first");
   }
-  const auto height = static_cast<py::ssize_t>(camera.lens().height),
-             width = static_cast<py::ssize_t>(camera.lens().width);
-  py::array_t<std::uint8_t> pictures({static_cast<py::ssize_t>(count), height, width, py::ssize_t{3}});
+  const py::ssize_t height = count == 0 ? 0 : cameras[0]->lens().height;
+  const py::ssize_t width = count == 0 ? 0 : cameras[0]->lens().width;
+  py::array_t<std::uint8_t> pictures({n, height, width, py::ssize_t{3}});
   std::uint8_t* const out = pictures.mutable_data();
   without_gil([&] {
     parallel_batches(count, 1, threads, [&](std::size_t k, std::size_t, std::size_t) {
-      const Picture picture = render(scene, camera, optics, requests[k], nullptr);
-      std::copy(picture.rgb.begin(), picture.rgb.end(), out + k * picture.rgb.size());
+      const std::size_t bytes = 3 * static_cast<std::size_t>(height * width);
+      if (!scenes[k]) {
+        std::fill_n(out + k * bytes, bytes, std::uint8_t{0});
+        return;
+      }
+      try {
+        const Picture picture = render(**scenes[k], *cameras[k], optics[k], requests[k], nullptr);
+        std::copy(picture.rgb.begin(), picture.rgb.end(), out + k * bytes);
+      } catch (const InvalidValue& error) {
+        throw InvalidValue("batch[" + std::to_string(k) + "]: " + error.what());
+      }
     });
     return 0;
   });
@@ -140,6 +175,12 @@ void bind_camera_scene(py::module_& m) {
              return std::make_shared<CameraScene>(world, std::move(rays), seed);
            }),
            py::arg("world"), py::arg("rays").none(false), py::arg("seed"))
+      .def(
+          "with_water",
+          [](const CameraScene& scene, const Water& water, std::uint64_t seed) {
+            return std::make_shared<CameraScene>(scene, water, seed);
+          },
+          py::arg("water"), py::arg("seed"), "Return a scene with the same surfaces in another water, with another seed.")
       .def(
           "set_appearance",
           [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
@@ -190,15 +231,16 @@ void bind_camera_scene(py::module_& m) {
            "vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: "
            "(6,) "
            "of the camera, in its frame [m/s, rad/s]. The bytes do\n"
-           "not depend on the number of threads. Releases the GIL. Raises ValueError.")
-      .def("render_many", &render_many, py::arg("camera"), py::arg("optics"), py::arg("positions_m"),
-           py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"), py::arg("vehicles"),
-           py::arg("hidden_vehicle"), py::arg("velocities_camera"), py::arg("threads"),
-           "Render n pictures of one camera, (n, H, W, 3) uint8, as render does one by one, several at a time.\n"
-           "positions_m (n, 3), orientations_xyzw (n, 4), times_ns, lamps and velocities_camera (n, 6): of each "
-           "picture;\n"
-           "vehicles: the positions (v, 3) and orientations (v, 4) of all vehicles in each. Releases the GIL. Raises\n"
-           "ValueError.");
+           "not depend on the number of threads. Releases the GIL. Raises ValueError.");
+  m.def("render_many", &render_many, py::arg("scenes"), py::arg("cameras"), py::arg("optics"), py::arg("positions_m"),
+        py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"),
+        py::arg("vehicle_positions_m"), py::arg("vehicle_orientations_xyzw"), py::arg("hidden_vehicle"),
+        py::arg("velocities_camera"), py::arg("threads"),
+        "Render one picture of each of n scenes, (n, H, W, 3) uint8, as CameraScene.render does, several at a time.\n"
+        "scenes: None for a black picture. cameras: of one size. positions_m (n, 3), orientations_xyzw (n, 4) and velocities_camera (n, 6): of the\n"
+        "cameras. lamps: for each scene, those that are on, as (vehicle, lamp with its pose on that vehicle).\n"
+        "vehicle_positions_m (n, v, 3), vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises\n"
+        "ValueError.");
 }
 
 }  // namespace uwsim::bindings

@@ -24,6 +24,9 @@ void bind_path_follower(py::module_& m) {
            py::arg("points_m"), py::arg("lookahead_m"), py::arg("integral_m_s"), py::arg("period_s"),
            "points_m: (n, 3), at least two vertices. Raises ValueError.")
       .def("guide", &PathFollower::guide, py::arg("position_world_m"), "Return guidance for one control period.")
+      .def("pace", &PathFollower::pace, py::arg("course_rad"), py::arg("speed_m_s"), py::arg("force_share"),
+           "Adapt the pace for one control period to the share of the force that the thrusters delivered, and return\n"
+           "the velocity over ground (2,) along a course.")
       .def_readwrite("segment", &PathFollower::segment)
       .def_readwrite("integral_s", &PathFollower::integral_s);
 }

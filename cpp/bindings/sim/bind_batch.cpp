@@ -34,6 +34,8 @@ T* room(Out<T>& array, std::size_t size, const char* name) {
   return array.mutable_data();  // throws if it is read-only
 }
 
+std::span<const double> flat(const DoubleArray& rows) { return {rows.data(), static_cast<std::size_t>(rows.size())}; }
+
 std::uint8_t* as_bytes(bool* flags) { return reinterpret_cast<std::uint8_t*>(flags); }
 
 /// A batch that only one call at a time may use. Other calls wait with the GIL released.
@@ -200,11 +202,35 @@ void bind_batch(py::module_& m) {
           "set_efforts",
           [](OwnedBatch& o, std::size_t vehicle, const py::object& efforts) {
             const auto rows = as_array<double>(efforts, "efforts", {-1, 6});
-            const std::span<const double> flat(rows.data(), static_cast<std::size_t>(rows.size()));
-            o.with([&](Batch& b) { b.set_efforts(vehicle, flat); });
+            o.with([&](Batch& b) { b.set_efforts(vehicle, flat(rows)); });
           },
           py::arg("vehicle"), py::arg("efforts"),
           "Set efforts (n, 6), each in [-1, 1]. Raises ValueError without changing anything.")
+      .def(
+          "set_wrenches",
+          [](OwnedBatch& o, std::size_t vehicle, const py::object& wrenches_body) {
+            const auto rows = as_array<double>(wrenches_body, "wrenches_body", {-1, 6});
+            o.with([&](Batch& b) { b.set_wrenches(vehicle, flat(rows)); });
+          },
+          py::arg("vehicle"), py::arg("wrenches_body"), "Set wrenches (n, 6) [N, N m]. Raises ValueError.")
+      .def(
+          "set_thrusters",
+          [](OwnedBatch& o, std::size_t vehicle, const std::vector<std::string>& names, const py::object& commands) {
+            const auto rows = as_array<double>(commands, "commands", {-1, static_cast<py::ssize_t>(names.size())});
+            o.with([&](Batch& b) { b.set_thrusters(vehicle, names, flat(rows)); });
+          },
+          py::arg("vehicle"), py::arg("names"), py::arg("commands"),
+          "Set thruster commands (n, names), each in [-1, 1]; the others stop. Raises ValueError, after the other\n"
+          "members have been commanded.")
+      .def(
+          "set_fins",
+          [](OwnedBatch& o, std::size_t vehicle, const std::vector<std::string>& names, const py::object& angles_rad) {
+            const auto rows = as_array<double>(angles_rad, "angles_rad", {-1, static_cast<py::ssize_t>(names.size())});
+            o.with([&](Batch& b) { b.set_fins(vehicle, names, flat(rows)); });
+          },
+          py::arg("vehicle"), py::arg("names"), py::arg("angles_rad"),
+          "Set fin deflections (n, names) [rad]; the others are centred. Raises ValueError, after the other members\n"
+          "have been commanded.")
       .def("step", &OwnedBatch::step, py::arg("count") = 1,
            "Advance all members by fixed steps. Can be interrupted by Ctrl-C.")
       .def("step_each", &OwnedBatch::step_each, py::arg("counts"),
@@ -250,15 +276,7 @@ void bind_batch(py::module_& m) {
           },
           py::arg("index"),
           "Return a member, valid until it is restarted. Must be used only while no call to the batch is running;\n"
-          "a member cannot be restarted separately.")
-      .def(
-          "save_state",
-          [](OwnedBatch& o, std::size_t member, const std::string& scenario, const std::string& build,
-             const std::string& notes) {
-            return py::bytes(o.with([&](Batch& b) { return b.member(member)->save_state({scenario, build}, notes); }));
-          },
-          py::arg("member"), py::arg("scenario"), py::arg("build"), py::arg("notes"),
-          "Like Simulation.save_state of that member.");
+          "a member cannot be restarted separately.");
 }
 
 }  // namespace uwsim::bindings

@@ -102,6 +102,14 @@ void bind_world(py::module_& m) {
       m, "World", "The world that dynamics and rays share. ENU, z up, water surface at z = 0.")
       .def(py::init<>())
       .def_readwrite("water", &World::water)
+      .def(
+          "with_water",
+          [](const World& world, const Water& water) {
+            auto other = std::make_shared<World>(world);
+            other->water = water;
+            return other;
+          },
+          py::arg("water"), "Return a world with the same terrain and solids, which it shares, in another water.")
       .def("set_terrain", &set_terrain, py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"),
            "Set the terrain. heights_m: (ny, nx) float32, where heights_m[j, i] is z at (x0 + i spacing, y0 + j\n"
            "spacing). origin_m: (x0, y0). Raises ValueError for wrong shapes, non-finite heights or an invalid\n"

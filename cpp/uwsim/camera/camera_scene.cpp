@@ -32,6 +32,19 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
   textures_.resize(classes_.size());
 }
 
+CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint64_t seed)
+    : world_(like.world_),
+      rays_(like.rays_),
+      seed_(seed),
+      materials_(like.materials_),
+      classes_(like.classes_),
+      textures_(like.textures_),
+      has_textures_(like.has_textures_),
+      vehicle_names_(like.vehicle_names_),
+      hulls_(like.hulls_) {
+  world_.water = water;
+}
+
 void CameraScene::set_appearance(Label label, const SurfaceAppearance& appearance) {
   require(label > kTerrain && label < world_.solids().size() + kTerrain + 1, "label", label, "must be a solid's label");
   require_fits(appearance.texture.get(), world_.solids()[label - kTerrain - 1]->mesh_world);

@@ -38,6 +38,10 @@ class CameraScene {
  public:
   CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed);
 
+  /// A scene with the same surfaces and appearances in another water, with another seed. It shares the hulls' search
+  /// structures and the textures.
+  CameraScene(const CameraScene& like, const Water& water, std::uint64_t seed);
+
   /// Sets the material, class and texture of a solid; the defaults are steel, structure and no texture. Throws
   /// InvalidValue for an unknown label.
   void set_appearance(Label label, const SurfaceAppearance& appearance);

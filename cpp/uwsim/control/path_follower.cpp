@@ -9,6 +9,12 @@
 #include "uwsim/core/with_unit.h"
 
 namespace uwsim {
+namespace {
+
+constexpr double kSlowDown_s = 0.5, kSpeedUp_s = 20;  // to change by the full speed
+constexpr double kSlowest = 0.1;                      // lowest fraction of the full speed
+
+}  // namespace
 
 PathFollower::PathFollower(std::vector<Eigen::Vector3d> points_m, double lookahead_m, double integral_m_s,
                            double period_s)
@@ -52,6 +58,14 @@ Guidance PathFollower::guide(const Eigen::Vector3d& position_world_m) {
   guidance.z_world_m = points_m_[segment].z() + share * (points_m_[segment + 1].z() - points_m_[segment].z());
   integral_s += period_s_ * lookahead_m_ * across_m / (aim_m * aim_m + lookahead_m_ * lookahead_m_);
   return guidance;
+}
+
+Eigen::Vector2d PathFollower::pace(double course_rad, double speed_m_s, double force_share) {
+  const double lacking = 1 - force_share;
+  const double change = lacking > 1e-6 ? -lacking / kSlowDown_s : 1 / kSpeedUp_s;
+  speed_share = std::min(std::max(speed_share + period_s_ * change, kSlowest), 1.0);
+  const double speed = speed_share * speed_m_s;
+  return {speed * std::cos(course_rad), speed * std::sin(course_rad)};
 }
 
 }  // namespace uwsim

@@ -34,9 +34,14 @@ class PathFollower {
   /// Computes guidance for one control period. A segment is completed when the vehicle passes the plane through the
   /// segment's end that is perpendicular to it.
   Guidance guide(const Eigen::Vector3d& position_world_m);
+  /// Adapts the pace for one control period, and returns the velocity over ground [m/s] along a course. While the
+  /// thrusters deliver less than the requested force, the vehicle slows down, so that thrust across the path suffices.
+  /// `force_share`: see MotionController.
+  Eigen::Vector2d pace(double course_rad, double speed_m_s, double force_share);
 
   std::size_t segment = 0;  ///< index of the present segment
   double integral_s = 0;    ///< Y
+  double speed_share = 1;   ///< fraction of the full speed, as set by `pace`
 
  private:
   double length_m(std::size_t segment) const { return starts_m_[segment + 1] - starts_m_[segment]; }

@@ -13,11 +13,19 @@
 namespace uwsim {
 namespace {
 
-// Costs differ between members, since those near the bed have contacts to solve
-constexpr std::size_t kSharesPerThread = 8;
+// Costs differ between members, since those near the bed have contacts to solve, and a thread may be interrupted. With
+// few shares, the threads that finish first wait long for the last share.
+constexpr std::size_t kSharesPerThread = 32;
 constexpr std::size_t kStepsWorthThreads = 256;  // over all members; fewer steps take less time than starting a thread
 constexpr std::size_t kAxes = 6;
 constexpr std::array<const char*, kAxes> kAxisNames = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
+
+/// Row k of values by name.
+Actuators::Named named(std::span<const std::string> names, std::span<const double> values, std::size_t k) {
+  Actuators::Named row;
+  for (std::size_t i = 0; i < names.size(); ++i) row.emplace_back(names[i], values[names.size() * k + i]);
+  return row;
+}
 
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
@@ -95,6 +103,27 @@ void Batch::set_efforts(std::size_t vehicle, std::span<const double> efforts) {
   }
   each(all_, 1, [&](std::size_t k, std::size_t) {
     members_[k]->actuators(vehicle).set_effort(Eigen::Map<const Vector6d>(&efforts[kAxes * k]));
+  });
+}
+
+void Batch::set_wrenches(std::size_t vehicle, std::span<const double> wrenches_body) {
+  require(wrenches_body.size() == kAxes * size(), "wrenches_body", wrenches_body.size(), "must be six for each member");
+  each(all_, 1, [&](std::size_t k, std::size_t) {
+    members_[k]->actuators(vehicle).set_wrench(Eigen::Map<const Vector6d>(&wrenches_body[kAxes * k]));
+  });
+}
+
+void Batch::set_thrusters(std::size_t vehicle, std::span<const std::string> names, std::span<const double> commands) {
+  require(commands.size() == names.size() * size(), "commands", commands.size(), "must be a value for each name");
+  each(all_, 1, [&](std::size_t k, std::size_t) {
+    members_[k]->actuators(vehicle).set_thrusters(named(names, commands, k));
+  });
+}
+
+void Batch::set_fins(std::size_t vehicle, std::span<const std::string> names, std::span<const double> angles_rad) {
+  require(angles_rad.size() == names.size() * size(), "angles_rad", angles_rad.size(), "must be a value for each name");
+  each(all_, 1, [&](std::size_t k, std::size_t) {
+    members_[k]->actuators(vehicle).set_fins(named(names, angles_rad, k));
   });
 }
 

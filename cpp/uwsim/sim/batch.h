@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "uwsim/sim/simulation.h"
@@ -72,6 +73,12 @@ class Batch {
   /// Sets the effort of one vehicle in each member: (n, 6), see Actuators::set_effort. On error, throws InvalidValue
   /// without changing any member.
   void set_efforts(std::size_t vehicle, std::span<const double> efforts);
+  /// Commands one vehicle in each member: wrenches (n, 6), see Actuators::set_wrench; values by thruster or fin,
+  /// (n, names.size()), see Actuators::set_thrusters and set_fins. On error, throws InvalidValue after the other members
+  /// have been commanded.
+  void set_wrenches(std::size_t vehicle, std::span<const double> wrenches_body);
+  void set_thrusters(std::size_t vehicle, std::span<const std::string> names, std::span<const double> commands);
+  void set_fins(std::size_t vehicle, std::span<const std::string> names, std::span<const double> angles_rad);
   void step(std::uint64_t count);
   /// Advances each member by its own number of steps; counts: (n,).
   void step_each(std::span<const std::uint64_t> counts);

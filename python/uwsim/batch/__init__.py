@@ -2,6 +2,26 @@
 
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.batch import Batch
-from uwsim.batch.results import BatchMotion, BatchPhysicsPings, BatchPings, BatchSamples
+from uwsim.batch.control import BatchAutopilot, BatchController, BatchPathFollower
+from uwsim.batch.results import (
+    BatchEstimate,
+    BatchGuidance,
+    BatchMotion,
+    BatchPhysicsPings,
+    BatchPings,
+    BatchSamples,
+)
 
-__all__ = ["Batch", "BatchMotion", "BatchPhysicsPings", "BatchPings", "BatchSamples", "MemberAboard"]
+__all__ = [
+    "Batch",
+    "BatchAutopilot",
+    "BatchController",
+    "BatchEstimate",
+    "BatchGuidance",
+    "BatchMotion",
+    "BatchPathFollower",
+    "BatchPhysicsPings",
+    "BatchPings",
+    "BatchSamples",
+    "MemberAboard",
+]

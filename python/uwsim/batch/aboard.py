@@ -1,42 +1,32 @@
-"""The onboard programs of one batch member: its faults and its vehicles' failsafes, as in a Simulator."""
+"""One member of a batch as a Simulator: its vehicles with all their instruments, its faults, failsafes and holds."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.base.agenda import Agenda
-from uwsim.base.journal import Journal
 from uwsim.batch.members import Member
-from uwsim.scenario import Scenario, VehicleEntry
+from uwsim.instruments.cameras.shared_scene import SharedScene
+from uwsim.instruments.sonars.imaging import Acoustics
+from uwsim.scenario import VehicleEntry
 from uwsim.scenario.build.control import ControlSettings
-from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.station import dock_position, exit_position
-from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
-from uwsim.scenario.build.world import scenario_water
-from uwsim.simulator.docking import Dock
-from uwsim.simulator.failures import Aboard, EventLog, Failsafe, Faults
+from uwsim.simulator.command_gate import FailsafeLike
 from uwsim.simulator.network import Network
-from uwsim.simulator.parameters import Parameters
-from uwsim.simulator.vehicle import Vehicle
+from uwsim.simulator.simulator import Simulator
 
 
-class MemberAboard:
-    """A member's onboard programs; valid until the member is reset.
+class MemberAboard(Simulator):
+    """A member of a batch, with everything that a Simulator has; valid until the member is reset.
 
-    events: the log of faults, alarms and failsafes so far. faults: injects and ends faults. failsafes: each vehicle's
-    failsafe, keyed by vehicle name; see uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and
-    `override`. agenda: schedules these programs.
+    It uses one thread, and acts on the member itself: commands, faults, parameters and restored states are those of
+    the member, which the batch steps and resets. See uwsim.Simulator for `vehicles`, `events`, `faults` and the rest.
     """
 
-    agenda: Agenda
-    events: EventLog
-    faults: Faults
-    failsafes: Mapping[str, Failsafe]
+    _has_channels = False
 
     def __init__(
         self,
@@ -45,69 +35,69 @@ class MemberAboard:
         scene: _core.RayScene,
         member: Member,
         control: Sequence[ControlSettings],
+        like: MemberAboard | None,
     ) -> None:
-        """core: the newly created member, which is not changed. control: the control settings of each vehicle.
+        """core: the member, which is not changed. control: the control settings of each vehicle. like: another member.
 
         Raises ValueError for faults in parts that the member does not have.
         """
-        scenario = member.original
-        self._core, self._world, self._water = core, world, member.water
-        self._specs, self._step_s = list(member.vehicles), scenario.step_s
-        self.agenda = Agenda(lambda: core.tick)
-        self._journal = Journal(self.agenda)
-        station = scenario.station
-        yaw_rad = float(np.radians(station.yaw_deg))
-        dock = Dock(core, scene, dock_position(station), exit_position(station), yaw_rad)
-        self._vehicles = {
-            entry.name: self._vehicle(k, entry, dock, control[k]) for k, entry in enumerate(member.scenario.vehicles)
-        }
-        self._sensors = [list(vehicle.sensors.values()) for vehicle in self._vehicles.values()]
-        network = None
-        if scenario.link is not None and scenario.link.modem.kind != "none":
-            network = Network(core, scenario, scenario.link.modem, self._journal)
-        self.events = EventLog(scenario.step_s)
-        self.faults = Faults(
-            scenario, self._vehicles, events=self.events, journal=self._journal, agenda=self.agenda,
-            apply=lambda: self._parameters.lay_anew(), network=network, has_channels=False,
+        self._member, self._control, self._like = member, control, like
+        self._assemble(
+            member.original, member.scenario, 1, world.with_water(member.water), scene, core,
+            None if like is None else like.shared_scene,
         )  # fmt: skip
-        self._parameters = Parameters(member.scenario, self._change, self._journal.note, {}, self.faults.overlay)
-        self._programs = Aboard(self.faults)
-        self.failsafes = self._programs.add_failsafes(
-            scenario, self._vehicles, dock=dock, network=network, events=self.events, agenda=self.agenda
-        )
+        self._like = None
+        self._parameters.adopt(member.changes, member.scenario)
+        self._sensors = [list(vehicle.sensors.values()) for vehicle in self.vehicles.values()]
 
     def __repr__(self) -> str:
         return f"<MemberAboard: {self.events!r}, {self.faults!r}>"
 
-    def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock, control: ControlSettings) -> Vehicle:
-        return Vehicle(
-            self._core,
-            index,
-            self._specs[index],
-            dock=dock,
-            cameras={},
-            lamps={},
-            imaging_sonars={},
-            journal=self._journal,
-            sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
-            step_s=self._step_s,
-            navigate=_no_estimate,
-            control=control,
+    def _added(self, index: int, entry: VehicleEntry) -> tuple[_core.VehicleSpec, ControlSettings]:
+        return self._member.vehicles[index], self._control[index]
+
+    def _imaging_models(self, index: int, entry: VehicleEntry) -> Mapping[str, Acoustics]:
+        if self._like is not None:
+            other = self._like.parameters.scenario.vehicles[index]
+            if other.model.imaging_sonars == entry.model.imaging_sonars:
+                sonars = self._like.vehicles[entry.name].imaging_sonars
+                return {name: sonar.model for name, sonar in sonars.items()}
+        return super()._imaging_models(index, entry)
+
+    def _joined(self) -> Network | None:
+        link = self.scenario.link
+        return (
+            None
+            if link is None or link.modem.kind == "none"
+            else Network(self._core, self.scenario, link.modem, self.journal)
         )
 
     @property
-    def tick(self) -> int:
-        """The number of steps since the start of the member."""
-        return self._core.tick
+    def failsafes(self) -> Mapping[str, FailsafeLike]:
+        """The vehicles' failsafes, by vehicle; see uwsim.simulator.failures.Failsafe."""
+        return {name: rov.failsafe for name, rov in self.vehicles.items() if rov.failsafe is not None}
+
+    @property
+    def shared_scene(self) -> SharedScene:
+        """The scene of the member's cameras."""
+        return self._shared_scene
+
+    def step(self, n: int = 1) -> NoReturn:
+        """Raise ValueError: Batch.step advances all members together."""
+        raise ValueError(f"step({n}): a member of a batch is advanced by Batch.step")
+
+    def reset(self, seed: int | None = None) -> NoReturn:
+        """Raise ValueError: Batch.reset restarts members."""
+        raise ValueError(f"reset({seed}): a member of a batch is reset by Batch.reset")
 
     def acts_within(self, steps: int) -> bool:
         """Return whether anything is due within this many steps."""
         return self.agenda.due_tick < self.tick + steps
 
-    def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
-        """Record that an effort (6,) was set, so the vehicle is not silent; a steering failsafe overrides it."""
-        if vehicle in self.failsafes:
-            self._vehicles[vehicle].set_effort(*effort.tolist())
+    def has_gate(self, vehicle: str) -> bool:
+        """Return whether all stop, a failsafe or a hold may act on a vehicle's commands."""
+        gate = self.vehicles[vehicle].gate
+        return gate.all_stopped or gate.failsafe is not None or (gate.holds is not None and gate.holds.has_control)
 
     def tell(
         self, vehicle: int, sensor: int, noise: bool, values: NDArray[np.float64], valid: NDArray[np.bool_]
@@ -122,31 +112,3 @@ class MemberAboard:
         elif noise and instrument.distortion is not None:
             fields = _core.sensor_kind(instrument.kind).fields
             values[...] = instrument.distortion.of_rows(values[None], fields)[0]
-
-    def camera_is_on(self, vehicle: str, camera: str) -> bool:
-        """Return whether a camera in the vehicle file is on; if it is off, its pictures are black."""
-        entry = next(entry for entry in self._parameters.scenario.vehicles if entry.name == vehicle)
-        return camera not in entry.model.cameras or entry.model.cameras[camera].on
-
-    def save(self) -> dict[str, Any]:
-        """Return the part of a saved state that belongs to these programs."""
-        return {"programs": self._programs.save(), "events": self.events.save()}
-
-    def _change(self, scenario: Scenario) -> None:
-        """Apply a scenario that differs from the current one only in its parameters. Raises ValueError."""
-        before = self._parameters.scenario
-        other_water = scenario.water != before.water
-        water = scenario_water(scenario, self._world) if other_water else self._water
-        specs = list(self._specs)
-        for index, (entry, old) in enumerate(zip(scenario.vehicles, before.vehicles, strict=True)):
-            if other_water or entry != old:
-                with vehicle_errors_at(scenario, index):
-                    specs[index] = vehicle_spec(scenario, entry)
-        self._core.change(water, simulation_spec(scenario), specs)
-        self._water, self._specs = water, specs
-        for index, (entry, vehicle) in enumerate(zip(scenario.vehicles, self._vehicles.values(), strict=True)):
-            vehicle.change(entry, specs[index], {})
-
-
-def _no_estimate(*_: Any) -> NoReturn:
-    raise ValueError("estimate: members of a batch have none")

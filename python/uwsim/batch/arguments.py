@@ -81,6 +81,25 @@ def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64
     return np.broadcast_to(array.astype(np.float64), (n, width))
 
 
+def each(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
+    """Return n finite numbers; a single one applies to all members. Raises ValueError."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name}.dtype = {array.dtype}: must be real numbers")
+    if array.shape not in ((), (n,)):
+        raise ValueError(f"{name}.shape = {array.shape}: expected ({n},) or a number")
+    found = np.broadcast_to(array.astype(np.float64), (n,))
+    require_finite(found, name)
+    return found
+
+
+def require_finite(values: NDArray[np.float64], name: str) -> None:
+    """Raise ValueError, naming the first member whose value (row) is not finite."""
+    for where in np.argwhere(~np.isfinite(values))[:1]:
+        at = "".join(f"[{k}]" for k in where.tolist())
+        raise ValueError(f"{name}{at} = {values[tuple(where)]}: must be finite")
+
+
 def members(mask: ArrayLike | None, n: int) -> list[int]:
     """Return the indices of the members selected by a mask (n,) bool, or all without one. Raises ValueError."""
     if mask is None:

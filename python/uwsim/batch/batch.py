@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -14,32 +12,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import checked_threads
-from uwsim.base.did_you_mean import did_you_mean
-from uwsim.base.sealed import Sealed
 from uwsim.batch import arguments
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.arguments import Changes, FaultList, whole
+from uwsim.batch.commands import named
+from uwsim.batch.instruments import InstrumentedBatch
 from uwsim.batch.members import Member, Members
 from uwsim.batch.programs import Programs
-from uwsim.batch.results import (
-    BatchMotion,
-    BatchPings,
-    BatchSamples,
-    Buffers,
-    motion_buffers,
-    ping_buffers,
-    sample_buffers,
-)
 from uwsim.scenario import Scenario, build_world, load
-from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.spec.fault import FaultModel
-from uwsim.simulator.docking import DockedWarning
 from uwsim.simulator.simulator import Simulator
 
 MEMBERS_MAX = 1_000_000
 
 
-class Batch(Sealed):
+class Batch(InstrumentedBatch):
     """n independent simulations of one scenario.
 
     Member k is bit-identical to Simulator(scenario, seed=seeds[k]) with parameters[k] set, for any number of threads.
@@ -56,7 +44,6 @@ class Batch(Sealed):
     """
 
     scenario: Scenario
-    n: int
     threads: int
     _fixed_when = "the batch is made"
     _changed_by = MappingProxyType(
@@ -92,10 +79,9 @@ class Batch(Sealed):
         self._programs = Programs(self._core, self._world, scene, self._members, self.n)
         for k, member in enumerate(members):
             self._programs.begin(k, member)
-        self._motion = [motion_buffers(self.n) for _ in self._names]
-        self._samples: dict[tuple[int, int], Buffers[BatchSamples]] = {}
-        self._pings: dict[tuple[int, int, bool], Buffers[BatchPings]] = {}
         self._has_warned = False
+        self._to_check = {*range(len(self._names))}
+        self._make_buffers()
 
     def __repr__(self) -> str:
         return f"<Batch of {self.n} '{self.scenario.name}' with {', '.join(self._names)}>"
@@ -120,6 +106,10 @@ class Batch(Sealed):
         """Terrain and obstacles, shared by all members. Its water is the scenario's, not any member's."""
         return self._fixed_world
 
+    def control(self, vehicle: str | None = None) -> ControlSettings:
+        """Return a vehicle's model and gains from its file, for a controller; the same in all members."""
+        return self._members.control[self._vehicle(vehicle)]
+
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
         """Set efforts, if given, and advance every member by n fixed steps; efforts are held until replaced.
 
@@ -133,86 +123,12 @@ class Batch(Sealed):
             by_name = efforts if isinstance(efforts, Mapping) else {self._names[0]: efforts}
             checked = {self._vehicle(name): np.asarray(values) for name, values in by_name.items()}
             for values in checked.values():
-                if values.shape != (self.n, 6):
-                    raise ValueError(f"efforts.shape = {values.shape}: expected ({self.n}, 6)")
+                self._require_efforts(values)
             for vehicle, values in checked.items():
-                self._core.set_efforts(vehicle, values)
-                self._programs.hear_efforts(self._names[vehicle], values)
-                if steps and not self._has_warned and values.any():
+                self._drive(vehicle, values)
+                if steps and vehicle in self._to_check and not self._has_warned and values.any():
                     self._warn_if_docked(vehicle)
         self._programs.step(steps)
-
-    def observe(self, vehicle: str | None = None) -> BatchMotion:
-        """Return the true motion of a vehicle (by default the first) in each member."""
-        index = self._vehicle(vehicle)
-        motion = self._motion[index]
-        self._core.motion(index, *motion.writable)
-        return motion.shown
-
-    def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
-        """Return the latest sample from a sensor in each member, like Sensor.read."""
-        index = self._vehicle(vehicle)
-        sensors = self._members.vehicles[index].sensors
-        names = [spec.name for spec in sensors]
-        if sensor not in names:
-            rule = f"must be one of {', '.join(names)}{did_you_mean(str(sensor), names)}"
-            raise ValueError(f"{self._names[index]}.sensors[{sensor!r}]: {rule}")
-        key = index, names.index(sensor)
-        if key not in self._samples:
-            self._samples[key] = sample_buffers(self.n, _core.sensor_kind(sensors[key[1]].kind).fields)
-        samples = self._samples[key]
-        self._core.read_sensor(*key, noise, *samples.writable)
-        self._programs.tell(*key, noise, samples)
-        return samples.shown
-
-    def ping(self, vehicle: str | None = None) -> BatchPings:
-        """Ping with a vehicle's first sonar in each member; in physics mode, BatchPhysicsPings are returned.
-
-        The sonars of all members must have the same number of beams and the same mode. Raises ValueError.
-        """
-        index = self._vehicle(vehicle)
-        if not self._members.vehicles[index].sonars:
-            raise ValueError(f"vehicle '{self._names[index]}': carries no sonar")
-        modes = self._core.in_physics_mode(index, 0)
-        in_physics_mode = modes[0]
-        if in_physics_mode in modes and (not in_physics_mode) in modes:
-            other = f"another in batch[{modes.index(not in_physics_mode)}] than in batch[0]"
-            raise ValueError(f"{self._names[index]}.sonar.mode: {other}: a batch pings in one mode")
-        key = index, self._core.beams(index, 0), in_physics_mode
-        if key not in self._pings:
-            self._pings[key] = ping_buffers(self.n, key[1], in_physics_mode)
-        pings = self._pings[key]
-        (self._core.acoustic_ping if in_physics_mode else self._core.ping)(index, 0, *pings.writable)
-        return pings.shown
-
-    def place(
-        self,
-        position_world_m: ArrayLike,
-        orientation_xyzw: ArrayLike = (0.0, 0.0, 0.0, 1.0),
-        velocity_body: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        *,
-        mask: ArrayLike | None = None,
-        vehicle: str | None = None,
-    ) -> None:
-        """Move a vehicle instantly to a pose in each member, like Vehicle.place; a docked vehicle is released.
-
-        position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): one row per member, or a single row for
-        all. mask (n,) bool: selects members; the others' rows are ignored. Raises ValueError if a pose is not free,
-        after the vehicles of the other members have been placed.
-        """
-        members = arguments.members(mask, self.n)
-        positions = arguments.rows(position_world_m, "position_world_m", self.n, 3)
-        orientations = arguments.rows(orientation_xyzw, "orientation_xyzw", self.n, 4)
-        velocities = arguments.rows(velocity_body, "velocity_body", self.n, 6)
-        states = [_core.BodyState(positions[k], orientations[k], velocities[k]) for k in members]
-        self._core.set_states(self._vehicle(vehicle), members, states)
-
-    def release(self, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
-        """Release a vehicle from the station in all members, or in those selected by a mask (n,) bool.
-
-        See Vehicle.release.
-        """
-        self._core.release(self._vehicle(vehicle), arguments.members(mask, self.n))
 
     def reset(
         self,
@@ -228,6 +144,7 @@ class Batch(Sealed):
         the selected members are used. Raises ValueError without changing anything.
         """
         chosen = arguments.members(mask, self.n)
+        self._to_check = {*range(len(self._names))}
         if seeds is None and parameters is None and faults is None:
             self._core.restart(chosen)
             self._programs.begin_again(chosen)
@@ -244,15 +161,28 @@ class Batch(Sealed):
             self._programs.begin(k, member)
 
     def aboard(self, member: int) -> MemberAboard:
-        """Return a member's onboard programs (faults, failsafes and events), valid until the member is reset.
+        """Return one member as a Simulator that acts on the member itself; valid until the member is reset.
 
-        Raises ValueError.
+        It gives access to all that has no call for the whole batch: faults, failsafes and events, parameters, holds,
+        lamps, the aims of heads and cameras, the panel. Raises ValueError.
         """
         k = whole(member, "member", 0, self.n - 1)
         return self._programs.aboard(k, lambda: self._member(k))
 
     def _member(self, k: int) -> Member:
         return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])
+
+    def save_state(self, member: int) -> bytes:
+        """Return a member's state, the same bytes as Simulator.save_state returns. Raises ValueError."""
+        return self.aboard(member).save_state()
+
+    def restore_state(self, member: int, state: bytes) -> None:
+        """Continue a member from a state of a member or a Simulator with the same scenario and seed.
+
+        Raises ValueError, changing nothing, if the state is damaged or of another scenario or seed.
+        """
+        with named(member):
+            self.aboard(member).restore_state(state)
 
     def simulator(self, member: int) -> Simulator:
         """Return a Simulator in a member's current state, independent of the batch, for closer inspection."""
@@ -261,31 +191,5 @@ class Batch(Sealed):
         if self._faults[k] != scenario.faults:
             scenario = scenario.model_copy(update={"faults": self._faults[k]})
         sim = Simulator(scenario, threads=self.threads)
-        if self._changes[k]:
-            sim.parameters.update(self._changes[k])
-        origin = scenario_fingerprint(sim.scenario), build_fingerprint()
-        notes = json.loads(_core.saved_notes(sim.save_state(), *origin))
-        if self._programs.has(k):
-            notes |= self.aboard(k).save()
-        sim.restore_state(self._core.save_state(k, *origin, json.dumps(notes)))
+        sim.restore_state(self.save_state(k))
         return sim
-
-    def _vehicle(self, name: str | None) -> int:
-        names = self._names
-        if name is None:
-            return 0
-        if name not in names:
-            raise ValueError(f"vehicle = {name!r}: must be one of {', '.join(names)}{did_you_mean(str(name), names)}")
-        return names.index(name)
-
-    def _warn_if_docked(self, vehicle: int) -> None:
-        motion = self._motion[vehicle]
-        self._core.motion(vehicle, *motion.writable)
-        if not motion.shown.released.all():
-            self._has_warned = True
-            warnings.warn(
-                f"vehicle '{self._names[vehicle]}' is docked in some members: efforts have no effect there before "
-                "release() or place()",
-                DockedWarning,
-                stacklevel=3,
-            )

@@ -25,12 +25,14 @@ from uwsim.simulator.parameters.tree import Place
 class Member:
     """A member's definition.
 
-    original: the scenario with the member's seed and faults. scenario: `original` with the member's parameters applied.
+    original: the scenario with the member's seed and faults. scenario: `original` with the member's parameters applied,
+    which are `changes`.
     """
 
     original: Scenario
     scenario: Scenario
     water: _core.Water
+    changes: Changes
     vehicles: Sequence[_core.VehicleSpec]
     spec: _core.MemberSpec
 
@@ -81,7 +83,7 @@ class Members:
             else link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
         )
         spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link)
-        return Member(original, scenario, water, vehicles, spec)
+        return Member(original, scenario, water, changes, vehicles, spec)
 
     @cached_property
     def control(self) -> list[ControlSettings]:

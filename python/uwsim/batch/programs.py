@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.members import Member, Members
 from uwsim.batch.results import BatchSamples, Buffers
+from uwsim.scenario.spec.fault import FaultModel
+from uwsim.simulator.vehicle import Vehicle
 
 
 class Programs:
-    """Keeps track of members' faults, failsafes and switched-off sensors. Members without these cost nothing extra.
+    """Keeps track of the members that have programs, or whose MemberAboard has been asked for; others cost nothing.
 
     Each member has its own agenda (`base/agenda.py`): between ticks at which its Python items act, it is stepped like
     any other member. Members may temporarily be at different ticks, so that every round of parts keeps all threads
@@ -23,13 +24,15 @@ class Programs:
 
     def __init__(self, core: _core.Batch, world: _core.World, scene: _core.RayScene, members: Members, n: int) -> None:
         self._core, self._world, self._scene, self._members, self._n = core, world, scene, members, n
+        self._like: MemberAboard | None = None
+        self._valid: Sequence[FaultModel] = ()
         self._made: dict[int, Member] = {}
         self._aboard: dict[int, MemberAboard] = {}
         self._off: dict[int, list[tuple[int, int]]] = {}
 
     def check(self, k: int, member: Member) -> None:
         """Raise ValueError if a member's programs are invalid."""
-        if member.has_programs:
+        if member.has_programs and member.original.faults != self._valid:
             self._new(k, member)
 
     def begin(self, k: int, member: Member) -> None:
@@ -62,14 +65,24 @@ class Programs:
 
     def _new(self, k: int, member: Member) -> MemberAboard:
         try:
-            return MemberAboard(self._core.member(k), self._world, self._scene, member, self._members.control)
+            made = MemberAboard(
+                self._core.member(k), self._world, self._scene, member, self._members.control, self._like
+            )
         except ValueError as error:
             raise ValueError(f"batch[{k}]: {error}") from None
+        self._like = self._like or made
+        self._valid = member.original.faults
+        return made
 
-    def hear_efforts(self, vehicle: str, efforts: NDArray[np.float64]) -> None:
-        """Notify the failsafes that efforts (n, 6) were set."""
+    def vehicles(self, vehicle: str) -> Iterator[tuple[int, Vehicle]]:
+        """Return a vehicle of each member that has a MemberAboard, with the member's index."""
+        return ((k, aboard.vehicles[vehicle]) for k, aboard in self._aboard.items())
+
+    def hear(self, vehicle: str, command: Callable[[int, Vehicle], object]) -> None:
+        """Repeat a command in members where all stop, a failsafe or a hold may act on it: call command(k, vehicle)."""
         for k, aboard in self._aboard.items():
-            aboard.hear_effort(vehicle, efforts[k])
+            if aboard.has_gate(vehicle):
+                command(k, aboard.vehicles[vehicle])
 
     def step(self, steps: int) -> None:
         """Step all members. Raises ValueError if a member cannot continue, after the others have been stepped."""

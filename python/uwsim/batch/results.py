@@ -33,6 +33,34 @@ class BatchMotion(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class BatchEstimate(ShortRepr):
+    """The estimated motion of one vehicle in each member, see Vehicle.estimate. The arrays belong to the caller.
+
+    float64: time_s (n,), the time of the estimate; position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n,
+    6) [m/s, rad/s]; covariance (n, 15, 15), see Navigator.covariance.
+    """
+
+    time_s: Floats
+    position_world_m: Floats
+    orientation_xyzw: Floats
+    velocity_body: Floats
+    covariance: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BatchGuidance(ShortRepr):
+    """Guidance of one vehicle in each member along its path, see PathFollower.steer. All (n,); is_done bool."""
+
+    course_rad: Floats
+    path_rad: Floats
+    cross_track_m: Floats
+    along_m: Floats
+    left_m: Floats
+    z_world_m: Floats
+    is_done: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class BatchSamples(ShortRepr):
     """The latest sample from one sensor in each member; see Sensor.read. The read-only arrays belong to the batch.
 

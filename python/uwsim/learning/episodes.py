@@ -57,7 +57,7 @@ class Episodes:
             raise ValueError(f"step_s = {scenario.step_s:g} s: {rule}")
         self.duration_s = kind.duration_s if options.duration_s is None else options.duration_s
         self.ranges = checked_ranges({**kind.randomize, **(options.randomize or {})}, scenario)
-        self.eye = None if options.camera is None else Eye(scenario, options, self.batch.threads)
+        self.eye = None if options.camera is None else Eye(self.batch, options)
         self.observation_space = look(self.task.observation_space, self.eye)
         self.action_space = self.task.action_space
         self.generators: list[np.random.Generator | None] = [None] * n
@@ -121,7 +121,7 @@ class Episodes:
         if self.eye is None:
             return observation
         state = observation if isinstance(observation, dict) else {"state": observation}
-        return {**state, "camera": self.eye.pictures(self.batch)}
+        return {**state, "camera": self.eye.pictures()}
 
     def step(self, actions: Any, anew: Flags | None = None) -> Outcome:
         """Apply actions (n, axes) for one period; members in `anew` (n,) begin new episodes instead, without reward.

@@ -49,8 +49,6 @@ class EpisodeOptions:
             raise ValueError(f"camera_size = {self.camera_size}: must be in [1, {PICTURE_MAX}] pixels")
         if self.camera is None and self.camera_size != (84, 84):
             raise ValueError("camera_size: has no effect: no camera is selected")
-        if self.camera is not None and any(name.startswith("optics.") for name in self.randomize or {}):
-            raise ValueError("randomize: optics would have no effect: all members' pictures have the same light")
 
 
 def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType, TracebackType
@@ -20,9 +21,11 @@ from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
 from uwsim.instruments.cameras.shared_scene import SharedScene
+from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
 from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
+from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
 from uwsim.scenario.build.multibeam import bottom_material
@@ -56,6 +59,8 @@ class Simulator(Sealed):
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
     Concurrent calls are serialised. cameras: the station's. events: faults, alarms and failsafe reactions so far.
     """
+
+    _has_channels = True  # whether commands may arrive over channels, which a link fault cuts off
 
     threads: int
     scene: _core.RayScene
@@ -92,35 +97,56 @@ class Simulator(Sealed):
         link: str | Path | None = None,
         threads: int | None = None,
     ) -> None:
-        self._scenario = load(scenario).with_changes(
+        own = load(scenario).with_changes(
             seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_khz=sonar_frequency_khz,
             modem=link,
         )  # fmt: skip
+        checked = checked_threads(threads)
+        world = build_world(own)
+        scene = _core.RayScene(world)
+        self._assemble(own, own, checked, world, scene, _core.Simulation(world, scene, simulation_spec(own)))
+
+    def _assemble(
+        self,
+        scenario: Scenario,
+        running: Scenario,
+        threads: int,
+        world: _core.World,
+        scene: _core.RayScene,
+        core: _core.Simulation,
+        like: SharedScene | None = None,
+    ) -> None:
+        """Assemble the simulator around a native simulation. Raises ScenarioError.
+
+        running: the scenario with the parameters applied that the native simulation was built with. like: cameras that
+        see the same surfaces.
+        """
+        self._scenario = scenario
         self._digest: tuple[Scenario, str] | None = None
-        self.threads = checked_threads(threads)
-        self.events = EventLog(self.scenario.step_s)
-        self._world = build_world(self.scenario)
-        self._fixed_world = _core.FixedWorld(self._world)
-        self.scene = _core.RayScene(self._world)
-        self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
+        self.threads = threads
+        self.events = EventLog(scenario.step_s)
+        self._world = world
+        self._fixed_world = _core.FixedWorld(world)
+        self.scene = scene
+        self._core = core
         self.agenda = Agenda(partial(getattr, self._core, "tick"))
         self.journal = Journal(self.agenda)
         self.lockstep = Lockstep(self._core)
         self._specs: list[_core.VehicleSpec] = []
-        self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
+        self._shared_scene = SharedScene(running, world, scene, core, threads, self.journal, like)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
         dock = self._dock = self._made_dock()
         vehicles, found = dict[str, Vehicle](), Collected()
-        for index, entry in enumerate(self.scenario.vehicles):
-            with found.noted(), vehicle_errors_at(self.scenario, index):
+        for index, entry in enumerate(running.vehicles):
+            with found.noted(), vehicle_errors_at(running, index):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
         found.raise_any()
         self.vehicles = Named(vehicles, "vehicles")
-        self._link = Network.of(self._core, self.scenario, self.journal)
+        self._link = self._joined()
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
             self.scenario, vehicles, events=self.events, journal=self.journal, agenda=self.agenda,
-            apply=lambda: self.parameters.lay_anew(), network=self._link,
+            apply=lambda: self.parameters.lay_anew(), network=self._link, has_channels=self._has_channels,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
         self._aboard = Aboard(self.faults)
@@ -141,8 +167,7 @@ class Simulator(Sealed):
         )
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
-        spec = vehicle_spec(self.scenario, entry)
-        self._core.add_vehicle(spec)
+        spec, control = self._added(index, entry)
         self._specs.append(spec)
         dock.hull_radii_m.append(hull_radius_m(entry.model))
         return Vehicle(
@@ -152,14 +177,28 @@ class Simulator(Sealed):
             dock=dock,
             cameras=vehicle_cameras(entry, index, self._shared_scene),
             lamps=self._shared_scene.lamps[index],
-            imaging_sonars=imaging_sonars(self, entry),
+            imaging_sonars=imaging_sonars(self, entry, self._imaging_models(index, entry)),
             journal=self.journal,
             sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
             water_column=entry.sonar.water_column,
             step_s=self.step_s,
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
-            control=vehicle_control(self.scenario, entry.model, spec),
+            control=control,
         )
+
+    def _imaging_models(self, index: int, entry: VehicleEntry) -> Mapping[str, Acoustics]:
+        """Return the models of a vehicle's imaging sonars. Raises ValueError if one is invalid."""
+        return imaging_models(self, entry)
+
+    def _joined(self) -> Network | None:
+        """Add the link to the native simulation."""
+        return Network.of(self._core, self.scenario, self.journal)
+
+    def _added(self, index: int, entry: VehicleEntry) -> tuple[_core.VehicleSpec, ControlSettings]:
+        """Add a vehicle to the native simulation; return what it was built from. Raises ValueError."""
+        spec = vehicle_spec(self.scenario, entry)
+        self._core.add_vehicle(spec)
+        return spec, vehicle_control(self.scenario, entry.model, spec)
 
     def _made_dock(self) -> Dock:
         station = self.scenario.station
@@ -360,7 +399,10 @@ class Simulator(Sealed):
             if other_water or entry != old:
                 with vehicle_errors_at(scenario, index):
                     specs[index] = vehicle_spec(scenario, entry)
-        sonars = [imaging_models(self, entry) for entry in scenario.vehicles]
+        sonars = [
+            imaging_models(self, entry) if entry.model.imaging_sonars != old.model.imaging_sonars else {}
+            for entry, old in zip(scenario.vehicles, before.vehicles, strict=True)
+        ]
         if scenario.model_copy(update={"optics": before.optics}) != before:
             self._core.change(water, simulation_spec(scenario), specs)
         # Nothing below can fail.

@@ -88,20 +88,6 @@ def test_a_frame_depends_on_time_and_seed_but_not_on_threads(pool: Simulator) ->
     assert other.rov.cameras["front"].capture().rgb.tobytes() != first.rgb.tobytes()
 
 
-def test_pictures_taken_together_equal_captures_one_by_one(pool: Simulator) -> None:
-    pool.reset()
-    camera, snapshots = pool.rov.cameras["front"].resized(50, 30), []
-    for x in (-1.0, 0.0, 0.7):
-        pool.step()
-        pool.rov.place((x, 0.5, -2.0))
-        pool.rov.lamps["front"].on = x == 0.0
-        snapshots.append(camera.snapshot())
-    expected = [camera.capture(at=snapshot).rgb for snapshot in snapshots]
-    for threads in (1, 2):
-        np.testing.assert_array_equal(camera.capture_many(snapshots, threads=threads), expected)
-    assert camera.capture_many([]).shape == (0, 30, 50, 3)
-
-
 def test_captures_on_several_python_threads_equal_captures_one_by_one(pool: Simulator) -> None:
     cameras = [pool.rov.cameras["front"], pool.rov.cameras["down"], pool.cameras["station"]]
     alone = [camera.capture().rgb.tobytes() for camera in cameras]

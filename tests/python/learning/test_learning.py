@@ -180,7 +180,6 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"faults": [{"kind": "camera", "camera": "front", "at_s": 1}]}, "camera = 'front': must be one of none"),
         ({"faults": [{"kind": "link", "at_s": 1}]}, "the scenario has no link"),
         ({"faults": [{"kind": "thruster", "thruster": "frnt", "at_s": 1}]}, "thruster = 'frnt': must be one of"),
-        ({"camera": "front", "randomize": {"optics.wind_m_s": (0, 1)}}, "optics would have no effect"),
     ],
 )
 def test_wrong_options_are_named(make: dict[str, Any], message: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from copy import copy
 
 import numpy as np
@@ -113,32 +113,6 @@ class Camera(Sealed):
             world_from_camera=world_from_camera,
             rays=dict(picture.rays),
             task_s=dict(picture.task_s),
-        )
-
-    def capture_many(
-        self, at: Sequence[Snapshot], effects: str | Collection[str] = "on", *, threads: int | None = None
-    ) -> NDArray[np.uint8]:
-        """Return the pictures at several snapshots, (n, H, W, 3) uint8: the same bytes as the `rgb` of `capture`.
-
-        All snapshots have the light (optics) of the first. The pictures share the threads, each of which renders whole
-        pictures, and nothing but colour is returned, which saves much of the time of a small picture.
-        Raises ValueError as `capture` does.
-        """
-        if not at or not self.mount.on:
-            return np.zeros((len(at), self.info.height, self.info.width, 3), np.uint8)
-        poses = [self._pose(snapshot) for snapshot in at]
-        return self._scene.core.render_many(
-            self._lens.core,
-            core_optics(at[0].optics),
-            np.array([position for position, _, _ in poses]),
-            np.array([orientation for _, orientation, _ in poses]),
-            [snapshot.time_ns for snapshot in at],
-            effects_on(effects),
-            [snapshot.lamps for snapshot in at],
-            [(snapshot.positions_m, snapshot.orientations_xyzw) for snapshot in at],
-            self._hidden(),
-            [self._velocity(snapshot) for snapshot in at],
-            threads=self._scene.threads if threads is None else threads,
         )
 
     def _dark_frame(self, at: Snapshot | None, *, with_colour: bool, with_radiance: bool) -> Frame:
@@ -285,16 +259,27 @@ class Camera(Sealed):
             snapshot.lamps,
             snapshot.positions_m,
             snapshot.orientations_xyzw,
-            self._hidden(),
+            self.hidden,
             geometry_only=geometry_only,
-            velocity_camera=self._velocity(snapshot),
+            velocity_camera=self.velocity(snapshot),
             threads=scene.threads if threads is None else threads,
             **options,
         )
         return picture, snapshot.time_ns, world_from_camera
 
-    def _hidden(self) -> int | None:
-        """Return the vehicle that does not appear in the pictures, or None."""
+    @property
+    def scene(self) -> SharedScene:
+        """The scene that the camera shares with the simulator's other cameras."""
+        return self._scene
+
+    @property
+    def carrier(self) -> Carrier:
+        """What the camera is mounted on."""
+        return self._carrier
+
+    @property
+    def hidden(self) -> int | None:
+        """The index of the vehicle that does not appear in the pictures, or None."""
         return self._carrier if isinstance(self._carrier, int) and self.mount.follows == "body" else None
 
     def _refit(self, mount: CameraMount) -> None:
@@ -316,7 +301,7 @@ class Camera(Sealed):
             position[2] = world_from_camera[2, 3] = max(position[2], self._scene.ground_m(position) + CLEARANCE_M)
         return position, orientation, world_from_camera
 
-    def _velocity(self, snapshot: Snapshot) -> Floats:
+    def velocity(self, snapshot: Snapshot) -> Floats:
         """Return the camera's velocity (6,) in its own frame; zero for a camera that is not fixed to a vehicle."""
         if not isinstance(self._carrier, int) or self.mount.follows == "heading":
             return np.zeros(6)

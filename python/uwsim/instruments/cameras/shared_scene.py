@@ -45,10 +45,17 @@ class _Native:
     scenario: Scenario
     world: _core.World
     rays: _core.RayScene
+    like: _Native | None = None
 
     @cached_property
     def core(self) -> _core.CameraScene:
+        if self.like is not None and _same_hulls(self.scenario, self.like.scenario):
+            return self.like.core.with_water(self.world.water, self.scenario.seed)
         return camera_scene(self.scenario, self.world, self.rays)
+
+    def again(self, scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _Native:
+        """Return the native scene of another variant of the scenario, which shares the first scene's surfaces."""
+        return _Native(scenario, world, rays, self.like or self)
 
 
 class SharedScene:
@@ -61,8 +68,9 @@ class SharedScene:
 
     def __init__(
         self, scenario: Scenario, world: _core.World, rays: _core.RayScene, simulation: _core.Simulation, threads: int,
-        journal: Journal,
+        journal: Journal, like: SharedScene | None = None,
     ) -> None:  # fmt: skip
+        """like: another scene of the same world, which this one shares as much as possible with."""
         self.journal = journal
         self.optics: Optics = scenario.optics
         self.threads = threads
@@ -74,7 +82,7 @@ class SharedScene:
         self._world = world
         self._rays = rays
         self._simulation = simulation
-        self._native = _Native(scenario, world, rays)
+        self._native: _Native = _Native(scenario, world, rays) if like is None else like._native.again(scenario, world, rays)
 
     @property
     def core(self) -> _core.CameraScene:
@@ -91,7 +99,7 @@ class SharedScene:
     def restart(self, scenario: Scenario) -> None:
         """Restart with a scenario that differs from the first only in its seed; lamps and light are reset."""
         if scenario.seed != self._scenario.seed:
-            self._native = _Native(scenario, self._world, self._rays)
+            self._native = self._native.again(scenario, self._world, self._rays)
         self._scenario = scenario
         self.optics = scenario.optics
         for switches in self.lamps:
@@ -103,12 +111,8 @@ class SharedScene:
     def change(self, scenario: Scenario) -> None:
         """Switch to a scenario that differs only in its parameters."""
         before = self._scenario
-        hulls = [vehicle_hull(vehicle.model)[0] for vehicle in scenario.vehicles]
-        same_hulls = all(
-            np.array_equal(hull, vehicle_hull(old.model)[0]) for hull, old in zip(hulls, before.vehicles, strict=True)
-        )
-        if scenario.water != before.water or not same_hulls:
-            self._native = _Native(scenario, self._world, self._rays)
+        if scenario.water != before.water or not _same_hulls(scenario, before):
+            self._native = self._native.again(scenario, self._world, self._rays)
         self._scenario = scenario
         self.optics = scenario.optics
         for switches, vehicle in zip(self.lamps, scenario.vehicles, strict=True):
@@ -145,3 +149,11 @@ class SharedScene:
         aims = {name: head.angles_rad(time_ns) for name, head in self.heads.items()}
         velocities = np.array([state.velocity_body for state in states])
         return Snapshot(time_ns, positions, orientations, velocities, lamps, self.optics, aims)
+
+
+def _same_hulls(one: Scenario, other: Scenario) -> bool:
+    """Return whether all vehicles have the same hulls in two variants of a scenario."""
+    return all(
+        a.model is b.model or np.array_equal(vehicle_hull(a.model)[0], vehicle_hull(b.model)[0])
+        for a, b in zip(one.vehicles, other.vehicles, strict=True)
+    )

@@ -46,13 +46,13 @@ class ImagingSonar(Sealed):
     name: str
     model: Acoustics
 
-    def __init__(self, sim: Fleet, vehicle: str, name: str, mount: ImagingMount) -> None:
+    def __init__(self, sim: Fleet, vehicle: str, name: str, mount: ImagingMount, model: Acoustics) -> None:
         self._sim = sim
         self._vehicle = vehicle
         self._body_from_sonar = mount.body_from_sonar()
         self._kind = imaging.KINDS[mount.kind]
         self.name = name
-        self.model = checked_model(sim, mount)
+        self.model = model
 
     def __repr__(self) -> str:
         return f"<ImagingSonar '{self.name}' ({type(self.model).__name__})>"
@@ -115,7 +115,7 @@ def imaging_models(place: imaging.Place, vehicle: VehicleEntry) -> dict[str, Aco
     return {name: checked_model(place, mount) for name, mount in vehicle.model.imaging_sonars.items()}
 
 
-def imaging_sonars(sim: Fleet, vehicle: VehicleEntry) -> dict[str, ImagingSonar]:
-    """Return a vehicle's imaging sonars, keyed by name."""
+def imaging_sonars(sim: Fleet, vehicle: VehicleEntry, models: Mapping[str, Acoustics]) -> dict[str, ImagingSonar]:
+    """Return a vehicle's imaging sonars, keyed by name. models: see `imaging_models`."""
     mounts = vehicle.model.imaging_sonars
-    return {name: ImagingSonar(sim, vehicle.name, name, mount) for name, mount in mounts.items()}
+    return {name: ImagingSonar(sim, vehicle.name, name, mounts[name], model) for name, model in models.items()}

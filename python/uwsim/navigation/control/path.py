@@ -13,8 +13,6 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller
 
 Vector = NDArray[np.float64]
-SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time to change by the full speed, with insufficient and with sufficient thrust
-SLOWEST = 0.1  # lowest fraction of the commanded speed
 
 
 class PathFollower(Sealed):
@@ -46,7 +44,6 @@ class PathFollower(Sealed):
         self.controller = controller
         self.speed_m_s = speed_m_s
         self.lookahead_m = lookahead_m
-        self._pace = 1.0  # current fraction of the speed
         self._core = _core.PathFollower(points_m, lookahead_m, integral_m_s, controller.period_s)
 
     def __repr__(self) -> str:
@@ -55,15 +52,7 @@ class PathFollower(Sealed):
     def steer(self) -> _core.Guidance:
         """Set the efforts for one control period; return the guidance, which shows whether the end has been passed."""
         guidance = self._core.guide(self.controller.estimate.pose.position_world_m)
-        self._keep_pace()
-        speed, course = self._pace * self.speed_m_s, guidance.course_rad
-        velocity = (speed * math.cos(course), speed * math.sin(course))
-        heading = guidance.path_rad if self.controller.drives_sway else course
+        velocity = self._core.pace(guidance.course_rad, self.speed_m_s, self.controller.force_share)
+        heading = guidance.path_rad if self.controller.drives_sway else guidance.course_rad
         self.controller.steer(heading, velocity, guidance.z_world_m, across_first=True)
         return guidance
-
-    def _keep_pace(self) -> None:
-        """Slow down while the thrusters are at their limit, since thrust against a cross-current takes priority."""
-        lacking = 1.0 - self.controller.force_share
-        change = -lacking / SLOW_DOWN_S if lacking > 1e-6 else 1.0 / SPEED_UP_S
-        self._pace = min(max(self._pace + self.controller.period_s * change, SLOWEST), 1.0)

@@ -78,6 +78,15 @@ class Parameters(Mapping[str, Any]):
         self._original = self._running = scenario
         self._changes: dict[str, Any] = {}
 
+    def adopt(self, changes: Mapping[str, Any], running: Scenario) -> None:
+        """Start with changes that have been applied already, which made `running` of the scenario."""
+        given: dict[str, Any] = {}
+        for name, value in changes.items():
+            self._spread(name, value, given)
+        for name in given.keys() & self._switches.keys():
+            self._switches[name].set_silently(given.pop(name))
+        self._changes, self._running = given, running
+
     @property
     def scenario(self) -> Scenario:
         """The scenario with all changes applied. A Simulator created from it behaves like this one."""

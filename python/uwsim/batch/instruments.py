@@ -1,0 +1,162 @@
+"""The instruments of a batch: each reads one vehicle's instrument in every member."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.did_you_mean import did_you_mean
+from uwsim.batch.arguments import whole
+from uwsim.batch.commands import CommandedBatch
+from uwsim.batch.members import Members
+from uwsim.batch.results import (
+    BatchEstimate,
+    BatchMotion,
+    BatchPings,
+    BatchSamples,
+    Buffers,
+    motion_buffers,
+    ping_buffers,
+    sample_buffers,
+)
+from uwsim.instruments.cameras.effects import effects_on
+from uwsim.instruments.cameras.together import Together
+from uwsim.scenario.spec.camera import LARGEST_SIDE
+
+
+class InstrumentedBatch(CommandedBatch):
+    """The part of uwsim.Batch that reads instruments. vehicle: by default each member's first. Raises ValueError."""
+
+    threads: int
+    _members: Members
+
+    def _make_buffers(self) -> None:
+        self._motion = [motion_buffers(self.n) for _ in self._names]
+        self._together: dict[tuple[int, int] | None, Together] = {}
+        self._samples: dict[tuple[int, int], Buffers[BatchSamples]] = {}
+        self._pings: dict[tuple[int, int, bool], Buffers[BatchPings]] = {}
+
+    @property
+    def time_s(self) -> NDArray[np.float64]:
+        """The time of each member since its start, (n,) [s]."""
+        return self.observe().time_ns.astype(np.float64) * 1e-9
+
+    def observe(self, vehicle: str | None = None) -> BatchMotion:
+        """Return the true motion of a vehicle (by default the first) in each member."""
+        index = self._vehicle(vehicle)
+        motion = self._motion[index]
+        self._core.motion(index, *motion.writable)
+        return motion.shown
+
+    def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
+        """Return the latest sample from a sensor in each member, like Sensor.read."""
+        index = self._vehicle(vehicle)
+        sensors = self._members.vehicles[index].sensors
+        names = [spec.name for spec in sensors]
+        if sensor not in names:
+            rule = f"must be one of {', '.join(names)}{did_you_mean(str(sensor), names)}"
+            raise ValueError(f"{self._names[index]}.sensors[{sensor!r}]: {rule}")
+        key = index, names.index(sensor)
+        if key not in self._samples:
+            self._samples[key] = sample_buffers(self.n, _core.sensor_kind(sensors[key[1]].kind).fields)
+        samples = self._samples[key]
+        self._core.read_sensor(*key, noise, *samples.writable)
+        self._programs.tell(*key, noise, samples)
+        return samples.shown
+
+    def ping(self, vehicle: str | None = None) -> BatchPings:
+        """Ping with a vehicle's first sonar in each member; in physics mode, BatchPhysicsPings are returned.
+
+        The sonars of all members must have the same number of beams and the same mode. Raises ValueError.
+        """
+        index = self._vehicle(vehicle)
+        if not self._members.vehicles[index].sonars:
+            raise ValueError(f"vehicle '{self._names[index]}': carries no sonar")
+        modes = self._core.in_physics_mode(index, 0)
+        in_physics_mode = modes[0]
+        if in_physics_mode in modes and (not in_physics_mode) in modes:
+            other = f"another in batch[{modes.index(not in_physics_mode)}] than in batch[0]"
+            raise ValueError(f"{self._names[index]}.sonar.mode: {other}: a batch pings in one mode")
+        key = index, self._core.beams(index, 0), in_physics_mode
+        if key not in self._pings:
+            self._pings[key] = ping_buffers(self.n, key[1], in_physics_mode)
+        pings = self._pings[key]
+        (self._core.acoustic_ping if in_physics_mode else self._core.ping)(index, 0, *pings.writable)
+        return pings.shown
+
+    def estimate(self, vehicle: str | None = None) -> BatchEstimate:
+        """Return a vehicle's motion in each member as its own instruments estimate it, see Vehicle.estimate.
+
+        The first call starts the filters. Each takes its samples in Python, one member after another.
+        """
+        name = self._names[self._vehicle(vehicle)]
+        navigators = [self.aboard(k).vehicles[name].estimate for k in range(self.n)]
+        poses, velocities = [one.pose for one in navigators], [one.velocity for one in navigators]
+        return BatchEstimate(
+            np.array([one.time_s for one in navigators]),
+            np.array([pose.position_world_m for pose in poses]),
+            np.array([pose.orientation_xyzw for pose in poses]),
+            np.array([[*velocity.linear_body_m_s, *velocity.angular_body_rad_s] for velocity in velocities]),
+            np.array([one.covariance for one in navigators]),
+        )
+
+    def image(
+        self, sonar: str, *arguments: Any, vehicle: str | None = None, with_labels: bool = False
+    ) -> tuple[Any, ...]:
+        """Ping with an imaging sonar in each member, like ImagingSonar.ping, and return one result per member.
+
+        sonar: its name in the vehicle file. arguments: those of its kind, such as the angles of a single beam. The
+        results are SonarImage, Waterfall or Profiles. Raises ValueError.
+        """
+        name = self._names[self._vehicle(vehicle)]
+        later = [
+            self.aboard(k).vehicles[name].imaging_sonars[sonar].later(*arguments, with_labels=with_labels)
+            for k in range(self.n)
+        ]
+        with ThreadPoolExecutor(self.threads) as pool:
+            return tuple(pool.map(_called, later))
+
+    def capture(
+        self,
+        camera: str,
+        effects: str | Collection[str] = "on",
+        *,
+        without: Collection[str] = (),
+        size: tuple[int, int] | None = None,
+        vehicle: str | None = None,
+    ) -> NDArray[np.uint8]:
+        """Return a picture from a camera in each member, (n, height, width, 3) uint8 sRGB, like Camera.capture.
+
+        size: (height, width), by default the camera's. Each picture has the light, lamps, aim and seed of its member;
+        it is black where the camera is off. All members' pictures share the threads. Raises ValueError.
+        """
+        index = self._vehicle(vehicle)
+        members = [self.aboard(k) for k in range(self.n)]
+        cameras = [member.vehicles[self._names[index]].cameras[camera] for member in members]
+        motions = [self.observe(name) for name in self._names]
+        if size not in self._together:
+            self._together[size] = Together(_checked_size(size))
+        off = effects_on(without)
+        return self._together[size].capture(
+            cameras,
+            np.stack([motion.position_world_m for motion in motions], axis=1),
+            np.stack([motion.orientation_xyzw for motion in motions], axis=1),
+            motions[0].time_ns.tolist(),
+            [name for name in effects_on(effects) if name not in off],
+            self.threads,
+        )
+
+
+def _checked_size(size: tuple[int, int] | None) -> tuple[int, int] | None:
+    for side, pixels in zip(("height", "width"), size or (), strict=False):
+        whole(pixels, f"size: {side}", 1, LARGEST_SIDE)
+    return size
+
+
+def _called(work: Callable[[], Any]) -> Any:
+    return work()
