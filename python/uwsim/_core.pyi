@@ -4685,7 +4685,7 @@ def remove_unfinished_files() -> None:
     """
 
 def render_many(
-    scenes: collections.abc.Sequence[CameraScene],
+    scenes: collections.abc.Sequence[CameraScene | None],
     cameras: collections.abc.Sequence[Camera],
     optics: collections.abc.Sequence[Optics],
     positions_m: typing.Any,

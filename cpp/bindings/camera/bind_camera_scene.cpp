@@ -81,12 +81,12 @@ using MountedLamp = std::pair<std::size_t, SpotLamp>;
 /// Pictures in colour of several scenes, each with its own camera; each thread takes the next picture when it has
 /// finished one.
 py::array_t<std::uint8_t> render_many(
-    const std::vector<std::optional<std::shared_ptr<CameraScene>>>& scenes, const std::vector<std::shared_ptr<Camera>>& cameras,
-    const std::vector<Optics>& optics, const py::object& positions_m, const py::object& orientations_xyzw,
-    const std::vector<std::uint64_t>& times_ns, const std::vector<std::string>& effects,
-    const std::vector<std::vector<MountedLamp>>& lamps, const py::object& vehicle_positions_m,
-    const py::object& vehicle_orientations_xyzw, std::optional<std::size_t> hidden_vehicle,
-    const py::object& velocities_camera, int threads) {
+    const std::vector<std::optional<std::shared_ptr<CameraScene>>>& scenes,
+    const std::vector<std::shared_ptr<Camera>>& cameras, const std::vector<Optics>& optics,
+    const py::object& positions_m, const py::object& orientations_xyzw, const std::vector<std::uint64_t>& times_ns,
+    const std::vector<std::string>& effects, const std::vector<std::vector<MountedLamp>>& lamps,
+    const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
+    std::optional<std::size_t> hidden_vehicle, const py::object& velocities_camera, int threads) {
   const std::size_t count = scenes.size();
   const auto n = static_cast<py::ssize_t>(count);
   for (const auto& [name, size] : {std::pair{"cameras", cameras.size()},
@@ -127,9 +127,9 @@ py::array_t<std::uint8_t> render_many(
     }
     request.hidden_vehicle = hidden_vehicle;
     require(cameras[k] != nullptr, "cameras[" + std::to_string(k) + "]", "none", "must be a camera");
-    require(cameras[k]->lens().width == cameras[0]->lens().width &&
-                cameras[k]->lens().height == cameras[0]->lens().height,
-            "cameras[" + std::to_string(k) + "]", "of another size", "must be as large as the first");
+    require(
+        cameras[k]->lens().width == cameras[0]->lens().width && cameras[k]->lens().height == cameras[0]->lens().height,
+        "cameras[" + std::to_string(k) + "]", "of another size", "must be as large as the first");
   }
   const py::ssize_t height = count == 0 ? 0 : cameras[0]->lens().height;
   const py::ssize_t width = count == 0 ? 0 : cameras[0]->lens().width;
@@ -180,7 +180,8 @@ void bind_camera_scene(py::module_& m) {
           [](const CameraScene& scene, const Water& water, std::uint64_t seed) {
             return std::make_shared<CameraScene>(scene, water, seed);
           },
-          py::arg("water"), py::arg("seed"), "Return a scene with the same surfaces in another water, with another seed.")
+          py::arg("water"), py::arg("seed"),
+          "Return a scene with the same surfaces in another water, with another seed.")
       .def(
           "set_appearance",
           [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
@@ -232,15 +233,17 @@ void bind_camera_scene(py::module_& m) {
            "(6,) "
            "of the camera, in its frame [m/s, rad/s]. The bytes do\n"
            "not depend on the number of threads. Releases the GIL. Raises ValueError.");
-  m.def("render_many", &render_many, py::arg("scenes"), py::arg("cameras"), py::arg("optics"), py::arg("positions_m"),
-        py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"),
-        py::arg("vehicle_positions_m"), py::arg("vehicle_orientations_xyzw"), py::arg("hidden_vehicle"),
-        py::arg("velocities_camera"), py::arg("threads"),
-        "Render one picture of each of n scenes, (n, H, W, 3) uint8, as CameraScene.render does, several at a time.\n"
-        "scenes: None for a black picture. cameras: of one size. positions_m (n, 3), orientations_xyzw (n, 4) and velocities_camera (n, 6): of the\n"
-        "cameras. lamps: for each scene, those that are on, as (vehicle, lamp with its pose on that vehicle).\n"
-        "vehicle_positions_m (n, v, 3), vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises\n"
-        "ValueError.");
+  m.def(
+      "render_many", &render_many, py::arg("scenes"), py::arg("cameras"), py::arg("optics"), py::arg("positions_m"),
+      py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"),
+      py::arg("vehicle_positions_m"), py::arg("vehicle_orientations_xyzw"), py::arg("hidden_vehicle"),
+      py::arg("velocities_camera"), py::arg("threads"),
+      "Render one picture of each of n scenes, (n, H, W, 3) uint8, as CameraScene.render does, several at a time.\n"
+      "scenes: None for a black picture. cameras: of one size. positions_m (n, 3), orientations_xyzw (n, 4) and "
+      "velocities_camera (n, 6): of the\n"
+      "cameras. lamps: for each scene, those that are on, as (vehicle, lamp with its pose on that vehicle).\n"
+      "vehicle_positions_m (n, v, 3), vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises\n"
+      "ValueError.");
 }
 
 }  // namespace uwsim::bindings

@@ -39,7 +39,8 @@ DoubleArray reach(BatchMotionController& each, const py::object& positions, cons
   const EstimateArrays estimates(each.size(), positions, orientations, velocities);
   const auto place = as_array<double>(targets_world_m, "targets_world_m", {n, 3});
   const auto moving = as_array<double>(velocities_world_m_s, "velocities_world_m_s", {n, 3});
-  const auto roll = as_array<double>(rolls_rad, "rolls_rad", {n}), pitch = as_array<double>(pitches_rad, "pitches_rad", {n});
+  const auto roll = as_array<double>(rolls_rad, "rolls_rad", {n}),
+             pitch = as_array<double>(pitches_rad, "pitches_rad", {n});
   const auto heading = as_array<double>(headings_rad, "headings_rad", {n});
   std::vector<MotionTarget> targets;
   for (py::ssize_t k = 0; k < n; ++k) {
@@ -162,13 +163,13 @@ void bind_batch_control(py::module_& m) {
           py::arg("chosen"), "Return some autopilots to their initial state.");
 
   py::class_<BatchPathFollower>(m, "BatchPathFollower", "n instances of PathFollower, called together.")
-      .def(py::init([](const std::vector<py::object>& paths_m, double lookahead_m, double integral_m_s,
-                       double period_s) {
-             std::vector<PathFollower> fresh;
-             for (const py::object& path : paths_m)
-               fresh.emplace_back(as_points(path, "points_m"), lookahead_m, integral_m_s, period_s);
-             return BatchPathFollower{fresh, fresh};
-           }),
+      .def(py::init(
+               [](const std::vector<py::object>& paths_m, double lookahead_m, double integral_m_s, double period_s) {
+                 std::vector<PathFollower> fresh;
+                 for (const py::object& path : paths_m)
+                   fresh.emplace_back(as_points(path, "points_m"), lookahead_m, integral_m_s, period_s);
+                 return BatchPathFollower{fresh, fresh};
+               }),
            py::arg("paths_m"), py::arg("lookahead_m"), py::arg("integral_m_s"), py::arg("period_s"),
            "paths_m: n paths (points, 3). Raises ValueError.")
       .def(

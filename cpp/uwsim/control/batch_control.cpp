@@ -11,8 +11,8 @@ constexpr std::size_t kWorthAThread = 64;  // a control period takes a few micro
 
 MotionEstimate EstimateRows::row(std::size_t k) const {
   const double* const q = orientations_xyzw + 4 * k;
-  return {Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix(), Eigen::Vector3d::Map(positions_world_m + 3 * k),
-          Vector6d::Map(velocities_body + 6 * k)};
+  return {Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix(),
+          Eigen::Vector3d::Map(positions_world_m + 3 * k), Vector6d::Map(velocities_body + 6 * k)};
 }
 
 BatchMotionController::BatchMotionController(const ControlModel& model, const ControlGains& gains, double period_s,

@@ -115,16 +115,14 @@ void Batch::set_wrenches(std::size_t vehicle, std::span<const double> wrenches_b
 
 void Batch::set_thrusters(std::size_t vehicle, std::span<const std::string> names, std::span<const double> commands) {
   require(commands.size() == names.size() * size(), "commands", commands.size(), "must be a value for each name");
-  each(all_, 1, [&](std::size_t k, std::size_t) {
-    members_[k]->actuators(vehicle).set_thrusters(named(names, commands, k));
-  });
+  each(all_, 1,
+       [&](std::size_t k, std::size_t) { members_[k]->actuators(vehicle).set_thrusters(named(names, commands, k)); });
 }
 
 void Batch::set_fins(std::size_t vehicle, std::span<const std::string> names, std::span<const double> angles_rad) {
   require(angles_rad.size() == names.size() * size(), "angles_rad", angles_rad.size(), "must be a value for each name");
-  each(all_, 1, [&](std::size_t k, std::size_t) {
-    members_[k]->actuators(vehicle).set_fins(named(names, angles_rad, k));
-  });
+  each(all_, 1,
+       [&](std::size_t k, std::size_t) { members_[k]->actuators(vehicle).set_fins(named(names, angles_rad, k)); });
 }
 
 void Batch::step(std::uint64_t count) {

@@ -74,8 +74,8 @@ class Batch {
   /// without changing any member.
   void set_efforts(std::size_t vehicle, std::span<const double> efforts);
   /// Commands one vehicle in each member: wrenches (n, 6), see Actuators::set_wrench; values by thruster or fin,
-  /// (n, names.size()), see Actuators::set_thrusters and set_fins. On error, throws InvalidValue after the other members
-  /// have been commanded.
+  /// (n, names.size()), see Actuators::set_thrusters and set_fins. On error, throws InvalidValue after the other
+  /// members have been commanded.
   void set_wrenches(std::size_t vehicle, std::span<const double> wrenches_body);
   void set_thrusters(std::size_t vehicle, std::span<const std::string> names, std::span<const double> commands);
   void set_fins(std::size_t vehicle, std::span<const std::string> names, std::span<const double> angles_rad);

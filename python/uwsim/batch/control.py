@@ -21,7 +21,7 @@ LEVEL = (0.0, 0.0, 0.0)
 
 
 class _Pilot(Sealed):
-    """What all controllers share: the vehicle, and its motion as the controller knows it."""
+    """The common part of all controllers: the vehicle, and its motion as the controller knows it."""
 
     batch: Batch
     vehicle: str
@@ -76,7 +76,7 @@ class BatchController(_Pilot):
 
     @property
     def drives_sway(self) -> bool:
-        """Whether the vehicle can move sideways."""
+        """True if the vehicle can move sideways."""
         return self._sway
 
     @property

@@ -1,4 +1,4 @@
-"""What a lone simulator has, a batch has, too: member k's results are those of the simulator with its seed."""
+"""Commands and instruments of batch member k equal those of a single simulator with its seed, to the last bit."""
 
 from __future__ import annotations
 

@@ -274,7 +274,7 @@ class Camera(Sealed):
 
     @property
     def carrier(self) -> Carrier:
-        """What the camera is mounted on."""
+        """The vehicle or the fixed pose that carries the camera."""
         return self._carrier
 
     @property

@@ -82,7 +82,9 @@ class SharedScene:
         self._world = world
         self._rays = rays
         self._simulation = simulation
-        self._native: _Native = _Native(scenario, world, rays) if like is None else like._native.again(scenario, world, rays)
+        self._native: _Native = (
+            _Native(scenario, world, rays) if like is None else like._native.again(scenario, world, rays)
+        )
 
     @property
     def core(self) -> _core.CameraScene:
