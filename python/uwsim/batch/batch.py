@@ -80,6 +80,7 @@ class Batch(InstrumentedBatch):
         for k, member in enumerate(members):
             self._programs.begin(k, member)
         self._has_warned = False
+        self._driven: set[int] = set()
         self._to_check = {*range(len(self._names))}
         self._make_buffers()
 
@@ -126,8 +127,9 @@ class Batch(InstrumentedBatch):
                 self._require_efforts(values)
             for vehicle, values in checked.items():
                 self._drive(vehicle, values)
-                if steps and vehicle in self._to_check and not self._has_warned and values.any():
-                    self._warn_if_docked(vehicle)
+        if steps and not self._has_warned:
+            for vehicle in self._driven & self._to_check:
+                self._warn_if_docked(vehicle)
         self._programs.step(steps)
 
     def reset(
@@ -181,8 +183,10 @@ class Batch(InstrumentedBatch):
 
         Raises ValueError, changing nothing, if the state is damaged or of another scenario or seed.
         """
+        aboard = self.aboard(member)
         with named(member):
-            self.aboard(member).restore_state(state)
+            aboard.restore_state(state)
+        self._to_check = {*range(len(self._names))}
 
     def simulator(self, member: int) -> Simulator:
         """Return a Simulator in a member's current state, independent of the batch, for closer inspection."""

@@ -35,6 +35,7 @@ class CommandedBatch(Sealed):
     _programs: Programs
     _names: list[str]
     _has_warned: bool
+    _driven: set[int]  # vehicles that are commanded to move in some members
     _to_check: set[int]  # vehicles that may be docked in some members
 
     def aboard(self, member: int) -> MemberAboard:
@@ -60,6 +61,7 @@ class CommandedBatch(Sealed):
 
     def _drive(self, vehicle: int, efforts: NDArray[np.generic]) -> None:
         self._core.set_efforts(vehicle, efforts)
+        self._note_driven(vehicle, efforts)
         self._programs.hear(self._names[vehicle], lambda k, rov: rov.set_effort(*efforts[k].tolist()))
 
     def set_wrench(
@@ -72,6 +74,7 @@ class CommandedBatch(Sealed):
         for name, values in (("force_body_n", forces), ("torque_body_nm", torques)):
             arguments.require_finite(values, name)
         self._core.set_wrenches(index, np.hstack([forces, torques]))
+        self._note_driven(index, forces, torques)
         self._programs.hear(self._names[index], lambda k, rov: rov.set_wrench(forces[k].tolist(), torques[k].tolist()))
 
     def set_thrusters(self, commands: Mapping[str, ArrayLike], vehicle: str | None = None) -> None:
@@ -84,6 +87,7 @@ class CommandedBatch(Sealed):
         known = [name for name, _ in self._core.member(0).thruster_commands(index)]
         values = self._by_name(commands, "thrusters", known)
         self._core.set_thrusters(index, list(commands), values)
+        self._note_driven(index, values)
         self._programs.hear(self._names[index], lambda k, rov: rov.set_thrusters(_row(commands, values, k)))
 
     def set_fins(self, angles_rad: Mapping[str, ArrayLike], vehicle: str | None = None) -> None:
@@ -188,6 +192,12 @@ class CommandedBatch(Sealed):
         if name not in names:
             raise ValueError(f"vehicle = {name!r}: must be one of {', '.join(names)}{did_you_mean(str(name), names)}")
         return names.index(name)
+
+    def _note_driven(self, vehicle: int, *values: NDArray[np.generic]) -> None:
+        if any(one.any() for one in values):
+            self._driven.add(vehicle)
+        else:
+            self._driven.discard(vehicle)
 
     def _warn_if_docked(self, vehicle: int) -> None:
         self._has_warned = not self.observe(self._names[vehicle]).released.all()

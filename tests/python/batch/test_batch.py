@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from typing import Any
 
 import numpy as np
@@ -158,9 +159,19 @@ def test_a_batch_that_cannot_be_is_refused(scenario: Scenario, arguments: dict[s
         Batch(scenario, **arguments)
 
 
-def test_efforts_to_docked_vehicles_are_warned_of() -> None:
-    batch = Batch("lake", n=2)
+@pytest.mark.parametrize(
+    "command", [lambda b: b.set_effort(np.full((2, 6), 0.1)), lambda b: b.set_wrench([10.0, 0.0, 0.0])]
+)
+def test_commands_to_docked_vehicles_are_warned_of_when_time_passes(command: Any) -> None:
+    batch = Batch("pool", n=2)
+    command(batch)
     with pytest.warns(DockedWarning, match="docked in some members"):
-        batch.step(2, np.full((2, 6), 0.1))
+        batch.step(2)
     batch.release()
     assert batch.observe().released.all()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        batch = Batch("pool", n=2)
+        command(batch)
+        batch.release()
+        batch.step(2)

@@ -135,6 +135,37 @@ def test_controllers_steer_a_member_as_they_steer_the_lone_vehicle(
     assert np.abs(batch.observe().velocity_body).max() > 0.05
 
 
+def test_controllers_do_not_depend_on_the_number_of_threads_and_members() -> None:
+    n = 150  # enough for two threads
+    starts = np.random.default_rng(0).uniform([-4, -4, -4], [4, 4, -1], (n, 3))
+    found = []
+    for many, threads in ((n, 1), (n, 2), (40, 2)):
+        flown = Batch("pool", n=many, seeds=range(many), threads=threads)
+        flown.place(starts[:many])
+        follower = BatchPathFollower(BatchController(flown), PATHS[0], 0.5)
+        for _ in range(3):
+            follower.steer()
+            flown.step(PERIOD_STEPS)
+        found.append(flown.observe().velocity_body[:40].tobytes())
+    assert found[0] == found[1] == found[2]
+
+
+def test_a_restarted_controller_has_forgotten(batch: Batch) -> None:
+    batch.reset()
+    batch.place(STARTS)
+    follower = BatchPathFollower(BatchController(batch), PATHS, 0.5)
+    flown = []
+    for _ in range(2):
+        for _ in range(5):
+            guidance = follower.steer()
+            batch.step(PERIOD_STEPS)
+        flown.append((guidance.along_m.tobytes(), batch.observe().velocity_body.tobytes()))
+        batch.reset()
+        batch.place(STARTS)
+        follower.restart()
+    assert flown[0] == flown[1]
+
+
 def test_a_controller_acts_on_the_estimate_and_placing_restarts_it(batch: Batch, lone: list[Simulator]) -> None:
     started(batch, lone)
     together = BatchController(batch, uses_estimate=True)
@@ -242,7 +273,8 @@ def test_all_stop_overrides_every_command_of_a_member(batch: Batch, lone: list[S
     batch.all_stop(mask=[True, False])
     with pytest.warns(AllStopWarning):
         batch.step(100, efforts)
-    batch.set_thrusters(dict.fromkeys(batch.aboard(0).rov.thrusters, 0.5))
+    batch.set_wrench([20.0, 0.0, 0.0])
+    batch.step(10)
     for k, sim in enumerate(lone):
         sim.rov.set_effort(*efforts[k].tolist())
         sim.step(20)
@@ -252,7 +284,8 @@ def test_all_stop_overrides_every_command_of_a_member(batch: Batch, lone: list[S
             warnings.simplefilter("ignore", AllStopWarning)
             sim.rov.set_effort(*efforts[k].tolist())
             sim.step(100)
-            sim.rov.set_thrusters(dict.fromkeys(sim.rov.thrusters, 0.5))
+            sim.rov.set_wrench([20.0, 0.0, 0.0])
+            sim.step(10)
     same_states(batch, lone)
     assert [batch.aboard(k).rov.all_stopped for k in range(2)] == [True, False]
     batch.all_stop(False)
