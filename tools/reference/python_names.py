@@ -97,6 +97,9 @@ minor version.
 change in any release.
 """
 
+IN_PARTS = {"uwsim.simulator.Simulator", "uwsim.simulator.vehicle.Vehicle", "uwsim.batch.Batch"}
+"""Classes whose public methods are written in several files, as base classes."""
+
 
 def python_page() -> str:
     """Return the page: directives that include the docstrings when the site is built."""
@@ -113,4 +116,5 @@ def _directive(name: str) -> str:
     if name.endswith("()"):
         return f".. autofunction:: {name.removesuffix('()')}\n\n"
     kind = "automodule" if name.rpartition(".")[2][0].islower() else "autoclass"
-    return f".. {kind}:: {name}\n   :members:\n\n"
+    inherited = "   :inherited-members:\n" if name in IN_PARTS else ""
+    return f".. {kind}:: {name}\n   :members:\n{inherited}\n"

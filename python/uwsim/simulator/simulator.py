@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import NoReturn, Self, Unpack
+from typing import NoReturn, Self
 
 import numpy as np
 
@@ -16,38 +16,34 @@ from uwsim.base.arguments import checked_threads, number
 from uwsim.base.journal import Journal
 from uwsim.base.named import Named
 from uwsim.base.saved_state import SavedState
-from uwsim.base.sealed import Sealed
 from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
 from uwsim.instruments.cameras.shared_scene import SharedScene
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
-from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.hull import hull_radius_m
-from uwsim.scenario.build.labels import backscatter_by_label, label_names
-from uwsim.scenario.build.multibeam import bottom_material
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
-from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
+from uwsim.simulator.properties import SimulatorProperties
 from uwsim.simulator.servo_frames import Lockstep
 from uwsim.simulator.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
 
 
-class Simulator(Sealed):
+class Simulator(SimulatorProperties):
     """A running scenario.
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (for all
@@ -62,7 +58,6 @@ class Simulator(Sealed):
 
     _has_channels = True  # whether commands may arrive over channels, which a link fault cuts off
 
-    threads: int
     scene: _core.RayScene
     agenda: Agenda
     journal: Journal
@@ -70,7 +65,6 @@ class Simulator(Sealed):
     cameras: Named[Camera]
     events: EventLog
     faults: Faults
-    vehicles: Named[Vehicle]
     _changed_by = MappingProxyType(
         {
             "optics": "set_optics()",
@@ -205,99 +199,6 @@ class Simulator(Sealed):
         return Dock(
             self._core, self.scene, dock_position(station), exit_position(station), float(np.radians(station.yaw_deg))
         )
-
-    @property
-    def scenario(self) -> Scenario:
-        """The scenario, without changes made through `parameters`; after `reset(seed)`, with that seed."""
-        return self._scenario
-
-    @property
-    def parameters(self) -> Parameters:
-        """The parameters that may be changed during a run, by name, such as "rov.drag.linear.surge"."""
-        return self._parameters
-
-    @property
-    def world(self) -> _core.FixedWorld:
-        """The current terrain, obstacles and water; read-only."""
-        return self._fixed_world
-
-    @property
-    def link(self) -> Network | None:
-        """The link between station and vehicles, or None if messages are delivered immediately."""
-        return self._link
-
-    @property
-    def rov(self) -> Vehicle:
-        """The scenario's first vehicle."""
-        return next(iter(self.vehicles.values()))
-
-    @property
-    def optics(self) -> Optics:
-        """The optical properties used by cameras."""
-        return self.parameters.scenario.optics
-
-    def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
-        """Change optical properties, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
-        self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
-
-    @property
-    def strengths_db(self) -> Named[float]:
-        """The backscatter strength of each surface for imaging sonars, keyed by the names in label_names."""
-        strengths = [surface.strength_db for surface in backscatter_by_label(self.scenario)]
-        found = dict(zip(self.label_names, strengths, strict=True))
-        return Named(found, "strengths_db", "the sonar model's strengths_db")
-
-    @property
-    def materials(self) -> Named[_core.BottomMaterial]:
-        """How each surface scatters and reflects sound, keyed by the names in label_names."""
-        found = dict(zip(self.label_names, map(bottom_material, backscatter_by_label(self.scenario)), strict=True))
-        return Named(found, "materials", "the scenario's ground and materials")
-
-    @property
-    def label_names(self) -> list[str]:
-        """The names of the labels that pings and rays return: World.label_names, followed by those of the vehicles."""
-        return label_names(self.scenario)
-
-    def around(self, vehicle: str | None = None) -> Surroundings:
-        """Return the current surroundings of a sonar: the world and all vehicles except the sonar's carrier.
-
-        For imaging sonars and depth maps from arbitrary poses. `scene` has no vehicles. Raises ValueError.
-        """
-        names = list(self.vehicles)
-        if vehicle is not None and vehicle not in names:
-            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
-        scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
-        return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns, self.materials)
-
-    @property
-    def seed(self) -> int:
-        """The seed from which all random draws are derived."""
-        return self.scenario.seed
-
-    @property
-    def step_s(self) -> float:
-        """The fixed step size in seconds."""
-        return self.scenario.step_s
-
-    @property
-    def tick(self) -> int:
-        """Number of steps since the start."""
-        return self._core.tick
-
-    @property
-    def version(self) -> int:
-        """A counter that changes whenever observations may: with time, vehicle poses and sonar elevations."""
-        return self._core.version
-
-    @property
-    def time_ns(self) -> int:
-        """Simulated time since the start, in nanoseconds."""
-        return self._core.time_ns
-
-    @property
-    def time_s(self) -> float:
-        """Simulated time since the start, in seconds."""
-        return self._core.time_ns * 1e-9
 
     def step(self, n: int = 1) -> None:
         """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""

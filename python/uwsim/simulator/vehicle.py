@@ -148,7 +148,7 @@ class Vehicle(CommandedVehicle):
 
     @property
     def holds(self) -> HoldsLike | None:
-        """The vehicle's holds, see `command("hold", heading=True)`; None in a batch."""
+        """The vehicle's holds, see `command("hold", heading=True)`."""
         return self.gate.holds
 
     @property

@@ -129,7 +129,7 @@ def test_parts_outlive_their_simulator() -> None:
     assert ping.ranges_m.size > 0
     assert camera.capture().rgb.size > 0
     assert member.rov.sonar.ping().ranges_m.size > 0
-    assert aboard.save()
+    assert aboard.save_state()
 
 
 @pytest.mark.parametrize("name", ["recorded", "served", "of a live one", "of a batch"])

@@ -1,0 +1,122 @@
+"""The part of uwsim.Simulator that shows its scenario, its world and its clock."""
+
+from __future__ import annotations
+
+from typing import Unpack
+
+from uwsim import _core as native
+from uwsim.base.named import Named
+from uwsim.base.sealed import Sealed
+from uwsim.instruments.sonars.surroundings import Surroundings
+from uwsim.scenario import Scenario
+from uwsim.scenario.build.labels import backscatter_by_label, label_names
+from uwsim.scenario.build.multibeam import bottom_material
+from uwsim.scenario.spec.optics import Optics, OpticsChanges
+from uwsim.simulator.network import Network
+from uwsim.simulator.parameters import Parameters
+from uwsim.simulator.vehicle import Vehicle
+
+
+class SimulatorProperties(Sealed):
+    """See uwsim.Simulator."""
+
+    threads: int
+    vehicles: Named[Vehicle]
+    _core: native.Simulation
+    _scenario: Scenario
+    _parameters: Parameters
+    _fixed_world: native.FixedWorld
+    _link: Network | None
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario, without changes made through `parameters`; after `reset(seed)`, with that seed."""
+        return self._scenario
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameters that may be changed during a run, by name, such as "rov.drag.linear.surge"."""
+        return self._parameters
+
+    @property
+    def world(self) -> native.FixedWorld:
+        """The current terrain, obstacles and water; read-only."""
+        return self._fixed_world
+
+    @property
+    def link(self) -> Network | None:
+        """The link between station and vehicles, or None if messages are delivered immediately."""
+        return self._link
+
+    @property
+    def rov(self) -> Vehicle:
+        """The scenario's first vehicle."""
+        return next(iter(self.vehicles.values()))
+
+    @property
+    def optics(self) -> Optics:
+        """The optical properties used by cameras."""
+        return self.parameters.scenario.optics
+
+    def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
+        """Change optical properties, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
+        self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
+
+    @property
+    def strengths_db(self) -> Named[float]:
+        """The backscatter strength of each surface for imaging sonars, keyed by the names in label_names."""
+        strengths = [surface.strength_db for surface in backscatter_by_label(self.scenario)]
+        found = dict(zip(self.label_names, strengths, strict=True))
+        return Named(found, "strengths_db", "the sonar model's strengths_db")
+
+    @property
+    def materials(self) -> Named[native.BottomMaterial]:
+        """How each surface scatters and reflects sound, keyed by the names in label_names."""
+        found = dict(zip(self.label_names, map(bottom_material, backscatter_by_label(self.scenario)), strict=True))
+        return Named(found, "materials", "the scenario's ground and materials")
+
+    @property
+    def label_names(self) -> list[str]:
+        """The names of the labels that pings and rays return: World.label_names, followed by those of the vehicles."""
+        return label_names(self.scenario)
+
+    def around(self, vehicle: str | None = None) -> Surroundings:
+        """Return the current surroundings of a sonar: the world and all vehicles except the sonar's carrier.
+
+        For imaging sonars and depth maps from arbitrary poses. `scene` has no vehicles. Raises ValueError.
+        """
+        names = list(self.vehicles)
+        if vehicle is not None and vehicle not in names:
+            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
+        scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
+        return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns, self.materials)
+
+    @property
+    def seed(self) -> int:
+        """The seed from which all random draws are derived."""
+        return self.scenario.seed
+
+    @property
+    def step_s(self) -> float:
+        """The fixed step size in seconds."""
+        return self.scenario.step_s
+
+    @property
+    def tick(self) -> int:
+        """Number of steps since the start."""
+        return self._core.tick
+
+    @property
+    def version(self) -> int:
+        """A counter that changes whenever observations may: with time, vehicle poses and sonar elevations."""
+        return self._core.version
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start, in nanoseconds."""
+        return self._core.time_ns
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the start, in seconds."""
+        return self._core.time_ns * 1e-9
