@@ -19,6 +19,8 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import Batch, Scenario, Simulator
+from uwsim.batch import BatchController
+from uwsim.navigation.control import Controller
 from uwsim.scenario import load
 from uwsim.scenario.spec.failsafe import Failsafe
 
@@ -29,6 +31,7 @@ START_M = (-60.0, -28.0, -10.0)  # in the middle of the lake's water
 PAGE_KB = 4
 FEW = 32  # members with faults or a failsafe
 PROGRAMS_S = 5.0
+CONTROLLED, PERIODS = 256, 100
 NEVER_S = 1e5
 WEAK = {"kind": "thruster", "axis": "surge", "health": 0.5}
 FAULTS = {
@@ -67,7 +70,7 @@ def main(
         table.add_row(name, f"{rate:,.0f}", f"{ratio:.2f}")
     figures["member_kb"] = member_kb(scenario)
     console.print(table)
-    figures |= programs(scenario, rounds) | pings(scenario, rounds)
+    figures |= programs(scenario, rounds) | pings(scenario, rounds) | control(scenario, rounds)
     console.print(f"a member of 256, its sensors read once: {figures['member_kb']:.0f} kB of resident memory")
     if json_file is not None:
         json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
@@ -161,6 +164,27 @@ def pings(scenario: str, rounds: int) -> dict[str, float]:
         figures |= {f"ping_{mode}_us": statistics.median(batch_us), f"ping_{mode}/lone": statistics.median(ratios)}
         console.print(f"a ping in {mode} mode: {statistics.median(batch_us):.0f} us a member")
     return figures
+
+
+def control(scenario: str, rounds: int) -> dict[str, float]:
+    """Return the processor time of a member's control period, and relative to that of a single Controller."""
+    batch, lone = Batch(scenario, n=CONTROLLED, threads=1), Simulator(scenario, threads=1)
+    batch.place(START_M)
+    lone.rov.place(START_M)
+    together, alone = BatchController(batch), Controller(lone.rov)
+    ratios, batch_us = [], []
+    for _ in range(rounds):
+        begin = time.process_time()
+        for _ in range(PERIODS):
+            together.hold(START_M, 0.3)
+        each_s = (time.process_time() - begin) / (CONTROLLED * PERIODS)
+        begin = time.process_time()
+        for _ in range(PERIODS):
+            alone.hold(START_M, 0.3)
+        ratios.append(each_s / ((time.process_time() - begin) / PERIODS))
+        batch_us.append(1e6 * each_s)
+    console.print(f"a control period: {statistics.median(batch_us):.2f} us a member")
+    return {"control_us": statistics.median(batch_us), "control/lone": statistics.median(ratios)}
 
 
 def member_kb(scenario: str, n: int = 256) -> float:
