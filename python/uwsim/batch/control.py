@@ -94,9 +94,24 @@ class BatchController(_Pilot):
         velocity_world_m_s: ArrayLike = LEVEL,
     ) -> None:
         """Go to positions (n, 3) and attitudes (n,), and hold them, see Controller.hold."""
+        efforts = self.hold_efforts(
+            position_world_m, heading_rad, roll_rad=roll_rad, pitch_rad=pitch_rad, velocity_world_m_s=velocity_world_m_s
+        )
+        self.batch.set_effort(efforts, self.vehicle)
+
+    def hold_efforts(
+        self,
+        position_world_m: ArrayLike,
+        heading_rad: ArrayLike,
+        *,
+        roll_rad: ArrayLike = 0.0,
+        pitch_rad: ArrayLike = 0.0,
+        velocity_world_m_s: ArrayLike = LEVEL,
+    ) -> Floats:
+        """Return the efforts (n, 6) that `hold` would set."""
         positions = arguments.rows(position_world_m, "position_world_m", self.batch.n, 3)
         velocities = self._rows(velocity_world_m_s, "velocity_world_m_s", 3)
-        self._reach(positions, velocities, heading_rad, roll_rad, pitch_rad)
+        return self._reached(positions, velocities, heading_rad, roll_rad, pitch_rad)
 
     def steer(
         self,
@@ -121,7 +136,8 @@ class BatchController(_Pilot):
             targets[:, 2] = self._each(z_world_m, "z_world_m")
         velocities = np.zeros((n, 3))
         velocities[:, :2] = self._rows(velocity_world_m_s, "velocity_world_m_s", 2)
-        self._reach(targets, velocities, heading_rad, 0.0, pitch_rad, across_first=across_first)
+        efforts = self._reached(targets, velocities, heading_rad, 0.0, pitch_rad, across_first=across_first)
+        self.batch.set_effort(efforts, self.vehicle)
 
     def velocity(self, velocity_body: ArrayLike) -> None:
         """Hold velocities (n, 6) in body axes, [m/s] and [rad/s], see Controller.velocity."""
@@ -132,7 +148,7 @@ class BatchController(_Pilot):
         """Forget integrals and references, in all members or those of a mask (n,) bool, as after Batch.reset."""
         self._core.restart(arguments.members(mask, self.batch.n))
 
-    def _reach(
+    def _reached(
         self,
         positions_m: Floats,
         velocities_m_s: Floats,
@@ -140,8 +156,8 @@ class BatchController(_Pilot):
         roll_rad: ArrayLike,
         pitch_rad: ArrayLike,
         across_first: bool = False,
-    ) -> None:
-        efforts = self._core.reach(
+    ) -> Floats:
+        return self._core.reach(
             *self._estimates(),
             positions_m,
             velocities_m_s,
@@ -150,7 +166,6 @@ class BatchController(_Pilot):
             self._each(heading_rad, "heading_rad"),
             across_first,
         )
-        self.batch.set_effort(efforts, self.vehicle)
 
 
 class BatchPathFollower(Sealed):
