@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
@@ -54,6 +57,55 @@ TEST(ParallelBatches, AnExceptionStopsTheOtherThreadsEarly) {
   };
   EXPECT_THROW(parallel_batches(1000, 1, 4, work), std::runtime_error);
   EXPECT_LT(done, 500);
+}
+
+TEST(ParallelBatches, ALoopEndsWithoutAThreadThatIsBusyElsewhere) {
+  // The first loop occupies its threads until the second one, on this thread, has ended.
+  std::atomic<bool> is_occupied{false}, may_end{false};
+  std::jthread first([&] {
+    parallel_batches(2, 1, 2, [&](std::size_t, std::size_t, std::size_t) {
+      is_occupied = true;
+      while (!may_end) std::this_thread::yield();
+    });
+  });
+  while (!is_occupied) std::this_thread::yield();
+  std::atomic<int> done{0};
+  parallel_batches(100, 1, 2, [&](std::size_t, std::size_t, std::size_t) { ++done; });
+  EXPECT_EQ(done, 100);
+  may_end = true;
+}
+
+TEST(ParallelBatches, LoopsMayBeNested) {
+  std::atomic<int> done{0};
+  parallel_batches(8, 1, 4, [&](std::size_t, std::size_t, std::size_t) {
+    parallel_batches(8, 1, 4, [&](std::size_t, std::size_t, std::size_t) { ++done; });
+  });
+  EXPECT_EQ(done, 64);
+}
+
+TEST(ParallelBatches, WorkersAreNumberedApart) {
+  for (int turn = 0; turn < 100; ++turn) {
+    std::array<std::atomic<int>, 3> inside{};
+    parallel_batches(30, 1, 3, [&](std::size_t, std::size_t, std::size_t worker) {
+      ASSERT_LT(worker, inside.size());
+      EXPECT_EQ(++inside.at(worker), 1);
+      --inside.at(worker);
+    });
+  }
+}
+
+TEST(ParallelBatches, AForkedChildHasThreadsOfItsOwn) {
+  const auto sum = [] {
+    std::atomic<int> done{0};
+    parallel_batches(100, 1, 3, [&](std::size_t, std::size_t, std::size_t) { ++done; });
+    return done.load();
+  };
+  EXPECT_EQ(sum(), 100);
+  const pid_t child = fork();
+  if (child == 0) _exit(sum() == 100 ? 0 : 1);
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 }  // namespace
