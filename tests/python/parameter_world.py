@@ -20,7 +20,7 @@ SENSORS: dict[str, Any] = {
     "imu": {
         "kind": "imu",
         **TIMES,
-        "channels": {"angular_velocity": NOISE | {"limits": [-0.2, 0.2]}},
+        "channels": {"angular_velocity": NOISE | {"limits": [-0.2, 0.2]}, "linear_acceleration": NOISE},
         "noise": NOISE,
         "gyro_scale": [0.01, 0.02, 0.03],
         "gyro_misalignment_rad": [0.01] * 6,
@@ -37,8 +37,8 @@ SENSORS: dict[str, Any] = {
         "range_min_m": 0.1,
         "noise": NOISE,
     },
-    "dvl": {"kind": "dvl", "noise": NOISE, "range_max_m": 20, "range_min_m": 0.1},
-    "usbl": {"kind": "usbl", "noise": NOISE, "range_max_m": 50},
+    "dvl": {"kind": "dvl", "channels": {"beam_velocity": NOISE}, "noise": NOISE, "range_max_m": 20, "range_min_m": 0.1},
+    "usbl": {"kind": "usbl", "channels": {"bearing": NOISE}, "noise": NOISE, "range_max_m": 50},
     "compass": {"kind": "compass", "noise": NOISE, "hard_iron_ut": [1, 2, 3]},
     "contact": {"kind": "contact"},
 }
@@ -87,7 +87,7 @@ BATTERY = {
               "cutoff_v": 11},
 }  # fmt: skip
 MULTIBEAM = load_sonar("em2040-07")
-SONAR = {"frequency_khz": 400, "tilt_deg": 40, "range_m": 30}
+SONAR = {"frequency_hz": 400000, "tilt_deg": 40, "range_max_m": 30}
 WORLD: dict[str, Any] = {
     "name": "every_parameter",
     "seed": 3,

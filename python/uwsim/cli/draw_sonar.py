@@ -43,7 +43,7 @@ class Request:
     tilt_deg: float | None = None
     track_m: float = TRACK_M
     seed: int | None = None
-    frequency_khz: float | None = None
+    frequency_hz: float | None = None
     vehicle: str | None = None
 
 
@@ -57,7 +57,7 @@ def run_sonar(request: Request) -> list[str]:
     if request.tilt_deg is not None and not abs(request.tilt_deg) <= 90.0:
         raise ValueError(f"--tilt {request.tilt_deg:g} deg: must be in [-90, 90] deg")
     sim = Simulator(
-        request.scenario, seed=request.seed, sonar_model=request.sonar_model, sonar_frequency_khz=request.frequency_khz
+        request.scenario, seed=request.seed, sonar_model=request.sonar_model, sonar_frequency_hz=request.frequency_hz
     )
     rov = chosen_vehicle(sim, request.vehicle)
     if not rov.sonars:

@@ -40,6 +40,13 @@ Frequency = Annotated[
         callback=within(0.1, 1e5, "kHz"),
     ),
 ]
+
+
+def hertz(frequency_khz: float | None) -> float | None:
+    """Convert the value of --frequency, which is in kHz, if it is given."""
+    return None if frequency_khz is None else 1e3 * frequency_khz
+
+
 Pose = Annotated[
     str | None,
     typer.Option(

@@ -48,6 +48,7 @@ from uwsim.cli.options import (
     WithoutEffectError,
     need,
 )
+from uwsim.cli.options import hertz
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
 
@@ -168,7 +169,7 @@ def run(
         map=make_map or None, voxel_m=voxel, time_limit_s=time_limit, report=report, screen=Terminal(),
     )  # fmt: skip
     of_simulator = given(
-        seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
+        seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_hz=hertz(frequency),
         mission_time_s=mission_time, link=link, threads=threads,
     )  # fmt: skip
     of_flight = given(

@@ -9,7 +9,7 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
-from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName
+from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName, hertz
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -48,5 +48,5 @@ def sonar(
     from uwsim.cli.draw_sonar import Request, run_sonar
 
     model = parsed_sonar_model(sonar_model)
-    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, seed, frequency, vehicle)):
+    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, seed, hertz(frequency), vehicle)):
         typer.echo(line)

@@ -25,7 +25,7 @@ from uwsim.cli.flights import (
     given,
     require_consistent,
 )
-from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel
+from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel, hertz
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -76,7 +76,7 @@ def survey(
     from uwsim.flight.survey import resume_survey, run_survey
 
     asked = given(
-        mission=mission, seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
+        mission=mission, seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_hz=hertz(frequency),
         mission_time_s=mission_time, time_limit_s=time_limit, voxel_m=voxel, engine=engine,
         verify_map=verify_map or None, outlier_filter=outlier_filter, link=link, estimate=estimate, threads=threads,
         map_memory_mb=map_memory, report=report, autosave_s=autosave,

@@ -263,7 +263,7 @@ class _Looking(Progress):
         ahead, left, up = (world_from_camera[:3, :3].T @ ray).tolist()
         if ahead <= 0.0:
             return False
-        half = math.tan(math.radians(0.5 * camera.mount.horizontal_fov_deg))
+        half = math.tan(math.radians(0.5 * camera.mount.field_of_view_deg))
         if abs(left) > half * ahead or abs(up) > half * ahead * camera.mount.height / camera.mount.width:
             return False
         hit_m = float(moment.sim.scene.cast(eye[None], ray[None], distance_m).ranges_m[0])

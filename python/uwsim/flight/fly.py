@@ -26,7 +26,9 @@ from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, requir
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey
 from uwsim.scenario.fingerprint import warn_of_other_build
+from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
 
@@ -54,7 +56,7 @@ def fly(
     close_loops: bool = False,
     seed: int | None = None,
     sonar_model: int | str | None = None,
-    sonar_frequency_khz: float | None = None,
+    sonar_frequency_hz: float | None = None,
     mission_time_s: float | None = None,
     link: str | Path | None = None,
     carried: tuple[str, ...] | None = None,
@@ -66,6 +68,7 @@ def fly(
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
     screen: Silent | None = None,
+    sonar_frequency_khz: float | None = None,
 ) -> FlightRecord:
     """Fly a mission; return its record.
 
@@ -95,6 +98,9 @@ def fly(
     written; and the mission's own errors, as MissionError if the mission is a file, after the results so far have been
     written.
     """
+    sonar_frequency_hz = renamed_argument(
+        "sonar_frequency_hz", sonar_frequency_hz, ARGUMENT_ONCE_IN_KHZ, sonar_frequency_khz
+    )
     of_map = {
         "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
         "outlier_filter": outlier_filter,
@@ -106,7 +112,7 @@ def fly(
     if out is not None:
         require_free(Path(out))
     of_simulator = {
-        "seed": seed, "sonar_model": sonar_model, "sonar_frequency_khz": sonar_frequency_khz,
+        "seed": seed, "sonar_model": sonar_model, "sonar_frequency_hz": sonar_frequency_hz,
         "mission_time_s": mission_time_s, "link": link, "threads": threads,
     }  # fmt: skip
     sim = _simulator(scenario, of_simulator, screen)
@@ -121,7 +127,7 @@ def fly(
         scenario=str(resolved_path(scenario)) if isinstance(scenario, str | Path) else "",
         seed=sim.seed,
         sonar_model=resolved_path(sonar_model),
-        sonar_frequency_khz=sonar_frequency_khz,
+        sonar_frequency_hz=sonar_frequency_hz,
         mission_time_s=mission_time_s,
         link=None if link is None else resolved_path(link),
         carried=carried,

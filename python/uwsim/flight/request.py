@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, model_validator
 
 from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.simulator.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
@@ -38,7 +40,7 @@ class FlightRequest:
     scenario: str = "lake"
     seed: int | None = None
     sonar_model: int | str | None = None
-    sonar_frequency_khz: float | None = None
+    sonar_frequency_hz: float | None = None
     mission_time_s: float | None = None
     link: str | None = None
     carried: tuple[str, ...] | None = None
@@ -53,13 +55,22 @@ class FlightRequest:
     sample_sensors: bool = True
     time_limit_s: float | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _under_todays_names(cls, given: Any) -> Any:
+        """Read a request that an earlier version saved, with the sonar's frequency in kHz."""
+        if not isinstance(given, Mapping) or ARGUMENT_ONCE_IN_KHZ.name not in given:
+            return given
+        others = {name: value for name, value in given.items() if name != ARGUMENT_ONCE_IN_KHZ.name}
+        return {**others, "sonar_frequency_hz": ARGUMENT_ONCE_IN_KHZ.todays(given[ARGUMENT_ONCE_IN_KHZ.name])}
+
     def new_simulator(self, threads: int | None = None) -> Simulator:
         """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""
         return Simulator(
             self.scenario,
             seed=self.seed,
             sonar_model=self.sonar_model,
-            sonar_frequency_khz=self.sonar_frequency_khz,
+            sonar_frequency_hz=self.sonar_frequency_hz,
             mission_time_s=self.mission_time_s,
             link=self.link,
             threads=threads,

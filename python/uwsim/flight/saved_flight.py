@@ -65,22 +65,21 @@ class StateFile(BaseModel):
 
     def sealed(self) -> bytes:
         """Return the file's bytes, including a checksum of the other fields."""
-        return json.dumps({**self.model_dump(mode="json"), "checksum": self._checksum()}).encode()
+        content = self.model_dump(mode="json")
+        return json.dumps({**content, "checksum": _checksum(content)}).encode()
 
-    def require_whole(self) -> None:
-        """Raise ValueError unless the content matches its checksum."""
-        if self.version > 1 and self.checksum != self._checksum():
-            raise ValueError("is damaged: its checksum does not match its content")
 
-    def _checksum(self) -> str:
-        content = json.dumps(self.model_dump(mode="json", exclude={"checksum"}), sort_keys=True)
-        return hashlib.blake2b(content.encode(), digest_size=16).hexdigest()
+def _checksum(content: Mapping[str, Any]) -> str:
+    """Return a checksum of all fields in a file but its own, whichever version wrote them."""
+    fields = {name: value for name, value in content.items() if name != "checksum"}
+    return hashlib.blake2b(json.dumps(fields, sort_keys=True).encode(), digest_size=16).hexdigest()
 
 
 def read_state(data: bytes) -> StateFile:
     """Parse a state file. Raises ValueError if it is damaged or of another version."""
     try:
-        state = StateFile.model_validate(json.loads(data))
+        content = json.loads(data)
+        state = StateFile.model_validate(content)
     except ValidationError as error:
         first = error.errors()[0]
         if first["loc"] == ("version",):
@@ -88,7 +87,8 @@ def read_state(data: bytes) -> StateFile:
         raise ValueError(f"is damaged: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
     except (ValueError, RecursionError) as error:
         raise ValueError(f"is damaged: {error}") from None
-    state.require_whole()
+    if state.version > 1 and state.checksum != _checksum(content):
+        raise ValueError("is damaged: its checksum does not match its content")
     return state
 
 

@@ -14,6 +14,7 @@ from uwsim.recording.old_capsule import without_defaults
 from uwsim.scenario import Scenario
 from uwsim.scenario.dump import plain
 from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.old_keys import of_an_earlier_version
 from uwsim.scenario.read.validated import validated
 
 SCENARIO = "scenario.json"
@@ -45,7 +46,8 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
         del values[HOLDS]
     else:
         values = without_defaults(values)
-    return validated(Scenario, _with_files(values, contents, folder))
+    with of_an_earlier_version():
+        return validated(Scenario, _with_files(values, contents, folder))
 
 
 def fingerprint(scenario: Scenario) -> str:

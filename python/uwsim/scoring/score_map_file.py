@@ -99,7 +99,7 @@ def _read_track(path: Path, scenario: Scenario, area_world_m: Array) -> SurveyTr
 def _track_without_path(scenario: Scenario, area_world_m: Array) -> SurveyTrack:
     """Return a track with an empty path, and the range of the scenario's sonar."""
     sonar = scenario.vehicles[0].sonar
-    range_max_m = multibeam_model(sonar.loaded, sonar.frequency_khz).range_limit_m
+    range_max_m = multibeam_model(sonar.loaded, sonar.frequency_hz).range_limit_m
     return SurveyTrack(np.empty((0, 3)), area_world_m, range_max_m)
 
 

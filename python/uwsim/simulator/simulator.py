@@ -31,6 +31,8 @@ from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, veh
 from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.read.old_keys import renamed_argument
+from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.network import Network
@@ -47,7 +49,7 @@ class Simulator(SimulatorProperties):
     """A running scenario.
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (for all
-    vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model with several),
+    vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_hz (for a model with several),
     mission_time_s, link (a modem's name or path): override the scenario's values. threads: maximum number of threads;
     by default one per core. Results do not depend on it. Raises ScenarioError (a ValueError) that names file, line,
     key, value and rule.
@@ -86,13 +88,17 @@ class Simulator(SimulatorProperties):
         *,
         seed: int | None = None,
         sonar_model: int | str | Path | None = None,
-        sonar_frequency_khz: float | None = None,
+        sonar_frequency_hz: float | None = None,
         mission_time_s: float | None = None,
         link: str | Path | None = None,
         threads: int | None = None,
+        sonar_frequency_khz: float | None = None,
     ) -> None:
+        sonar_frequency_hz = renamed_argument(
+            "sonar_frequency_hz", sonar_frequency_hz, ARGUMENT_ONCE_IN_KHZ, sonar_frequency_khz
+        )
         own = load(scenario).with_changes(
-            seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_khz=sonar_frequency_khz,
+            seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_hz=sonar_frequency_hz,
             modem=link,
         )  # fmt: skip
         checked = checked_threads(threads)

@@ -53,7 +53,7 @@ def test_the_depth_string_decodes_to_the_ping() -> None:
 
 
 def test_another_sonar_is_not_on_the_published_wire() -> None:
-    sim = Simulator("pool", sonar_model="em2040-04", sonar_frequency_khz=400)
+    sim = Simulator("pool", sonar_model="em2040-04", sonar_frequency_hz=400e3)
     found = table(sim)
     assert {"scan", "scanPos"} <= set(found)
     assert not {"depthArray", "modelTrigger"} & set(found)

@@ -27,7 +27,7 @@ def sim() -> Simulator:
     sim = Simulator("pool", threads=2)
     sim.rov.place((-3.0, 0.0, -2.0), (0.14, -0.1, 0.0, 0.985))
     camera = sim.rov.cameras["down"]
-    lens = {"distortion": D, "wobble_mrad": 0.0, "width": 160, "height": 120, "horizontal_fov_deg": 50.0}
+    lens = {"distortion": D, "wobble_mrad": 0.0, "width": 160, "height": 120, "field_of_view_deg": 50.0}
     camera.change(camera.mount.model_copy(update=lens))
     return sim
 

@@ -147,7 +147,7 @@ def test_the_rank_falls_with_the_thruster_that_is_alone_on_its_axis(tmp_path: Pa
 
 def test_a_camera_that_looks_back_sees_its_hull(tmp_path: Path) -> None:
     """1 m ahead of a face of 0.8 x 0.7 m, with a square picture of 90 degrees: 0.8 x 0.7 of 2 x 2 m in its plane."""
-    back = {"position_m": [1.6, 0, 0], "yaw_pitch_roll_deg": [180, 0, 0], "horizontal_fov_deg": 90}
+    back = {"position_m": [1.6, 0, 0], "yaw_pitch_roll_deg": [180, 0, 0], "field_of_view_deg": 90}
     cameras = {"back": {**back, "width": 64, "height": 64}, "ahead": {"position_m": [0.7, 0, 0]}}
     views = {view.label: view for view in fields_of_view(simulator(checked(tmp_path, cameras=cameras)))}
     assert views["cameras.back"].share == pytest.approx(0.8 * 0.7 / 4.0, rel=0.05)

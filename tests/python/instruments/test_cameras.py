@@ -274,7 +274,7 @@ def test_a_camera_below_ground_is_refused_and_one_in_a_solid_sees_its_inner_side
         ("width: 0", "must be in [1, 8192] pixels"),
         ("height: 100000", "must be in [1, 8192] pixels"),
         ("width: 8000, height: 8000", "times its height must be at most 16.8 million pixels"),
-        ("horizontal_fov_deg: 180", "must be in [1, 170] deg"),
+        ("field_of_view_deg: 180", "must be in [1, 170] deg"),
         ("fov: 80", "unknown key"),
         ("distortion: [-2, 0, 0, 0, 0]", "folds"),
     ],

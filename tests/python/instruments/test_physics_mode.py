@@ -22,7 +22,7 @@ terrain: {source: noise, size_m: [400, 400], spacing_m: 10, bed_depth_m: 40}
 station: {position_m: [0, 0, 0]}
 vehicles:
   - {name: rov, model: rov, start: {position_m: [0, 0, -1]},
-     sonar: {model: em2040-04, frequency_khz: 400, mode: physics, bending: true, tilt_deg: 90}}
+     sonar: {model: em2040-04, frequency_hz: 400000, mode: physics, bending: true, tilt_deg: 90}}
 """
 
 

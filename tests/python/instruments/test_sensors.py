@@ -193,8 +193,8 @@ def yaml_flow(value: object) -> str:
 
 
 def test_noise_std_is_short_for_white_noise_on_every_channel() -> None:
-    short = log(pool_with({"s": mount(kind="velocity", noise_std=0.1)}), ["s"], 10, 100)
-    long = log(pool_with({"s": mount(kind="velocity", noise=Noise(std=0.1))}), ["s"], 10, 100)
+    short = log(pool_with({"s": mount(kind="compass", noise_std=0.1)}), ["s"], 10, 100)
+    long = log(pool_with({"s": mount(kind="compass", noise=Noise(std=0.1))}), ["s"], 10, 100)
     assert short == long
 
 

@@ -18,7 +18,7 @@ def in_physics_mode() -> Scenario:
     """Return the pool with an em2040-07 at 300 kHz in physics mode."""
     scenario = load("pool")
     vehicle = scenario.vehicles[0]
-    changes = {"mode": "physics", "model": "em2040-07", "frequency_khz": 300}
+    changes = {"mode": "physics", "model": "em2040-07", "frequency_hz": 300000}
     sonar = vehicle.sonar.model_validate({**dict(vehicle.sonar), **changes})
     return scenario.model_copy(update={"vehicles": (vehicle.model_copy(update={"sonar": sonar}),)})
 

@@ -60,7 +60,7 @@ def test_a_fixed_station_offers_no_start_screen_and_its_description_follows_para
     with serving(is_fixed=True) as (station, server), page(server) as ada:
         ada.subscribe("/station/state")
         assert ada.message("/station/state")["phase"] == "starting"
-        station.run(lambda: LiveSimulator(Simulator("pool", sonar_model="em2040-04", sonar_frequency_khz=400)))
+        station.run(lambda: LiveSimulator(Simulator("pool", sonar_model="em2040-04", sonar_frequency_hz=400e3)))
         offered = {service.name for service in station.services}
         assert not offered & {"station/catalog", "station/check", "station/start"}
         before = ada.call("describe")
@@ -68,7 +68,7 @@ def test_a_fixed_station_offers_no_start_screen_and_its_description_follows_para
         ada.call("take_control")
         assert "must be one of" in ada.call("control", action="quit")["message"]
         live = station.running.live
-        live.call(lambda sim: sim.parameters.update({"rov.sonar.range_m": 12.0})).result()
+        live.call(lambda sim: sim.parameters.update({"rov.sonar.range_max_m": 12.0})).result()
         ada.message("/station/state", lambda state: state["edition"] > before["edition"])
         after = ada.call("describe")
         assert after["session"] == before["session"]

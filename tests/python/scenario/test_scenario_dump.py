@@ -62,8 +62,8 @@ BLOCKS: dict[str, dict[str, Any]] = {
     "link by name": {"link": "micromodem"},
     "link by figures": {"link": {"modem": {"name": "wire", "kind": "cable", "latency_s": 0.1}, "bottom": "clay"}},
     "link that carries all": {"link": {"modem": "tether", "carries": ["*"], "repeats": {"2": 3, "yes": 1}}},
-    "sonar by name": {"vehicles": [{"sonar": {"model": "em2040-07", "frequency_khz": 400, "range_m": 30}}]},
-    "sonar by figures": {"vehicles": [{"sonar": {"model": plain(load_sonar("em2040-04")), "frequency_khz": 300}}]},
+    "sonar by name": {"vehicles": [{"sonar": {"model": "em2040-07", "frequency_hz": 400000, "range_max_m": 30}}]},
+    "sonar by figures": {"vehicles": [{"sonar": {"model": plain(load_sonar("em2040-04")), "frequency_hz": 300000}}]},
     "a figure of noise with its usual value": {
         "vehicles": [{"sonar": {"mode": "physics", "noise": {"detection_threshold_db": 13.0}}}]
     },

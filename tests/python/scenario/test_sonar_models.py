@@ -26,7 +26,7 @@ name: mine
 beams: 101
 noise: {level_db: 40}
 frequencies:
-  - frequency_khz: 450
+  - frequency_hz: 450000
     field_of_view_deg: 120
     range_max_m: 60
     beam_width_along_deg: 1.0
@@ -57,16 +57,16 @@ def test_the_files_of_the_four_models_on_the_wire_agree_with_the_core(number: in
 @pytest.mark.parametrize("name", ["em2040-04", "em2040-07"])
 def test_the_physical_instruments_have_acoustic_figures_at_five_frequencies(name: str) -> None:
     model = load_sonar(name)
-    assert [band.frequency_khz for band in model.frequencies] == [200, 300, 400, 600, 700]
+    assert [band.frequency_hz for band in model.frequencies] == [200e3, 300e3, 400e3, 600e3, 700e3]
     for band in model.frequencies:
-        assert acoustic_spec(model, band.frequency_khz).figures.frequency_hz == 1e3 * band.frequency_khz
-        assert multibeam_model(model, band.frequency_khz).number == 0
-    with pytest.raises(ValueError, match=r"frequency_khz: missing: em2040-0. works at 200, 300, 400, 600, 700 kHz"):
+        assert acoustic_spec(model, band.frequency_hz).figures.frequency_hz == band.frequency_hz
+        assert multibeam_model(model, band.frequency_hz).number == 0
+    with pytest.raises(ValueError, match=r"frequency_hz: missing: em2040-0. works at 200000, 300000, .*, 700000 Hz"):
         multibeam_model(model)
 
 
 def test_a_scenario_chooses_model_frequency_and_mode(tmp_path: Path) -> None:
-    path = pool(tmp_path, "{model: em2040-04, frequency_khz: 300, mode: physics, tilt_deg: 40}")
+    path = pool(tmp_path, "{model: em2040-04, frequency_hz: 300000, mode: physics, tilt_deg: 40}")
     sonar = Simulator(path).rov.sonar
     assert (sonar.mode, sonar.model.beams, sonar.model.frequency_hz) == ("physics", 400, 300e3)
     ping = sonar.ping()
@@ -93,7 +93,7 @@ def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_given(tmp
     [
         ("beams: 101", "beams: 0", "mine.yaml:3: beams = 0: must be in [2, 8192]"),
         ("field_of_view_deg: 120", "field_of_view_deg: 361", ":7: frequencies[0].field_of_view_deg = 361 deg: must be"),
-        ("frequency_khz: 450", "frequency_khz: -450", ":6: frequencies[0].frequency_khz = -450 kHz: must be in [1"),
+        ("frequency_hz: 450000", "frequency_hz: -450000", ":6: frequencies[0].frequency_hz = -450000 Hz: must be in [1000"),
         ("range_max_m: 60", "range_max_m: 0", ":8: frequencies[0].range_max_m = 0 m: must be in [0.1, 12000] m"),
         ("range_max_m: 60", "range_max_m: .nan", ":8: frequencies[0].range_max_m = nan m: must be in"),
         (
@@ -132,14 +132,14 @@ def test_an_error_in_a_model_names_file_line_value_unit_and_rule(
     [
         ("{model: em2040-05}", "unknown sonar 'em2040-05': expected one of"),
         ("{model: nowhere/mine.yaml}", "nowhere/mine.yaml: no such file"),
-        ("{model: em2040-04}", "frequency_khz: missing: em2040-04 works at 200, 300"),
-        ("{model: em2040-04, frequency_khz: 500}", "frequency_khz = 500 kHz: em2040-04 works at 200, 300"),
-        ("{model: 2, frequency_khz: 600}", "frequency_khz = 600 kHz: em2040-2 works at 700 kHz"),
+        ("{model: em2040-04}", "frequency_hz: missing: em2040-04 works at 200000, 300000"),
+        ("{model: em2040-04, frequency_hz: 500000}", "frequency_hz = 500000 Hz: em2040-04 works at 200000, 300000"),
+        ("{model: 2, frequency_hz: 600000}", "frequency_hz = 600000 Hz: em2040-2 works at 700000 Hz"),
         ("{model: 2, mode: phsics}", "sonar.mode = 'phsics': must be 'geometry' or 'physics'"),
-        ("{model: em2040-04, frequency_khz: 700, receivers: 2}", "29 deg, 80 deg apart, do not meet"),
+        ("{model: em2040-04, frequency_hz: 700000, receivers: 2}", "29 deg, 80 deg apart, do not meet"),
         ("{model: 2, receivers: 2}", "receivers = 2: em2040-2 has 1"),
         ("{model: 3, receivers: 1}", "receivers = 1: em2040-3 has 2"),
-        ("{model: em2040-04, frequency_khz: 400, receivers: 3}", "sonar.receivers = 3: must be 1 or 2"),
+        ("{model: em2040-04, frequency_hz: 400000, receivers: 3}", "sonar.receivers = 3: must be 1 or 2"),
         ("{model: 2, bending: true}", "sonar.bending = true: is for `mode: physics` only"),
         ("{model: 2, mode: physics, rays_per_beam: 2}", "rays_per_beam = 2: must be in [4, 64]"),
     ],
@@ -152,7 +152,7 @@ def test_an_error_in_a_scenarios_sonar_is_named(sonar: str, message: str, tmp_pa
 
 def test_two_receivers_widen_the_fan_and_steer_less(tmp_path: Path) -> None:
     def widest(receivers: int) -> tuple[float, float]:
-        sonar = f"{{model: em2040-04, frequency_khz: 200, receivers: {receivers}, mode: physics, tilt_deg: 90}}"
+        sonar = f"{{model: em2040-04, frequency_hz: 200000, receivers: {receivers}, mode: physics, tilt_deg: 90}}"
         model = Simulator(pool(tmp_path, sonar)).rov.sonar.model
         return math.degrees(model.field_of_view_rad), math.degrees(model.receiver_tilt_rad)
 
@@ -166,7 +166,7 @@ def test_two_receivers_widen_the_fan_and_steer_less(tmp_path: Path) -> None:
 def test_a_model_without_acoustics_is_for_geometry_mode_only(tmp_path: Path) -> None:
     (tmp_path / "fan.yaml").write_text(MODEL[: MODEL.index("    beam_width_along_deg")])
     assert Simulator(pool(tmp_path, "{model: fan.yaml}")).rov.sonar.model.beams == 101
-    with pytest.raises(ScenarioError, match="mine at 450 kHz: beam_width_along_deg: missing: physics mode needs it"):
+    with pytest.raises(ScenarioError, match="mine at 450000 Hz: beam_width_along_deg: missing: physics mode needs it"):
         load(pool(tmp_path, "{model: fan.yaml, mode: physics}"))
 
 
@@ -234,7 +234,7 @@ def test_the_core_refuses_an_invalid_fan(field: str, value: float) -> None:
 
 
 def test_a_sonar_that_is_not_on_the_wire_works_through_the_same_chain(tmp_path: Path) -> None:
-    sim = Simulator(pool(tmp_path, "{model: em2040-07, frequency_khz: 700, mode: physics, tilt_deg: 40}"))
+    sim = Simulator(pool(tmp_path, "{model: em2040-07, frequency_hz: 700000, mode: physics, tilt_deg: 40}"))
     model, ping = sim.rov.sonar.model, sim.rov.sonar.ping()
     decoded = ranging.decode_depth_string(ranging.encode_depth_string(ping.ranges_m, model), model)
     scan = ranging.to_laser_scan(decoded, model)
@@ -246,18 +246,18 @@ def test_a_sonar_that_is_not_on_the_wire_works_through_the_same_chain(tmp_path: 
 
 
 def test_a_smaller_range_set_by_the_operator_raises_the_ping_rate_and_limits_the_echoes(tmp_path: Path) -> None:
-    whole = Simulator(pool(tmp_path, "{model: em2040-07, frequency_khz: 700, tilt_deg: 40}")).rov.sonar
+    whole = Simulator(pool(tmp_path, "{model: em2040-07, frequency_hz: 700000, tilt_deg: 40}")).rov.sonar
     far = whole.ping().ranges_m
     reach = round(float(np.median(far)), 2)
-    mount = f"{{model: em2040-07, frequency_khz: 700, range_m: {reach}, tilt_deg: 40}}"
+    mount = f"{{model: em2040-07, frequency_hz: 700000, range_max_m: {reach}, tilt_deg: 40}}"
     shorter = Simulator(pool(tmp_path, mount)).rov.sonar
     assert shorter.model.range_max_m == reach < whole.model.range_max_m
     assert shorter.ping_rate_max_hz > whole.ping_rate_max_hz
     near = shorter.ping().ranges_m
     assert 0 < np.isfinite(near).sum() < len(near)
     np.testing.assert_array_equal(near, np.where(far < reach, far, np.inf))
-    with pytest.raises(ScenarioError, match=r"range_m = 4 m: must be left out for em2040-2, whose range is fixed"):
-        load(pool(tmp_path, "{model: 2, range_m: 4}"))
+    with pytest.raises(ScenarioError, match=r"range_max_m = 4 m: must be left out for em2040-2, whose range is fixed"):
+        load(pool(tmp_path, "{model: 2, range_max_m: 4}"))
 
 
 def test_the_figures_of_a_scenarios_own_sonar_change_its_fingerprint(tmp_path: Path) -> None:

@@ -245,7 +245,7 @@ def test_channels_follow_the_parameters() -> None:
     assert read("depthArray").data.count("a") == 1025
     assert read("altitude").max_range == 7.0
     assert read("depth") is None
-    sim.parameters.update({"rov.sonar.model": "em2040-07", "rov.sonar.frequency_khz": 400.0})
+    sim.parameters.update({"rov.sonar.model": "em2040-07", "rov.sonar.frequency_hz": 400000.0})
     assert len(read("scan").ranges) == 400
     assert read("depthArray") is None and read("modelTrigger") is None
 

@@ -100,7 +100,7 @@ def _terrain(scenario: str) -> Any:
 def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return two opposite corners of the part of the terrain that a tile survey may see."""
     sonar = base.vehicles[0].sonar
-    reach_m = MARGIN_M + sonar.loaded.band(sonar.frequency_khz).range_max_m
+    reach_m = MARGIN_M + sonar.loaded.band(sonar.frequency_hz).range_max_m
     (x0, y0), (x1, y1) = (area_m.min(axis=0) - reach_m).tolist(), (area_m.max(axis=0) + reach_m).tolist()
     limit = 10_000.0  # the limit for positions in a scenario
     return (max(x0, -limit), max(y0, -limit)), (min(x1, limit), min(y1, limit))

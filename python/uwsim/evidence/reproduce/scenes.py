@@ -22,7 +22,7 @@ OVERVIEW = CameraMount(
     yaw_pitch_roll_deg=(84.0, 40.0, 0.0),
     width=1280,
     height=720,
-    horizontal_fov_deg=80,
+    field_of_view_deg=80,
 )
 """A camera above the southern shore, in the frame of the station, which is not turned."""
 
@@ -60,7 +60,7 @@ def overview(sim: Simulator, path: Path) -> Figure:
     axes.set_axis_off()
     axes.imshow(frame.rgb, interpolation="antialiased")
     height, width = frame.rgb.shape[:2]
-    focal = 0.5 * width / np.tan(np.radians(0.5 * OVERVIEW.horizontal_fov_deg))
+    focal = 0.5 * width / np.tan(np.radians(0.5 * OVERVIEW.field_of_view_deg))
     rows = []
     for name, place_m in parts.items():
         ahead, left, up, _ = np.linalg.inv(camera.world_from_camera) @ (*place_m, 1.0)

@@ -97,9 +97,9 @@ def _build_sensors(part: SensorSet) -> None:
 
 def _build_sonar(part: SonarModel) -> None:
     for band in part.frequencies:
-        multibeam_model(part, band.frequency_khz)
+        multibeam_model(part, band.frequency_hz)
         if all(getattr(band, key) is not None for key in ACOUSTIC):
-            acoustic_spec(part, band.frequency_khz)
+            acoustic_spec(part, band.frequency_hz)
 
 
 def _build_modem(part: ModemModel) -> _core.ModemSpec | None:

@@ -100,7 +100,7 @@ def _of_vehicle(sim: Simulator, scene: Scene, vehicle: VehicleScene, index: int)
     if entry.model.cameras and scene.sight_m < SIGHT_M:
         yield f"{name}'s cameras see {scene.sight_m:.1f} m in this water (optics.jerlov: {sim.optics.jerlov})"
     if entry.model.sonar is not None:
-        range_m = multibeam_model(entry.sonar.loaded, entry.sonar.frequency_khz).range_max_m
+        range_m = multibeam_model(entry.sonar.loaded, entry.sonar.frequency_hz).range_max_m
         if -scene.bed.lowest_m - max(-vehicle.position_m[2], 0.0) > range_m:
             deep = f"the bed, which is at z = {scene.bed.lowest_m:.0f} m"
             yield f"{name}'s sonar reaches {range_m:g} m, from its start not everywhere down to {deep}"
@@ -144,7 +144,7 @@ def _of_survey(sim: Simulator) -> Iterator[str]:
     survey, entry = sim.scenario.survey, sim.scenario.vehicles[0]
     if survey is None or entry.model.sonar is None:
         return
-    range_m = multibeam_model(entry.sonar.loaded, entry.sonar.frequency_khz).range_max_m
+    range_m = multibeam_model(entry.sonar.loaded, entry.sonar.frequency_hz).range_max_m
     slant_m = survey.altitude_m / np.cos(np.radians(90.0 - min(max(survey.tilt_deg, 1.0), 89.0)))
     if slant_m > range_m:
         yield (

@@ -174,10 +174,10 @@ COVERAGE_CELLS = [
 
 @lru_cache(maxsize=64)
 def _packaged_fan(array: str, frequency_khz: int, receivers: Literal[1, 2]) -> _core.MultibeamModel:
-    return multibeam_model(load_sonar(array).with_receivers(receivers, frequency_khz), frequency_khz)
+    return multibeam_model(load_sonar(array).with_receivers(receivers, 1e3 * frequency_khz), 1e3 * frequency_khz)
 
 
 @lru_cache(maxsize=32)
 def acoustics(array: str, frequency_khz: int) -> _core.AcousticSpec:
     """Return the packaged instrument's acoustic parameters."""
-    return acoustic_spec(load_sonar(array), frequency_khz)
+    return acoustic_spec(load_sonar(array), 1e3 * frequency_khz)

@@ -41,7 +41,7 @@ class Lens:
     def rectified(self) -> Lens:
         """The pinhole with the projection matrix of `info`: without distortion and without a port."""
         angle_rad = 2.0 * np.arctan(0.5 * self.mount.width / self.info.p[0, 0])
-        pinhole = {"horizontal_fov_deg": float(np.degrees(angle_rad)), "distortion": (0.0,) * 5, "port": None}
+        pinhole = {"field_of_view_deg": float(np.degrees(angle_rad)), "distortion": (0.0,) * 5, "port": None}
         return Lens(self.name, self.mount.model_copy(update=pinhole))
 
 

@@ -109,7 +109,7 @@ class View:
             "frame_id": self.frame_id, "width": mount.width, "height": mount.height,
             "topic": f"/{self.large.topic}", "small_topic": f"/{self.small.topic}",
             "optics": {
-                "yaw_pitch_roll_deg": list(mount.yaw_pitch_roll_deg), "horizontal_fov_deg": mount.horizontal_fov_deg,
+                "yaw_pitch_roll_deg": list(mount.yaw_pitch_roll_deg), "horizontal_fov_deg": mount.field_of_view_deg,
                 "follows": mount.follows, "turns": mount.pan_tilt is not None,
             },
         }  # fmt: skip

@@ -26,7 +26,7 @@ def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
 
 def intrinsic_matrix(mount: CameraMount) -> Floats:
     """Return the intrinsic matrix K (3, 3) in pixels, for square pixels and a principal point at the image centre."""
-    focal = 0.5 * mount.width / np.tan(np.radians(0.5 * mount.horizontal_fov_deg))
+    focal = 0.5 * mount.width / np.tan(np.radians(0.5 * mount.field_of_view_deg))
     return np.array([[focal, 0, 0.5 * (mount.width - 1)], [0, focal, 0.5 * (mount.height - 1)], [0, 0, 1]])
 
 
@@ -69,7 +69,7 @@ def chase_camera(model: VehicleModel) -> CameraMount:
     return CameraMount(
         position_m=(float(centre[0] - behind), float(centre[1]), float(centre[2] + above)),
         yaw_pitch_roll_deg=(0.0, pitch_deg, 0.0),
-        horizontal_fov_deg=60.0,
+        field_of_view_deg=60.0,
         follows="heading",
     )
 

@@ -12,10 +12,10 @@ from uwsim.scenario.spec.water_target import School, Seep
 
 
 def multibeam_model(
-    model: SonarModel, frequency_khz: float | None = None, *, gain_db: float = 0.0
+    model: SonarModel, frequency_hz: float | None = None, *, gain_db: float = 0.0
 ) -> _core.MultibeamModel:
     """Return the fan at a frequency; None selects a model's only frequency. Raises ValueError."""
-    band = model.band(frequency_khz)
+    band = model.band(frequency_hz)
     return _core.MultibeamModel(
         name=model.description or model.name,
         number=model.wire_number or 0,
@@ -23,7 +23,7 @@ def multibeam_model(
         field_of_view_rad=math.radians(band.field_of_view_deg),
         range_max_m=band.range_max_m,
         range_limit_m=band.range_limit_m,
-        frequency_hz=1e3 * band.frequency_khz,
+        frequency_hz=band.frequency_hz,
         dual_swath=model.dual_swath,
         ping_rate_max_hz=model.ping_rate_max_hz,
         tilt_rate_rad_s=math.radians(model.tilt_rate_deg_s),
@@ -34,7 +34,7 @@ def multibeam_model(
 
 def acoustic_spec(
     model: SonarModel,
-    frequency_khz: float | None = None,
+    frequency_hz: float | None = None,
     *,
     bending: bool = False,
     rays_per_beam: int = 8,
@@ -47,12 +47,12 @@ def acoustic_spec(
     bottoms: backscatter by label; labels beyond its end are treated as rock. volume_strength_db: of the water.
     Raises ValueError.
     """
-    band = model.acoustic_band(frequency_khz)
+    band = model.acoustic_band(frequency_hz)
     spec, figures = _core.AcousticSpec(), _core.SonarFigures()
     for key in ACOUSTIC:
         value = getattr(band, key)
         setattr(figures, key.replace("_deg", "_rad"), math.radians(value) if key.endswith("_deg") else value)
-    figures.frequency_hz = 1e3 * band.frequency_khz
+    figures.frequency_hz = band.frequency_hz
     figures.noise_level_db = model.noise.level_db
     figures.detection_threshold_db = model.noise.detection_threshold_db
     figures.check()

@@ -96,7 +96,7 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
     if sonar.mode == "physics":
         acoustics = acoustic_spec(
             model,
-            sonar.frequency_khz,
+            sonar.frequency_hz,
             bending=sonar.bending,
             rays_per_beam=sonar.rays_per_beam,
             bottoms=bottoms,
@@ -105,7 +105,7 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
         )
     return _core.SonarSpec(
         "sonar",
-        multibeam_model(model, sonar.frequency_khz, gain_db=sonar.gain_db),
+        multibeam_model(model, sonar.frequency_hz, gain_db=sonar.gain_db),
         np.add(mount_m, model.mounting.position_m),
         model.mounting.orientation_xyzw,
         elevation_rad=-np.radians(sonar.tilt_deg),

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
+from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, YawPitchRoll, broken
 
 LARGEST_SIDE = 8192
@@ -54,7 +55,7 @@ class CameraMount(Model):
     """A camera: its mount, lens and image sensor.
 
     It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of its carrier. width,
-    height: in pixels, which are square. horizontal_fov_deg: field of view across the image's width, before distortion.
+    height: in pixels, which are square. field_of_view_deg: across the image's width, before distortion.
     distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. port: a flat window, at which rays from the
     water are refracted: field of view and distortion are then those of the lens in air. Without it they hold in water
     as in air, as behind a dome, or after a calibration under water. exposure: a factor on the automatic or
@@ -71,7 +72,7 @@ class CameraMount(Model):
     yaw_pitch_roll_deg: YawPitchRoll = FORWARD
     width: Pixels = 640
     height: Pixels = 360
-    horizontal_fov_deg: Annotated[float, InRange(1, 170, "deg")] = 80.0
+    field_of_view_deg: Annotated[float, InRange(1, 170, "deg"), OnceNamed("horizontal_fov_deg", until="0.4")] = 80.0
     distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
     port: FlatPort | None = None
     exposure: Annotated[float, InRange(0.001, 1000)] = 1.0
@@ -121,7 +122,7 @@ class Lamps(Model):
 CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
 LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
 
-DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(22.0, 16.0, 0.0), horizontal_fov_deg=80.0)
+DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(22.0, 16.0, 0.0), field_of_view_deg=80.0)
 """Above the hut of the packaged station, overlooking its deck and the water ahead, with the mast at the right."""
 
 
@@ -133,5 +134,5 @@ def dock_camera(dock_m: Point3) -> CameraMount:
     return CameraMount(
         position_m=(dock_m[0] + ahead_m, dock_m[1] + aside_m, dock_m[2] + above_m),
         yaw_pitch_roll_deg=(back_deg, down_deg, 0.0),
-        horizontal_fov_deg=70.0,
+        field_of_view_deg=70.0,
     )

@@ -147,7 +147,7 @@ class Scenario(Model):
         seed: int | None = None,
         mission_time_s: float | None = None,
         sonar_model: int | str | Path | None = None,
-        sonar_frequency_khz: float | None = None,
+        sonar_frequency_hz: float | None = None,
         vehicle_model: VehicleModel | None = None,
         modem: str | Path | None = None,
         step_s: float | None = None,
@@ -169,8 +169,8 @@ class Scenario(Model):
                 kept.pop(key, None)
             data["link"] = {**kept, "modem": modem}
         vehicles = [vehicle.given() for vehicle in self.vehicles]
-        if sonar_model is not None or sonar_frequency_khz is not None:
-            changes: dict[str, object] = {"frequency_khz": sonar_frequency_khz}
+        if sonar_model is not None or sonar_frequency_hz is not None:
+            changes: dict[str, object] = {"frequency_hz": sonar_frequency_hz}
             if sonar_model is not None:
                 changes["model"] = sonar_model
             for values, vehicle in zip(vehicles, self.vehicles, strict=True):

@@ -17,6 +17,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
 from uwsim.base.did_you_mean import did_you_mean
+from uwsim.scenario.read.old_keys import is_of_an_earlier_version
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures, one_of_kinds
@@ -64,8 +65,8 @@ class SensorMount(Model):
     `parameters` here. position_m: in the body frame. parameters: in Python, the parameters of the kind, which YAML has
     next to the other keys. on: whether it is powered; off, it has no readings. rate_hz: sampling rate; every step by
     default. latency_s: delay from the measurement to its arrival. drop_out: the fraction of samples that is lost; a
-    read then returns the last sample that was not lost, marked invalid. noise: noise of all channels; noise_std: short
-    for noise: {std: ...}. channels: noise by channel, instead of `noise`.
+    read then returns the last sample that was not lost, marked invalid. noise: noise of all channels, if they have the
+    same unit; noise_std: short for noise: {std: ...}. channels: noise by channel, instead of `noise`.
     """
 
     kind: str
@@ -127,6 +128,12 @@ class SensorMount(Model):
                 )
         if self.noise is not None and self.noise_std is not None:
             raise broken("give either noise or noise_std", at=("noise_std",), value=self.noise_std)
+        shared = {channel: known[channel][1] for channel in known if channel not in self.channels}
+        if len(set(shared.values())) > 1 and not is_of_an_earlier_version():
+            units = ", ".join(f"{channel} [{unit}]" for channel, unit in shared.items())
+            for key in ("noise", "noise_std"):
+                if getattr(self, key) not in (None, 0.0, Noise()):
+                    raise broken(f"has no single unit: give channels, each with its noise, for {units}", at=(key,))
         return self
 
 

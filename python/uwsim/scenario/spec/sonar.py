@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictBool, model_validator
 
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
+from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
 
@@ -17,7 +18,9 @@ BeamWidth = Annotated[float, InRange(0.01, 80, "deg")]
 NoiseLevel = Annotated[float, InRange(-100, 200, "dB")]
 DetectionThreshold = Annotated[float, InRange(-20, 60, "dB")]
 Receivers = Literal[1, 2]
-FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
+FrequencyHz = Annotated[float, InRange(1e3, 5e6, "Hz")]
+ONCE_IN_KHZ = OnceNamed("frequency_khz", until="0.4", factor=1e3)
+ARGUMENT_ONCE_IN_KHZ = OnceNamed("sonar_frequency_khz", until="0.4", factor=1e3)
 
 
 class SonarMounting(Model):
@@ -69,7 +72,7 @@ class SonarNoiseChanges(Model):
 class SonarBand(Model):
     """One of the instrument's frequencies, with its parameters there.
 
-    frequency_khz: centre frequency. field_of_view_deg: opening angle of the fan. range_max_m: ranges at or beyond it
+    frequency_hz: centre frequency. field_of_view_deg: opening angle of the fan. range_max_m: ranges at or beyond it
     are not echoes. range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by
     default. beam_width_along_deg: beam width of the transmitter, across the plane of the fan, -3 dB one way.
     beam_width_across_deg: width of an unsteered receiving beam, within that plane, -3 dB one way. pulse_length_s,
@@ -77,7 +80,7 @@ class SonarBand(Model):
     receiver. The last six are for physics mode: all or none.
     """
 
-    frequency_khz: FrequencyKhz
+    frequency_hz: Annotated[FrequencyHz, ONCE_IN_KHZ]
     field_of_view_deg: Annotated[float, InRange(0.1, 360, "deg")]
     range_max_m: Annotated[float, InRange(0.1, 12_000, "m")]
     range_limit_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
@@ -98,8 +101,8 @@ class SonarBand(Model):
             rule = f"must be at most range_max_m, {self.range_max_m:g} m"
             raise broken(rule, at=("range_limit_m",), value=self.range_limit_m, unit="m")
         if self.bandwidth_hz is not None and self.pulse_length_s is not None:
-            if self.bandwidth_hz > 1000 * self.frequency_khz:
-                rule = f"must be at most the frequency, {1000 * self.frequency_khz:g} Hz"
+            if self.bandwidth_hz > self.frequency_hz:
+                rule = f"must be at most the frequency, {self.frequency_hz:g} Hz"
                 raise broken(rule, at=("bandwidth_hz",), value=self.bandwidth_hz, unit="Hz")
             if self.bandwidth_hz * self.pulse_length_s < 0.99:
                 rule = f"must be at least 1 / bandwidth_hz, {1 / self.bandwidth_hz:.3g} s, as for any pulse"
@@ -147,33 +150,33 @@ class SonarModel(Model):
     def _has_each_frequency_once(self) -> SonarModel:
         seen: set[float] = set()
         for index, band in enumerate(self.frequencies):
-            if band.frequency_khz in seen:
-                at = ("frequencies", index, "frequency_khz")
-                raise broken("is given twice", at=at, value=band.frequency_khz, unit="kHz")
-            seen.add(band.frequency_khz)
+            if band.frequency_hz in seen:
+                at = ("frequencies", index, "frequency_hz")
+                raise broken("is given twice", at=at, value=band.frequency_hz, unit="Hz")
+            seen.add(band.frequency_hz)
         if self.receivers == 2 and self.receiver_tilt_deg is None:
             raise broken("missing: two receivers need it", at=("receiver_tilt_deg",))
         return self
 
-    def band(self, frequency_khz: float | None = None) -> SonarBand:
+    def band(self, frequency_hz: float | None = None) -> SonarBand:
         """Return the parameters at a frequency; None selects the only one. Raises ValueError."""
-        known = ", ".join(f"{band.frequency_khz:g}" for band in self.frequencies)
-        if frequency_khz is None and len(self.frequencies) > 1:
-            raise ValueError(f"frequency_khz: missing: {self.name} works at {known} kHz, choose one")
+        known = ", ".join(f"{band.frequency_hz:.12g}" for band in self.frequencies)
+        if frequency_hz is None and len(self.frequencies) > 1:
+            raise ValueError(f"frequency_hz: missing: {self.name} works at {known} Hz, choose one")
         for band in self.frequencies:
-            if frequency_khz is None or band.frequency_khz == frequency_khz:
+            if frequency_hz is None or band.frequency_hz == frequency_hz:
                 return band
-        raise ValueError(f"frequency_khz = {frequency_khz:g} kHz: {self.name} works at {known} kHz")
+        raise ValueError(f"frequency_hz = {frequency_hz:.12g} Hz: {self.name} works at {known} Hz")
 
-    def acoustic_band(self, frequency_khz: float | None = None) -> SonarBand:
+    def acoustic_band(self, frequency_hz: float | None = None) -> SonarBand:
         """Return the parameters at a frequency for physics mode. Raises ValueError if any are missing."""
-        band = self.band(frequency_khz)
+        band = self.band(frequency_hz)
         for key in ACOUSTIC:
             if getattr(band, key) is None:
-                raise ValueError(f"{self.name} at {band.frequency_khz:g} kHz: {key}: missing: physics mode needs it")
+                raise ValueError(f"{self.name} at {band.frequency_hz:.12g} Hz: {key}: missing: physics mode needs it")
         return band
 
-    def with_receivers(self, receivers: Receivers, frequency_khz: float | None = None) -> SonarModel:
+    def with_receivers(self, receivers: Receivers, frequency_hz: float | None = None) -> SonarModel:
         """Return the model with this number of receivers, at a frequency. Two receivers double the number of beams.
 
         Raises ValueError if the model cannot have this number.
@@ -182,20 +185,20 @@ class SonarModel(Model):
             return self
         if receivers == 1 or self.receiver_tilt_deg is None:
             raise ValueError(f"receivers = {receivers}: {self.name} has {self.receivers}")
-        band, apart_deg = self.band(frequency_khz), 2 * self.receiver_tilt_deg
+        band, apart_deg = self.band(frequency_hz), 2 * self.receiver_tilt_deg
         wider = band.model_copy(update={"field_of_view_deg": band.field_of_view_deg + apart_deg})
         if not apart_deg <= band.field_of_view_deg <= 360 - apart_deg:
             sectors = f"sectors of {band.field_of_view_deg:g} deg, {apart_deg:g} deg apart, do not meet"
-            raise ValueError(f"receivers = 2: {self.name} at {band.frequency_khz:g} kHz: {sectors}")
+            raise ValueError(f"receivers = 2: {self.name} at {band.frequency_hz:.12g} Hz: {sectors}")
         return self.model_copy(update={"receivers": 2, "beams": 2 * self.beams, "frequencies": (wider,)})
 
-    def within(self, range_m: float) -> SonarModel:
+    def within(self, range_max_m: float) -> SonarModel:
         """Return the model with its maximum range limited."""
         bands = [
             band.model_copy(
                 update={
-                    "range_max_m": min(band.range_max_m, range_m),
-                    "range_limit_m": None if band.range_limit_m is None else min(band.range_limit_m, range_m),
+                    "range_max_m": min(band.range_max_m, range_max_m),
+                    "range_limit_m": None if band.range_limit_m is None else min(band.range_limit_m, range_max_m),
                 }
             )
             for band in self.frequencies

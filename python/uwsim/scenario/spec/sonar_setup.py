@@ -11,11 +11,13 @@ from pydantic import BeforeValidator, PlainSerializer, PlainValidator, StrictBoo
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, NoseDown, broken
 from uwsim.scenario.spec.sonar import (
+    ONCE_IN_KHZ,
     WIRE_NUMBERS,
-    FrequencyKhz,
+    FrequencyHz,
     Receivers,
     SonarMode,
     SonarModel,
@@ -56,8 +58,8 @@ class SonarSetup(Model):
     """A vehicle's multibeam model, and how it is simulated.
 
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
-    swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel. frequency_khz:
-    for a model with several. range_m: the operator's range setting, for a model with a larger range: the ping rate is
+    swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel. frequency_hz:
+    for a model with several. range_max_m: the operator's range setting, for a model with a larger range: the ping rate is
     then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a wider fan
     and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`, in which
     ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's sound-speed
@@ -73,8 +75,10 @@ class SonarSetup(Model):
         PlainValidator(_sonar_model, json_schema_input_type=SonarNumber | SonarName | SonarModel),
         PlainSerializer(_dumped),
     ] = 2
-    frequency_khz: FrequencyKhz | None = None
-    range_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
+    frequency_hz: Annotated[FrequencyHz | None, ONCE_IN_KHZ] = None
+    range_max_m: Annotated[
+        Annotated[float, InRange(0.1, 12_000, "m")] | None, OnceNamed("range_m", until="0.4")
+    ] = None
     receivers: Receivers | None = None
     mode: SonarMode = "geometry"
     bending: bool = False
@@ -95,17 +99,17 @@ class SonarSetup(Model):
         try:
             loaded = self.loaded
             if self.mode == "physics":
-                loaded.acoustic_band(self.frequency_khz)
+                loaded.acoustic_band(self.frequency_hz)
             else:
-                loaded.band(self.frequency_khz)
+                loaded.band(self.frequency_hz)
         except ScenarioError:
             raise
         except ValueError as error:
             raise broken(str(error)) from None
-        if self.range_m is not None and loaded.wire_number is not None:
+        if self.range_max_m is not None and loaded.wire_number is not None:
             fixed = f"must be left out for {self.loaded.name}, whose range is fixed"
             rule = f"{fixed}; it is for models such as em2040-04 and em2040-07"
-            raise broken(rule, at=("range_m",), value=self.range_m, unit="m")
+            raise broken(rule, at=("range_max_m",), value=self.range_max_m, unit="m")
         return self
 
     @property
@@ -113,7 +117,7 @@ class SonarSetup(Model):
         """The model with the selected receivers, range, tilt rate and noise. Raises ValueError."""
         model = self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
         if self.receivers is not None:
-            model = model.with_receivers(self.receivers, self.frequency_khz)
+            model = model.with_receivers(self.receivers, self.frequency_hz)
         own: dict[str, object] = {}
         if self.multipath is not None:
             own["multipath"] = self.multipath
@@ -122,11 +126,11 @@ class SonarSetup(Model):
         if self.noise is not None:
             own["noise"] = self.noise.of(model.noise)
         model = model.model_copy(update=own) if own else model
-        return model if self.range_m is None else model.within(self.range_m)
+        return model if self.range_max_m is None else model.within(self.range_max_m)
 
     @property
     def title(self) -> str:
         """The wire number or name of the model, with the receivers and the frequency if specified."""
         name = self.model.name if isinstance(self.model, SonarModel) else str(self.model)
         name = f"{name} with {self.receivers} receivers" if self.receivers is not None else name
-        return name if self.frequency_khz is None else f"{name} at {self.frequency_khz:g} kHz"
+        return name if self.frequency_hz is None else f"{name} at {self.frequency_hz / 1e3:g} kHz"

@@ -45,9 +45,8 @@ def _of_sonar(setup: SonarSetup, field: str, own: Any) -> Any:
         return getattr(model, field)
     if own is None and field == "receivers":
         return model.receivers
-    if own is None and field in ("frequency_khz", "range_m"):
-        band = model.band(setup.frequency_khz)
-        return band.frequency_khz if field == "frequency_khz" else band.range_max_m
+    if own is None and field in ("frequency_hz", "range_max_m"):
+        return getattr(model.band(setup.frequency_hz), field)
     return own
 
 

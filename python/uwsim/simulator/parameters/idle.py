@@ -41,7 +41,11 @@ def _of_water(water: Water, field: str) -> str:
 
 
 def _of_sensor(sensor: SensorMount, field: str) -> str:
-    channels = set(_core.sensor_kind(sensor.kind).channels)
+    kind = _core.sensor_kind(sensor.kind)
+    channels = set(kind.channels)
     if field == "noise" and channels <= set(sensor.channels):
         return "each channel has its own" if channels else "this kind has no noise"
+    units = {unit for name, (_, unit) in kind.channels.items() if name not in sensor.channels}
+    if field == "noise" and len(units) > 1 and sensor.noise is None and sensor.noise_std is None:
+        return "its channels have different units: set channels"
     return ""
