@@ -28,6 +28,7 @@ from uwsim.base.extras import explain_missing_extras
 if TYPE_CHECKING:
     from uwsim.batch import Batch
     from uwsim.campaigns.datasets import make_dataset
+    from uwsim.campaigns.datasets.sequences import make_sequence
     from uwsim.flight.fly import fly
     from uwsim.flight.survey import run_survey
     from uwsim.identification import identify
@@ -53,6 +54,7 @@ _MODULE_OF = {
     "fly": "uwsim.flight.fly",
     "identify": "uwsim.identification",
     "make_dataset": "uwsim.campaigns.datasets",
+    "make_sequence": "uwsim.campaigns.datasets.sequences",
     "run_survey": "uwsim.flight.survey",
     "view": "uwsim.operator.view",
 }
@@ -68,6 +70,7 @@ __all__ = [
     "fly",
     "identify",
     "make_dataset",
+    "make_sequence",
     "run_survey",
     "scenarios",
     "view",

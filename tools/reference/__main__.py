@@ -7,6 +7,7 @@ from tools.reference.benchmarks import benchmarks_page
 from tools.reference.channels import channels_page
 from tools.reference.commands import commands_page
 from tools.reference.environments import environments_page
+from tools.reference.imaging import imaging_page
 from tools.reference.python_names import python_page
 from tools.reference.scenario import scenario_page
 from tools.reference.sensors import sensors_page
@@ -17,6 +18,7 @@ PAGES = {
     "scenario": scenario_page,
     "sweep": sweep_page,
     "sensors": sensors_page,
+    "imaging-sonars": imaging_page,
     "channels": channels_page,
     "commands": commands_page,
     "environments": environments_page,

@@ -4,17 +4,30 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 _unfinished: set[str] = set()
 
 
 def remove_unfinished() -> None:
-    """Remove temporary files that are still being written; called before an immediate exit."""
+    """Remove temporary files and folders that are still being written; called before an immediate exit."""
     for name in _unfinished.copy():
         with contextlib.suppress(OSError):
-            Path(name).unlink()
+            shutil.rmtree(name) if Path(name).is_dir() else Path(name).unlink()
+
+
+@contextlib.contextmanager
+def unfinished(folder: Path) -> Iterator[None]:
+    """Remove a folder, too, if the process exits immediately during the block."""
+    name = str(folder)
+    _unfinished.add(name)
+    try:
+        yield
+    finally:
+        _unfinished.discard(name)
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -108,12 +108,24 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
         sample: Sample[Any] = sensor.sample()
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
-        mount = source.model(sim).sensors[name]
-        speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if sensor.kind == "dvl" else math.nan
-        errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s)
-        return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
+        return _message(source, sim, name, kind, frame_id, sample)
 
     return read
+
+
+def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any]) -> Any:
+    """Return the message of a sample of a sensor, or None if its channel sends none for it."""
+    kind = KINDS.get(source.of(sim).sensors[name].kind)
+    if kind is None or not (sample.valid or (kind.even_invalid and _is_out_of_reach(sample.value))):
+        return None
+    return _message(source, sim, name, kind, source.frame(f"{name}_link"), sample)
+
+
+def _message(source: Source, sim: Simulator, name: str, kind: Kind, frame_id: str, sample: Sample[Any]) -> Any:
+    mount = source.model(sim).sensors[name]
+    speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if mount.kind == "dvl" else math.nan
+    errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s)
+    return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
 
 
 def _height_m(source: Source, sim: Simulator) -> float:

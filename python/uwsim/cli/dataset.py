@@ -9,7 +9,7 @@ import typer
 
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INTERRUPTED
-from uwsim.cli.options import ScenarioName, Seed, VehicleName
+from uwsim.cli.options import ScenarioName, Seed, VehicleName, WithoutEffectError, need
 from uwsim.cli.sweep import Scheduler, Workers
 
 if TYPE_CHECKING:
@@ -24,11 +24,18 @@ Vary = Annotated[
 ]
 
 
+OF_SEQUENCES = ("scenario", "out", "camera", "vehicle", "seed", "sequence", "time_limit")
+"""The options that have an effect on a sequence."""
+
+
 def dataset(
+    context: typer.Context,
     scenario: ScenarioName,
     n: Annotated[int, typer.Option("--n", help="Number of frames.", callback=within(1, 1e9))] = 100,
     out: Annotated[Path, typer.Option(help="Folder for the pictures and their tables.")] = Path("data"),
-    camera: Annotated[str, typer.Option(help="The camera: front, down, or another.")] = "front",
+    camera: Annotated[
+        str, typer.Option(help="The camera: front, down, or another; for --sequence also several, comma-separated.")
+    ] = "front",
     vehicle: VehicleName = None,
     size: Annotated[str | None, typer.Option(help="Pixels, WxH. Default: the camera's own.", metavar="WxH")] = None,
     write: Annotated[
@@ -50,6 +57,18 @@ def dataset(
     ] = None,
     mission: Annotated[
         Path | None, typer.Option(help="Fly this mission first, and use its poses.", callback=readable)
+    ] = None,
+    sequence: Annotated[
+        Path | None,
+        typer.Option(
+            help="Fly this mission, and write a sequence for SLAM instead of single frames: all instruments at their "
+            "rates in EuRoC's layout and as a ROS 1 bag, ground truth, calibration.",
+            callback=readable,
+        ),
+    ] = None,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(help="End a --sequence after this simulated time [s].", callback=within(0.001, 1e7, "s")),
     ] = None,
     look_at: Annotated[
         str | None, typer.Option(help="Names or classes, comma-separated, such as gate,pipeline. Default: everything.")
@@ -95,8 +114,13 @@ def dataset(
     Writes colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, and poses (transforms.json), split
     into training and validation sets. Poses are random, in open water with a target in view, or taken from a track. The
     bytes do not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders
-    the rest.
+    the rest. With --sequence, a mission is flown, and all that its instruments measure is written.
     """
+    if sequence is not None:
+        _refuse_options_of_frames(context)
+        _make_sequence(scenario, sequence, out, _listed(camera), vehicle, seed, time_limit)
+        return
+    need("--sequence", time_limit=time_limit)
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.datasets import make_dataset
     from uwsim.campaigns.workers.job_progress import job_progress
@@ -143,6 +167,37 @@ def dataset(
     if made.interrupted:
         typer.echo(f"interrupted after {made.finished:,} of {made.spec.n:,} frames; --resume continues", err=True)
         raise typer.Exit(INTERRUPTED)
+
+
+def _refuse_options_of_frames(context: typer.Context) -> None:
+    """Raise WithoutEffectError for options that were passed and have no effect on a sequence."""
+    passed = [
+        f"--{name.replace('_', '-')}"
+        for name in context.params
+        if name not in OF_SEQUENCES and _is_passed(context, name)
+    ]
+    if passed:
+        raise WithoutEffectError(f"{', '.join(passed)}: for single frames; without effect with --sequence")
+
+
+def _is_passed(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def _make_sequence(
+    scenario: str, mission: Path, out: Path, cameras: tuple[str, ...], vehicle: str | None, seed: int | None,
+    time_limit_s: float | None,
+) -> None:  # fmt: skip
+    from uwsim.campaigns.datasets.sequences import make_sequence
+    from uwsim.flight.terminal import Terminal
+
+    made = make_sequence(
+        scenario, mission, out, cameras=cameras, vehicle=vehicle, seed=seed, time_limit_s=time_limit_s,
+        screen=Terminal(),
+    )  # fmt: skip
+    counts = ", ".join(f"{count:,} {name}" for name, count in made.counts.items())
+    typer.echo(f"{made.flight.simulated_s:.1f} s in {made.out}: {counts}")
 
 
 def _print(made: Dataset) -> None:

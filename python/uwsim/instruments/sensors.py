@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast, overload
 
+import numpy as np
+
 from uwsim import _core
 from uwsim.base.named import Named
 from uwsim.base.sealed import Sealed
@@ -18,7 +20,7 @@ from uwsim.instruments.readings import (
     UsblReading,
     VelocityReading,
 )
-from uwsim.instruments.sample_stream import SampleSource, SampleStream
+from uwsim.instruments.sample_stream import Samples, SampleSource, SampleStream
 
 R = TypeVar("R")
 """A sensor's reading: a float in its unit, or one of the classes of uwsim.instruments.readings."""
@@ -163,6 +165,21 @@ class Sensor(Sealed, Generic[R]):
         are invalid.
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
+
+    def samples_of(self, rows: Samples) -> list[Sample[R]]:
+        """Return a stream's samples one by one."""
+        widths = [width for width, _ in self._fields.values()]
+        columns = np.split(rows.readings, np.cumsum(widths)[:-1], axis=1)
+        scalars = [width == 1 for width in widths]
+        found = []
+        for k in range(len(rows)):
+            values: dict[str, Any] = {
+                name: column[k, 0] if is_scalar else column[k]
+                for name, column, is_scalar in zip(self._fields, columns, scalars, strict=True)
+            }
+            value = self._reading(**values) if self._reading is not None else float(values[str(self._scalar)])
+            found.append(Sample(cast(R, value), int(rows.stamps_ns[k]), bool(rows.valid[k])))
+        return found
 
     def end_streams(self) -> None:
         """End all streams because time is going back. Simulator calls this."""

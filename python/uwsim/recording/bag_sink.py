@@ -18,12 +18,13 @@ from uwsim.channels.messages import numbered, to_bytes
 class BagSink:
     """A .bag file. It has no attachments, and has no index until it is closed; `rosbag reindex` can add one."""
 
-    def __init__(self, path: Path) -> None:
-        """Create the file. Raises OSError if it exists or cannot be written."""
+    def __init__(self, path: Path, *, compressed: bool = True) -> None:
+        """Create the file. Raises OSError if it exists or cannot be written. compressed: which PNG pictures need not be."""
         if path.exists():
             raise FileExistsError(17, "File exists")
         self._writer = Writer(path)
-        self._writer.set_compression(Writer.CompressionFormat.BZ2)  # Debian's rosbag rejects the LZ4 written by rosbags
+        if compressed:  # Debian's rosbag rejects the LZ4 written by rosbags
+            self._writer.set_compression(Writer.CompressionFormat.BZ2)
         self._writer.open()
         self._connections: dict[str, Connection] = {}
 

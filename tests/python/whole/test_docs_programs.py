@@ -8,14 +8,18 @@ import re
 import runpy
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from sphinx.search.en import SearchEnglish
 from tools.reference.python_names import PUBLIC
 
 import docs_pages
 import uwsim
 from command_line import left_as_found
 from docs_pages import DOCS, page_named
+from uwsim.campaigns.sweeps.spec import SweepSpec
+from uwsim.scenario.schema import PARTS, schema
 
 PROGRAM = re.compile(r"^```python\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
 ELSEWHERE = {
@@ -46,6 +50,10 @@ def test_the_programs_of_a_page_run(
 def test_the_reference_pages_follow_from_the_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["reference", str(tmp_path)])
     runpy.run_module("tools.reference", run_name="__main__")  # tools/docs starts a process
+    for page in tmp_path.glob("*.md"):
+        if page.stem != "benchmarks":  # it depends on measurements
+            kept = (DOCS / "reference" / page.name).read_text()
+            assert kept == page.read_text(), f"{page.name}: run python -m tools.reference docs/reference"
     scenario = (tmp_path / "scenario.md").read_text()
     assert "| `step_s` | number in 0.0005 ... 0.02 s | `0.005` |" in scenario
     assert "rov | `usbl` | 1 | 0 | 0.05 |" in (tmp_path / "sensors.md").read_text()
@@ -54,6 +62,29 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path, monkeypatch
     assert "| 0 to 2 | `place_body` | m | -10 ... 10 |" in (tmp_path / "environments.md").read_text()
     assert "| `retries` | whole number in 0 ... 100 | `2` |" in (tmp_path / "sweep.md").read_text()
     assert "Francois and Garrison 1982" in (tmp_path / "sources.md").read_text()
+
+
+def test_the_search_of_the_site_finds_every_key() -> None:
+    """Each key is a word of the reference pages, and none that Sphinx leaves out of its index.
+
+    `on`, `then` and `up` are stop words of English search.
+    """
+    language = SearchEnglish({})
+    pages = " ".join(path.read_text() for path in (DOCS / "reference").glob("*.md"))
+    indexed = {language.stem(word) for word in language.split(pages.lower()) if language.word_filter(language.stem(word))}
+    keys = {key for part in PARTS for key in keys_of(schema(part))} | set(SweepSpec.model_fields)
+    assert len(keys) > 350
+    assert {key for key in keys if language.stem(key.lower()) not in indexed} == {"on", "then", "up"}
+
+
+def keys_of(part: Any) -> set[str]:
+    """Return the keys of a schema and of all that it contains."""
+    if isinstance(part, list):
+        return {key for item in part for key in keys_of(item)}
+    if not isinstance(part, dict):
+        return set()
+    own = set(part["properties"]) if isinstance(part.get("properties"), dict) else set()
+    return own.union(*(keys_of(item) for item in part.values()))
 
 
 def test_what_the_programs_import_is_public() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.campaigns.datasets.formats.coco import annotations_of
+from uwsim.campaigns.datasets.formats.npz import archive
 from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels, png
 from uwsim.campaigns.datasets.formats.yolo import yolo_lines
 from uwsim.campaigns.datasets.poses import Viewpoint
@@ -112,7 +112,7 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
     if spec.writes("classes"):
         files["classes"] = png(np.asarray(studio.class_of_label, np.uint8)[labels])
     if spec.writes("arrays"):
-        files["arrays"] = _archive(
+        files["arrays"] = archive(
             rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels
         )
     record["world_from_optical"] = frame.world_from_optical.tolist()
@@ -138,7 +138,7 @@ def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files:
         "sonar_classes": png(np.asarray(studio.class_of_label, np.uint8)[labels]),
     }
     if studio.spec.writes("arrays"):
-        files["sonar_arrays"] = _archive(
+        files["sonar_arrays"] = archive(
             level_db=image.level_db, noise_db=image.noise_db, labels=image.labels, ranges_m=image.ranges_m,
             bearings_rad=image.bearings_rad,
         )  # fmt: skip
@@ -151,15 +151,8 @@ def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files:
 
 def _add_multibeam(studio: Studio, record: dict[str, Any], files: dict[str, bytes]) -> None:
     ping = studio.vehicle.sonar.ping()
-    files["multibeam"] = _archive(
+    files["multibeam"] = archive(
         ranges_m=ping.ranges_m, angles_rad=ping.angles_rad, labels=ping.labels, intensity_db=ping.intensity_db,
         valid=ping.valid, points_sonar_m=ping.points_sonar_m,
     )  # fmt: skip
     record["world_from_multibeam"] = np.asarray(ping.world_from_sonar).tolist()
-
-
-def _archive(**arrays: NDArray[Any]) -> bytes:
-    """Return the contents of an .npz file; equal arrays give equal bytes."""
-    stream = io.BytesIO()
-    np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
-    return stream.getvalue()

@@ -1,0 +1,319 @@
+"""The instruments of a sequence: each writes its samples, pictures or pings to its folder and to the bag.
+
+The order in which things happen is that of simulated time, so that a scenario, a seed and a mission give the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.campaigns.datasets.formats.npz import archive
+from uwsim.campaigns.datasets.formats.pixels import png
+from uwsim.campaigns.datasets.sequences.calibration import (
+    body_from_optical,
+    camera_calibration,
+    imu_noise,
+    mounted,
+    require_calibrated,
+)
+from uwsim.campaigns.datasets.sequences.euroc import Files, Rows, write_sensor
+from uwsim.channels import Channel, Table
+from uwsim.channels.cameras import compressed_image, info_message
+from uwsim.channels.instruments import sample_message
+from uwsim.channels.pictures import RATE_HZ
+from uwsim.channels.source import Source
+from uwsim.instruments.cameras import Camera
+from uwsim.instruments.sensors import Sensor
+from uwsim.instruments.sonars.imaging import SideScan
+from uwsim.instruments.sonars.mounted import ImagingSonar
+from uwsim.simulator.simulator import Simulator
+
+Say = Callable[[Channel, Any, int], None]
+"""Writes a message of a channel, with its time [ns], to the bag."""
+PNG_FORMAT = "rgb8; png compressed bgr8"
+TRUTH_HZ = 200.0
+LOWEST_DB, STEP_DB = -100.0, 0.01
+"""Sonar levels are stored in 16 bits: level = LOWEST_DB + STEP_DB * value; 0: no level."""
+IMU_COLUMNS = (
+    *(f"w_RS_S_{axis} [rad s^-1]" for axis in "xyz"),
+    *(f"a_RS_S_{axis} [m s^-2]" for axis in "xyz"),
+)
+TRUTH_COLUMNS = (
+    *(f"p_RS_R_{axis} [m]" for axis in "xyz"),
+    *(f"q_RS_{axis} []" for axis in "wxyz"),
+    *(f"v_RS_R_{axis} [m s^-1]" for axis in "xyz"),
+)
+
+
+class Instrument(Protocol):
+    """One instrument. rate_hz: how often `read` is called. count: its rows so far."""
+
+    folder: Path
+    rate_hz: float
+
+    @property
+    def count(self) -> int:
+        """The number of samples written."""
+
+    def read(self, sim: Simulator) -> None:
+        """Write what is new."""
+
+    def close(self) -> None:
+        """Finish the files."""
+
+
+class Sampled:
+    """A sensor with samples of numbers: all that arrive, without those lost, at the times of their measurement."""
+
+    rate_hz = RATE_HZ
+
+    def __init__(self, folder: Path, source: Source, sim: Simulator, name: str, say: Say, channel: Channel | None):
+        self.folder, self.name = folder, name
+        self._source, self._sim, self._say, self._channel = source, sim, say, channel
+        self.sensor: Sensor[Any] = source.of(sim).sensors[name]
+        self.mount = source.model(sim).sensors[name]
+        self._stream = self.sensor.stream()
+        fields = dict(_core.sensor_kind(self.sensor.kind).fields)
+        self._width = 6 if self.sensor.kind == "imu" else sum(width for width, _ in fields.values())
+        self._rows = Rows(folder, IMU_COLUMNS if self.sensor.kind == "imu" else (*_columns(fields), "valid []"))
+
+    @property
+    def count(self) -> int:
+        """See Instrument."""
+        return self._rows.count
+
+    def describe(self) -> None:
+        """Write sensor.yaml."""
+        is_imu = self.sensor.kind == "imu"
+        more = imu_noise(self.mount, self.sensor) if is_imu else {"rate_hz": 1.0 / self.sensor.period_s}
+        parameters = {key: [float(value) for value in values] for key, values in self.mount.parameters.items()}
+        more |= {"parameters": parameters} if parameters and not is_imu else {}
+        pose = mounted(self.mount.position_m, self.mount.yaw_pitch_roll_deg)
+        write_sensor(self.folder, self.sensor.kind, f"{self.name}: {self.sensor.meaning}", pose, more)
+
+    def read(self, sim: Simulator) -> None:
+        """See Instrument."""
+        rows = self._stream.take()
+        for k, sample in enumerate(self.sensor.samples_of(rows)):
+            values = rows.readings[k, : self._width].tolist()
+            if self.sensor.kind != "imu":
+                self._rows.add(sample.stamp_ns, *values, str(int(sample.valid)))
+            elif sample.valid:
+                self._rows.add(sample.stamp_ns, *values)
+            if self._channel is not None:
+                message = sample_message(self._source, sim, self.name, sample)
+                if message is not None:
+                    self._say(self._channel, message, int(rows.arrivals_ns[k]))
+
+    def close(self) -> None:
+        """See Instrument."""
+        self.read(self._sim)
+        self._rows.close()
+        self.describe()
+
+
+class Seen:
+    """A camera: its pictures as PNG, the same bytes in the folder and in the bag."""
+
+    rate_hz = RATE_HZ
+
+    def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, name: str, say: Say):
+        self.camera: Camera = source.of(sim).cameras[name]
+        require_calibrated(name, self.camera)
+        self.folder, self.name, self._key = folder, name, source.prefix + name
+        self._pictures, self._say, self._frame = table.pictures, say, source.frame(f"{name}_optical")
+        channels = {channel.name: channel for channel in table.channels}
+        self.topic = f"{source.prefix}camera/{name}/image_raw/compressed"
+        self._image, self._info = channels[self.topic], channels[f"{source.prefix}camera/{name}/camera_info"]
+        self.body_from_optical = body_from_optical(self.camera.world_from_camera, source.of(sim).pose.world_from_body)
+        self._aim_rad = self.camera.aim_rad
+        self.info: Any = None
+        self._files = Files(folder, ".png")
+
+    @property
+    def count(self) -> int:
+        """See Instrument."""
+        return self._files.count
+
+    def read(self, sim: Simulator) -> None:
+        """See Instrument. Raises ValueError if the camera has turned, as its calibration then no longer holds."""
+        if self.camera.aim_rad != self._aim_rad:
+            raise ValueError(f"camera {self.name}: was turned by the mission, so that it has no single T_BS")
+        picture = self._pictures.read(sim, self._key, self.camera)
+        if picture is None or picture.frame.time_ns <= self._files.last_ns:  # the first one is read twice
+            return
+        content = png(picture.frame.rgb)
+        self._files.add(picture.frame.time_ns, content)
+        stamp_ns, self.info = picture.frame.time_ns, picture.frame.info
+        self._say(self._image, compressed_image(content, stamp_ns, self._frame, PNG_FORMAT), stamp_ns)
+        self._say(self._info, info_message(picture, self._frame, is_sent=False), stamp_ns)
+
+    def close(self) -> None:
+        """See Instrument."""
+        self._files.close()
+        if self.info is not None:
+            calibration = camera_calibration(self.info, self.rate_hz)
+            write_sensor(self.folder, "camera", self.name, self.body_from_optical, calibration)
+
+
+class Pinged:
+    """A multibeam: each ping as .npz, and as LaserScan and PointCloud2 in the bag."""
+
+    def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, say: Say):
+        self.folder, self._source, self._say = folder, source, say
+        self._pings = table.pings[source.name]
+        self.rate_hz = self._pings.rate_hz
+        channels = {channel.name: channel for channel in table.channels}
+        self._channels = [channels[source.topic(name)] for name in ("scan", "points")]
+        vehicle = source.of(sim)
+        self._body_from_sonar = np.linalg.inv(vehicle.pose.world_from_body) @ vehicle.sonar.ping().world_from_sonar
+        self._files = Files(folder, ".npz")
+
+    @property
+    def count(self) -> int:
+        """See Instrument."""
+        return self._files.count
+
+    def read(self, sim: Simulator) -> None:
+        """See Instrument."""
+        taken = self._pings.newest(sim)
+        ping = taken.ping
+        if ping.time_ns <= self._files.last_ns:
+            return
+        content = archive(
+            ranges_m=ping.ranges_m, angles_rad=ping.angles_rad, valid=ping.valid, intensity_db=ping.intensity_db,
+            points_sonar_m=ping.points_sonar_m,
+            body_from_sonar=np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar,
+        )  # fmt: skip
+        self._files.add(ping.time_ns, content)
+        for channel in self._channels:
+            if (message := channel.read(sim)) is not None:
+                self._say(channel, message, ping.time_ns)
+
+    def close(self) -> None:
+        """See Instrument."""
+        self._files.close()
+        model = self._pings.model
+        more = {
+            "rate_hz": self.rate_hz, "beams": model.beams, "field_of_view_rad": model.field_of_view_rad,
+            "range_max_m": model.range_max_m, "frequency_hz": model.frequency_hz,
+        }  # fmt: skip
+        comment = f"{model.name}; the head turns: body_from_sonar of each ping, T_BS is that of the first"
+        write_sensor(self.folder, "multibeam", comment, self._body_from_sonar, more)
+
+
+class Imaged:
+    """An imaging sonar: its levels in 16 bits, a picture for each ping; of a side-scan one for all, with a row each."""
+
+    def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, name: str, say: Say):
+        self.folder, self.name, self._say = folder, name, say
+        self._sonar: ImagingSonar = source.of(sim).imaging_sonars[name]
+        self._channel = next(each for each in table.channels if each.name == f"{source.topic(name)}/image")
+        assert self._channel.rate_hz is not None
+        self.rate_hz = self._channel.rate_hz
+        self._is_waterfall = isinstance(self._sonar.model, SideScan)
+        self._body_from_sonar = np.linalg.inv(source.of(sim).pose.world_from_body) @ self._sonar.world_from_sonar
+        self._geometry: dict[str, Any] = {}
+        self._lines: list[NDArray[np.uint16]] = []
+        self._files = None if self._is_waterfall else Files(folder, ".png")
+        self._rows = Rows(folder, ["row"]) if self._is_waterfall else None
+        self._last_ns = -1
+
+    @property
+    def count(self) -> int:
+        """See Instrument."""
+        return self._files.count if self._files is not None else len(self._lines)
+
+    def read(self, sim: Simulator) -> None:
+        """See Instrument."""
+        message = self._channel.read(sim)
+        if message is None:
+            return
+        stamp_ns = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+        if stamp_ns <= self._last_ns:  # the first one is read twice
+            return
+        self._last_ns = stamp_ns
+        levels = sixteen_bits(message.image.data.view("<f4").reshape(-1, message.image.beam_count))
+        if self._files is not None:
+            self._files.add(stamp_ns, png(levels))
+        elif self._rows is not None:
+            self._rows.add(stamp_ns, str(len(self._lines)))
+            self._lines.append(np.concatenate([levels[::-1, 1], levels[:, 0]]))
+        bearings = [float(np.arctan2(-beam.y, beam.z)) for beam in message.beam_directions]
+        ranges_m = {"first": float(message.ranges[0]), "last": float(message.ranges[-1]), "count": len(message.ranges)}
+        self._geometry = {"bearings_rad": bearings, "ranges_m": ranges_m}
+        self._say(self._channel, message, stamp_ns)
+
+    def close(self) -> None:
+        """See Instrument."""
+        if self._files is not None:
+            self._files.close()
+        if self._rows is not None:
+            self._rows.close()
+            if self._lines:
+                (self.folder / "waterfall.png").write_bytes(png(np.stack(self._lines)))
+        model: Any = self._sonar.model
+        layout = "a row for each ping; columns: port from the farthest, then starboard from the nearest"
+        layout = layout if self._is_waterfall else "rows: ranges_m, evenly spaced; columns: bearings_rad, positive to port"
+        more = {
+            "rate_hz": self.rate_hz, "frequency_hz": model.frequency_hz, "range_max_m": model.range_max_m,
+            "level_db": {"offset": LOWEST_DB, "per_unit": STEP_DB}, "layout": layout, **self._geometry,
+        }  # fmt: skip
+        kind = type(model).__name__
+        write_sensor(self.folder, kind, f"{self.name}: levels re 1 uPa", self._body_from_sonar, more)
+
+
+class Truth:
+    """The vehicle's true pose and velocity, as EuRoC's ground truth, as TUM's trajectory, and in the bag."""
+
+    rate_hz = TRUTH_HZ
+
+    def __init__(self, folder: Path, tum: Path, source: Source, table: Table, say: Say):
+        self.folder, self._source, self._say = folder, source, say
+        self._rows = Rows(folder, TRUTH_COLUMNS)
+        self._tum = tum.open("w", newline="\n")
+        self._tum.write("# timestamp tx ty tz qx qy qz qw\n")
+        self._channel = next(each for each in table.channels if each.name == source.topic("ground_truth/odom"))
+
+    @property
+    def count(self) -> int:
+        """See Instrument."""
+        return self._rows.count
+
+    def read(self, sim: Simulator) -> None:
+        """See Instrument."""
+        rov = self._source.of(sim)
+        position, (x, y, z, w) = rov.pose.position_world_m.tolist(), rov.pose.orientation_xyzw.tolist()
+        velocity = (rov.pose.world_from_body[:3, :3] @ rov.velocity.linear_body_m_s).tolist()
+        self._rows.add(sim.time_ns, *position, w, x, y, z, *velocity)
+        seconds, rest_ns = divmod(sim.time_ns, 1_000_000_000)
+        self._tum.write(" ".join([f"{seconds}.{rest_ns:09d}", *map(repr, (*position, x, y, z, w))]) + "\n")
+        self._say(self._channel, self._channel.read(sim), sim.time_ns)
+
+    def close(self) -> None:
+        """See Instrument."""
+        self._rows.close()
+        self._tum.close()
+        comment = "true pose and velocity of the body frame in the world: x east, y north, z up"
+        write_sensor(self.folder, "ground-truth", comment, np.eye(4), {"rate_hz": self.rate_hz})
+
+
+def sixteen_bits(level_db: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Return levels [dB] as LOWEST_DB + STEP_DB * value; 0 where there is none."""
+    with np.errstate(invalid="ignore"):
+        values = np.rint((level_db - LOWEST_DB) / STEP_DB)
+    return np.where(np.isfinite(values), np.clip(values, 1, 65535), 0).astype(np.uint16)
+
+
+def _columns(fields: dict[str, tuple[int, str]]) -> list[str]:
+    names = []
+    for name, (width, unit) in fields.items():
+        parts = [""] if width == 1 else [f"_{axis}" for axis in ("xyz" if width == 3 else range(width))]
+        names += [f"{name}{part} [{unit}]" for part in parts]
+    return names
