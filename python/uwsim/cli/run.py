@@ -46,9 +46,9 @@ from uwsim.cli.options import (
     Threads,
     Voxel,
     WithoutEffectError,
+    hertz,
     need,
 )
-from uwsim.cli.options import hertz
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
 

@@ -25,7 +25,18 @@ from uwsim.cli.flights import (
     given,
     require_consistent,
 )
-from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel, hertz
+from uwsim.cli.options import (
+    Frequency,
+    Link,
+    MissionTime,
+    Record,
+    Seed,
+    SonarModel,
+    SurveyTopics,
+    Threads,
+    Voxel,
+    hertz,
+)
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 

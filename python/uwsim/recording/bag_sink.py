@@ -19,7 +19,10 @@ class BagSink:
     """A .bag file. It has no attachments, and has no index until it is closed; `rosbag reindex` can add one."""
 
     def __init__(self, path: Path, *, compressed: bool = True) -> None:
-        """Create the file. Raises OSError if it exists or cannot be written. compressed: which PNG pictures need not be."""
+        """Create the file. Raises OSError if it exists or cannot be written.
+
+        compressed: whether chunks are compressed; for PNG pictures that only takes time.
+        """
         if path.exists():
             raise FileExistsError(17, "File exists")
         self._writer = Writer(path)

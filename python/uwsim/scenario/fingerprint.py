@@ -34,7 +34,8 @@ def scenario_fingerprint(scenario: Scenario) -> str:
     """Return a digest of the scenario, including its seed and the contents of its files: 16 hexadecimal digits.
 
     Fields with their default value are omitted, so that fields added in later versions do not change the digest, and so
-    are the fields in WITHOUT_EFFECT; renamed fields count under their first name. Raises OSError if a file that the scenario names is gone.
+    are the fields in WITHOUT_EFFECT; renamed fields count under their first name. Raises OSError if a file that the
+    scenario names is gone.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
@@ -64,7 +65,7 @@ def warn_of_other_build(what: str, build: str) -> None:
 def _plain(value: Any) -> Any:
     if isinstance(value, BaseModel):
         held = {name: _in_effect(value, name) for name in type(value).model_fields}
-        former = {now: once for now, once in type(value).once_named().values()} if isinstance(value, Model) else {}
+        former = dict(type(value).once_named().values()) if isinstance(value, Model) else {}
         return {
             former[name].name if name in former else name: _plain(
                 former[name].value(held[name]) if name in former else held[name]

@@ -311,7 +311,7 @@ def test_a_flight_that_fails_leaves_nothing(world: Path, tmp_path: Path) -> None
 
 
 def test_the_folder_gets_its_name_only_when_it_is_complete(world: Path, tmp_path: Path) -> None:
-    """What a killed process leaves has another name, and the next run removes it."""
+    """A killed process leaves a folder with another name, which the next run removes."""
     left = tmp_path / ("out" + UNFINISHED)
     (left / "mav0" / "cam0").mkdir(parents=True)
     (left / BAG).write_bytes(b"half")

@@ -22,7 +22,9 @@ def test_independent_errors_add_up():
     assert variance(mount(density=0.2), "depth", 25.0, 0.0) == pytest.approx(1.0)  # 0.2 x sqrt(25)
     parts = {"std": 0.3, "turn_on_std": 0.4, "bias_std": 1.2, "bias_time_s": 5.0, "walk": 0.1}
     assert variance(mount(**parts), "depth", 25.0, 100.0) == pytest.approx(0.09 + 0.16 + 1.44 + 1.0)
-    by_channel = SensorMount(kind="imu", noise={"std": 1.0}, channels={"orientation": {"std": 2.0}, "linear_acceleration": {}})
+    by_channel = SensorMount(
+        kind="imu", noise={"std": 1.0}, channels={"orientation": {"std": 2.0}, "linear_acceleration": {}}
+    )
     assert [variance(by_channel, name, 1.0, 0.0) for name in ("orientation", "angular_velocity")] == [4.0, 1.0]
 
 

@@ -53,7 +53,10 @@ def test_a_fingerprint_counts_renamed_fields_under_their_first_name() -> None:
     [
         ("frequency_khz: 450", "frequency_hz = 450000 Hz: em2040-04 works at"),
         ("frequency_khz: fast", "frequency_hz = 'fast': must be a number"),
-        ("frequency_khz: 400, frequency_hz: 400000", "frequency_khz: is the old name of frequency_hz: give one of them"),
+        (
+            "frequency_khz: 400, frequency_hz: 400000",
+            "frequency_khz: is the old name of frequency_hz: give one of them",
+        ),
     ],
 )
 def test_what_is_wrong_under_an_old_key_is_refused(tmp_path: Path, sonar: str, message: str) -> None:
@@ -135,7 +138,10 @@ def test_packaged_files_have_no_old_names() -> None:
 @pytest.mark.parametrize(
     ("mount", "refused"),
     [
-        ({"kind": "imu", "noise": {"std": 0.1}}, "angular_velocity [rad/s], linear_acceleration [m/s2], orientation [rad]"),
+        (
+            {"kind": "imu", "noise": {"std": 0.1}},
+            "angular_velocity [rad/s], linear_acceleration [m/s2], orientation [rad]",
+        ),
         ({"kind": "dvl", "noise_std": 0.1}, "beam_velocity [m/s], beam_range [m]"),
         ({"kind": "usbl", "noise": {"std": 0.1}, "channels": {"range": {"std": 1.0}}}, ""),
         ({"kind": "depth", "noise_std": 0.1}, ""),

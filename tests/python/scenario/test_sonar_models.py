@@ -93,7 +93,11 @@ def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_given(tmp
     [
         ("beams: 101", "beams: 0", "mine.yaml:3: beams = 0: must be in [2, 8192]"),
         ("field_of_view_deg: 120", "field_of_view_deg: 361", ":7: frequencies[0].field_of_view_deg = 361 deg: must be"),
-        ("frequency_hz: 450000", "frequency_hz: -450000", ":6: frequencies[0].frequency_hz = -450000 Hz: must be in [1000"),
+        (
+            "frequency_hz: 450000",
+            "frequency_hz: -450000",
+            ":6: frequencies[0].frequency_hz = -450000 Hz: must be in [1000",
+        ),
         ("range_max_m: 60", "range_max_m: 0", ":8: frequencies[0].range_max_m = 0 m: must be in [0.1, 12000] m"),
         ("range_max_m: 60", "range_max_m: .nan", ":8: frequencies[0].range_max_m = nan m: must be in"),
         (

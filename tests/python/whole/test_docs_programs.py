@@ -71,7 +71,9 @@ def test_the_search_of_the_site_finds_every_key() -> None:
     """
     language = SearchEnglish({})
     pages = " ".join(path.read_text() for path in (DOCS / "reference").glob("*.md"))
-    indexed = {language.stem(word) for word in language.split(pages.lower()) if language.word_filter(language.stem(word))}
+    indexed = {
+        language.stem(word) for word in language.split(pages.lower()) if language.word_filter(language.stem(word))
+    }
     keys = {key for part in PARTS for key in keys_of(schema(part))} | set(SweepSpec.model_fields)
     assert len(keys) > 350
     assert {key for key in keys if language.stem(key.lower()) not in indexed} == {"on", "then", "up"}

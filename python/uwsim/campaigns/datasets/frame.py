@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.campaigns.datasets.formats.coco import annotations_of

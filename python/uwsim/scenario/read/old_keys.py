@@ -1,4 +1,4 @@
-"""Keys of files under the names that they had in an earlier version: read, with a warning that gives the current name."""
+"""Keys under their names of an earlier version: they are read, with a warning that gives the current name."""
 
 from __future__ import annotations
 

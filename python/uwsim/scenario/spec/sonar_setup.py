@@ -59,7 +59,7 @@ class SonarSetup(Model):
 
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
     swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel. frequency_hz:
-    for a model with several. range_max_m: the operator's range setting, for a model with a larger range: the ping rate is
+    for a model with several. range_max_m: the operator's setting, for a model with a larger range: the ping rate is
     then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a wider fan
     and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`, in which
     ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's sound-speed
@@ -76,9 +76,7 @@ class SonarSetup(Model):
         PlainSerializer(_dumped),
     ] = 2
     frequency_hz: Annotated[FrequencyHz | None, ONCE_IN_KHZ] = None
-    range_max_m: Annotated[
-        Annotated[float, InRange(0.1, 12_000, "m")] | None, OnceNamed("range_m", until="0.4")
-    ] = None
+    range_max_m: Annotated[Annotated[float, InRange(0.1, 12_000, "m")] | None, OnceNamed("range_m", until="0.4")] = None
     receivers: Receivers | None = None
     mode: SonarMode = "geometry"
     bending: bool = False

@@ -31,7 +31,9 @@ def require_calibrated(name: str, camera: Camera) -> None:
     """Raise ValueError unless EuRoC's and Kalibr's model of a camera, pinhole-radtan, describes this one exactly."""
     mount = camera.mount
     if mount.follows != "body":
-        raise ValueError(f"camera {name}: follows the vehicle's {mount.follows} from outside: it is no part of a sequence")
+        raise ValueError(
+            f"camera {name}: follows the vehicle's {mount.follows} from outside: it is no part of a sequence"
+        )
     if mount.distortion[4] != 0.0:
         raise ValueError(f"camera {name}: distortion k3 = {mount.distortion[4]:g}: must be 0, as radtan has none")
     if mount.port is not None:
@@ -91,8 +93,8 @@ def imu_noise(mount: SensorMount, sensor: Sensor[Any]) -> dict[str, Any]:
     """Return an IMU's noise under EuRoC's names, in SI units per root hertz.
 
     Noise density: of white noise, density or std / sqrt(rate). Random walk: the intensity q of the bias's derivative,
-    from `walk` and, for a first-order Gauss-Markov bias of standard deviation s and correlation time T, from its driving
-    noise q = s sqrt(2 / T) (Maybeck 1979, Stochastic Models, Estimation, and Control I, 4.11).
+    from `walk` and, for a first-order Gauss-Markov bias of standard deviation s and correlation time T, from the noise
+    that drives it, q = s sqrt(2 / T), for which its variance is stationary: d(s^2)/dt = -2 s^2 / T + q^2 = 0.
     """
     rate_hz = 1.0 / sensor.period_s
     found: dict[str, Any] = {"rate_hz": rate_hz}

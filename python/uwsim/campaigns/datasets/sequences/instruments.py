@@ -1,6 +1,6 @@
 """The instruments of a sequence: each writes its samples, pictures or pings to its folder and to the bag.
 
-The order in which things happen is that of simulated time, so that a scenario, a seed and a mission give the same bytes.
+They read in the order of simulated time, so that a scenario, a seed and a mission give the same bytes.
 """
 
 from __future__ import annotations
@@ -260,7 +260,9 @@ class Imaged:
                 (self.folder / "waterfall.png").write_bytes(png(np.stack(self._lines)))
         model: Any = self._sonar.model
         layout = "a row for each ping; columns: port from the farthest, then starboard from the nearest"
-        layout = layout if self._is_waterfall else "rows: ranges_m, evenly spaced; columns: bearings_rad, positive to port"
+        layout = (
+            layout if self._is_waterfall else "rows: ranges_m, evenly spaced; columns: bearings_rad, positive to port"
+        )
         more = {
             "rate_hz": self.rate_hz, "frequency_hz": model.frequency_hz, "range_max_m": model.range_max_m,
             "level_db": {"offset": LOWEST_DB, "per_unit": STEP_DB}, "layout": layout, **self._geometry,

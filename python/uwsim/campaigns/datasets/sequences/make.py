@@ -8,7 +8,8 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Iterator, Mapping, Sequence as Names
+from collections.abc import Iterator, Mapping
+from collections.abc import Sequence as Names
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,7 @@ from typing import Any
 from uwsim.base.agenda import Rank, next_tick
 from uwsim.base.atomic_file import unfinished
 from uwsim.base.folder_lock import LOCK, alone_in
-from uwsim.campaigns.datasets.sequences.calibration import camera_chain, kalibr_imu, imu_noise, mounted
+from uwsim.campaigns.datasets.sequences.calibration import camera_chain, imu_noise, kalibr_imu, mounted
 from uwsim.campaigns.datasets.sequences.euroc import write_yaml
 from uwsim.campaigns.datasets.sequences.instruments import Imaged, Instrument, Pinged, Sampled, Seen, Truth
 from uwsim.channels import Channel, Table
@@ -133,9 +134,7 @@ class _Taken:
         self._bag_channels: dict[str, int] = {}
         vehicle, mav = source.of(sim), folder / "mav0"
         channels = {channel.name: channel for channel in table.channels}
-        self.cameras = [
-            Seen(mav / f"cam{k}", source, table, sim, name, self._say) for k, name in enumerate(cameras)
-        ]
+        self.cameras = [Seen(mav / f"cam{k}", source, table, sim, name, self._say) for k, name in enumerate(cameras)]
         self.sensors = [
             Sampled(mav / _numbered(mav, sensor.kind), source, sim, name, self._say, channels.get(source.topic(name)))
             for name, sensor in vehicle.sensors.items()
