@@ -166,6 +166,8 @@ def _commands(program: typer.Typer, prefix: str) -> Iterator[tuple[str, list[Par
 def _parameters(callback: Any) -> Iterator[Parameter]:
     hints = typing.get_type_hints(callback, include_extras=True)
     for name in inspect.signature(callback).parameters:
+        if hints[name] is typer.Context:
+            continue
         hint, *infos = typing.get_args(hints[name])
         info = next(each for each in infos if hasattr(each, "param_decls"))
         parts = [part for part in (typing.get_args(hint) or (hint,)) if part is not type(None)]

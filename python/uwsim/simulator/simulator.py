@@ -31,8 +31,6 @@ from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, veh
 from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
-from uwsim.scenario.read.old_keys import renamed_argument
-from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.network import Network
@@ -50,9 +48,8 @@ class Simulator(SimulatorProperties):
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (for all
     vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_hz (for a model with several),
-    mission_time_s, link (a modem's name or path): override the scenario's values. threads: maximum number of threads;
-    by default one per core. Results do not depend on it. Raises ScenarioError (a ValueError) that names file, line,
-    key, value and rule.
+    mission_time_s, link (a modem's name or path): override the scenario's values. threads: maximum number of threads,
+    by default one per core; results do not depend on it. Raises ScenarioError, with file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
     Concurrent calls are serialised. cameras: the station's. events: faults, alarms and failsafe reactions so far.
@@ -94,12 +91,9 @@ class Simulator(SimulatorProperties):
         threads: int | None = None,
         sonar_frequency_khz: float | None = None,
     ) -> None:
-        sonar_frequency_hz = renamed_argument(
-            "sonar_frequency_hz", sonar_frequency_hz, ARGUMENT_ONCE_IN_KHZ, sonar_frequency_khz
-        )
         own = load(scenario).with_changes(
             seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_hz=sonar_frequency_hz,
-            modem=link,
+            sonar_frequency_khz=sonar_frequency_khz, modem=link,
         )  # fmt: skip
         checked = checked_threads(threads)
         world = build_world(own)
