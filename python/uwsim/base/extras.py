@@ -29,6 +29,7 @@ EXTRA_OF = {
     "zenoh": "zenoh",
     "foxglove": "foxglove",
     "pymavlink": "mavlink",
+    "imageio_ffmpeg": "video",
     "pandas": "tables",
     "pyarrow": "tables",
     "xarray": "tables",

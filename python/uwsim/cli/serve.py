@@ -20,6 +20,7 @@ from uwsim.cli.ardusub import (
 from uwsim.cli.bounds import within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Rmw, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.choices import one_of
+from uwsim.cli.ground import GroundStation, Mavlink, Video, VideoCamera
 from uwsim.cli.options import Link, Record, RecordAll, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
@@ -54,14 +55,6 @@ Tf = Annotated[
         "--tf",
         help="The motion on /tf and /odom: truth, odom (the vehicle's estimate) or none (left to other nodes).",
         **one_of("truth", "odom", "none"),
-    ),
-]
-Mavlink = Annotated[
-    str | None,
-    typer.Option(
-        "--mavlink",
-        help="Speak MAVLink as ArduSub does: udpout, udpin or tcp, with [:HOST]:PORT; see "
-        "docs/connections/ardupilot.md.",
     ),
 ]
 Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume starts it.")]
@@ -120,6 +113,8 @@ def serve(
     foxglove: Foxglove = False,
     foxglove_port: FoxglovePort = None,
     mavlink: Mavlink = None,
+    video: Video = None,
+    video_camera: VideoCamera = None,
     ardusub: Ardusub = False,
     ardusub_port: ArdusubPort = None,
     ardusub_host: ArdusubHost = None,
@@ -151,13 +146,7 @@ def serve(
         ardusub=ardusub, ardusub_port=ardusub_port, ardusub_host=ardusub_host, ardusub_frame=ardusub_frame,
         ardusub_noise=ardusub_noise, ardusub_lights=ardusub_lights, ardusub_tilt=ardusub_tilt,
     )  # fmt: skip
-    meeting = None
-    if mavlink is not None:
-        from uwsim.bridges.mavlink import Endpoint
-
-        if ardusub:
-            raise ValueError("--mavlink: cannot be given with --ardusub: the firmware speaks MAVLink itself")
-        meeting = Endpoint.parse(mavlink)
+    ground = GroundStation(mavlink=mavlink, video=video, video_camera=video_camera, ardusub=ardusub)
     prefix = prefix_of(namespace, frame_prefix)
     if station and (prefix or tf != "truth"):
         raise ValueError("--station: its page needs --tf truth, and neither --namespace nor --frame-prefix")
@@ -171,8 +160,7 @@ def serve(
     simulator = autopilot.simulator(
         scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads
     )
-    if meeting is not None and simulator.link is not None:
-        raise ValueError("--mavlink: does not cross the link; use a scenario without one, or --link none")
+    ground.check(simulator)
     origin = origin or default_origin(simulator.scenario)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     with autopilot.flying(live) as flown, live, ExitStack() as sinks:
@@ -226,14 +214,7 @@ def serve(
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]
         places += flown
-        if meeting is not None:
-            from uwsim.bridges.mavlink import MavlinkVehicle
-
-            flights = {action.source.name: action for action in actions if action.name.endswith("fly_path")}
-            ground = MavlinkVehicle(
-                live, meeting, shown.channels, shown.services, action=flights.get(simulator.rov.name), feed=feed
-            )
-            places.append(f"MAVLink at {sinks.enter_context(ground).endpoint}")
+        places += ground.join(sinks, live, shown, actions, feed)
         places += bridges.join(
             sinks,
             shown.channels,

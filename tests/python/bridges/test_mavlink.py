@@ -2,8 +2,7 @@
 
 import socket
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -17,9 +16,10 @@ from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay
 
-mavutil = pytest.importorskip("pymavlink.mavutil", reason="needs the extra mavlink")
+pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect  # noqa: E402
 
+from mavlink_station import Station  # noqa: E402
 from uwsim.bridges.mavlink import MavlinkVehicle  # noqa: E402
 
 ALT_HOLD, GUIDED, AUTO, MANUAL = 2, 4, 3, 19
@@ -40,40 +40,12 @@ def vehicle(live: LiveSimulator) -> Iterator[MavlinkVehicle]:
         yield vehicle
 
 
-class Station:
-    """A ground station, by pymavlink."""
-
-    def __init__(self, vehicle: MavlinkVehicle) -> None:
-        host, port = vehicle.endpoint.host, vehicle.endpoint.port
-        self.link = mavutil.mavlink_connection(f"tcp:{host}:{port}", source_system=255, dialect="ardupilotmega")
-        self.link.mav.heartbeat_send(6, 8, 0, 0, 0)
-
-    def receive(self, kind: str, wanted: Callable[[Any], bool] = lambda message: True, limit_s: float = 20.0) -> Any:
-        end = time.monotonic() + limit_s
-        while time.monotonic() < end:
-            message = self.link.recv_match(type=kind, blocking=True, timeout=1.0)
-            if message is not None and wanted(message):
-                return message
-        raise AssertionError(f"no such {kind} within {limit_s} s")
-
-    def command(self, command: int, *values: float) -> int:
-        padded = [*values, *[0.0] * (7 - len(values))]
-        self.link.mav.command_long_send(1, 1, command, 0, *padded)
-        return int(self.receive("COMMAND_ACK", lambda ack: ack.command == command).result)
-
-    def mode(self, mode: int) -> int:
-        return self.command(dialect.MAV_CMD_DO_SET_MODE, 1, mode)
-
-    def arm(self, on: bool = True) -> int:
-        return self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, float(on))
-
-
 @pytest.fixture
 def station(vehicle: MavlinkVehicle) -> Iterator[Station]:
-    station = Station(vehicle)
+    station = Station(f"tcp:{vehicle.endpoint.host}:{vehicle.endpoint.port}")
     yield station
     station.arm(False)
-    station.link.close()
+    station.close()
 
 
 def test_it_reports_itself_as_an_ardusub(station: Station) -> None:
@@ -88,7 +60,7 @@ def test_it_reports_itself_as_an_ardusub(station: Station) -> None:
 
 
 def test_sticks_move_it_once_it_is_armed_and_its_modes_are_holds(live: LiveSimulator, station: Station) -> None:
-    sticks = station.link.mav.manual_control_send
+    sticks = station.mav.manual_control_send
     sticks(1, 1000, 0, 500, 0, 0)
     time.sleep(0.2)
     assert not np.any(live.rov.effort)
@@ -110,7 +82,7 @@ def test_sticks_move_it_once_it_is_armed_and_its_modes_are_holds(live: LiveSimul
 
 
 def test_it_flies_to_targets_and_missions(live: LiveSimulator, vehicle: MavlinkVehicle, station: Station) -> None:
-    mav = station.link.mav
+    mav = station.mav
     station.arm()
     assert station.mode(GUIDED) == 0
     here = station.receive("LOCAL_POSITION_NED")
@@ -140,16 +112,16 @@ def test_it_flies_to_targets_and_missions(live: LiveSimulator, vehicle: MavlinkV
 
 
 def test_an_item_that_cannot_be_flown_is_refused_with_the_reason(station: Station) -> None:
-    station.link.mav.mission_count_send(1, 1, 2)
+    station.mav.mission_count_send(1, 1, 2)
     for seq, altitude in ((0, 0.0), (1, 5.0)):
         station.receive("MISSION_REQUEST_INT", lambda request, seq=seq: request.seq == seq)
-        station.link.mav.mission_item_int_send(1, 1, seq, 3, 16, 0, 1, 0, 0, 0, 0, 0, 0, altitude)
+        station.mav.mission_item_int_send(1, 1, seq, 3, 16, 0, 1, 0, 0, 0, 0, 0, 0, altitude)
     assert station.receive("MISSION_ACK").type == dialect.MAV_MISSION_INVALID
     assert "mission item 1: altitude = 5 m" in station.receive("STATUSTEXT").text
 
 
 def test_parameters_are_listed_read_and_set(live: LiveSimulator, station: Station) -> None:
-    mav = station.link.mav
+    mav = station.mav
     mav.param_request_list_send(1, 1)
     first = station.receive("PARAM_VALUE")
     names = {first.param_id}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 import select
 import socket
@@ -10,6 +11,7 @@ from contextlib import suppress
 from typing import NamedTuple, Self
 
 from uwsim.bridges.admission import warn_beyond_loopback
+from uwsim.bridges.rare_log import RareLog
 
 PORTS = {"udpout": 14550, "udpin": 14550, "tcp": 5760}
 """QGroundControl listens on UDP 14550, and connects to TCP 5760."""
@@ -55,6 +57,7 @@ class Wire:
 
     def __init__(self, endpoint: Endpoint) -> None:
         self._kind = endpoint.kind
+        self._rare = RareLog(logging.getLogger("uwsim.mavlink"))
         family, *_, address = socket.getaddrinfo(endpoint.host, endpoint.port, socket.AF_INET)[0]
         kind = socket.SOCK_STREAM if self._kind == "tcp" else socket.SOCK_DGRAM
         self._socket = socket.socket(family, kind)
@@ -116,6 +119,7 @@ class Wire:
         if self._kind == "udpout":
             return True
         if peer not in self._peers and len(self._peers) >= PEERS_MAX:
+            self._rare.warning(f"more than {PEERS_MAX} ground stations: further ones are ignored")
             return False
         self._peers[peer] = now_s
         return True
@@ -126,6 +130,7 @@ class Wire:
                 connection, peer = self._socket.accept()
                 connection.setblocking(False)
                 if len(self._connections) >= PEERS_MAX:
+                    self._rare.warning(f"more than {PEERS_MAX} ground stations: further ones are disconnected")
                     connection.close()
                 else:
                     self._connections[peer], self._waiting[peer] = connection, bytearray()

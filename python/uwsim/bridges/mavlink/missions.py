@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,7 +20,19 @@ WAYPOINT, CHANGE_SPEED = 16, 178  # MAV_CMD
 ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; the surface is both
 ITEMS_MAX = 1000
 AGAIN_S = 1.0  # after which an item is requested again
-ACCEPTED, FAILED, UNSUPPORTED_FRAME, UNSUPPORTED, NO_SPACE, INVALID, INVALID_SEQUENCE = 0, 1, 2, 3, 4, 5, 13
+GIVE_UP_S = 15.0  # without an item
+MISSION = 0  # MAV_MISSION_TYPE; fences and rally points are other types
+ACCEPTED, UNSUPPORTED_FRAME, UNSUPPORTED, NO_SPACE, INVALID, INVALID_SEQUENCE, DENIED, CANCELLED = (
+    0,
+    2,
+    3,
+    4,
+    5,
+    13,
+    14,
+    15,
+)
+"""MAV_MISSION_RESULT."""
 
 
 class RefusedItemError(ValueError):
@@ -63,78 +77,158 @@ def route_of(items: list[Any], home: Home) -> tuple[Route, list[int]]:
     return Route(np.array(points), speed_m_s, None), numbers
 
 
+@dataclass
+class _Upload:
+    """An upload in progress. asker: the station's system and component. heard_s, asked_s: wall-clock times."""
+
+    peer: Peer
+    asker: tuple[int, int]
+    count: int
+    heard_s: float
+    asked_s: float = 0.0
+    items: list[Any] = field(default_factory=list)
+
+
 class MissionStore:
-    """Exchanges the mission with ground stations. items: those of the last complete upload. For one thread."""
+    """Exchanges the mission with ground stations. items: those of the last complete upload. For one thread.
 
-    def __init__(self, mav: Any, send: Callable[..., None], say: Callable[[str], None]) -> None:
-        self._mav, self._send, self._say = mav, send, say
+    A lost item is requested again each second, and an upload ends after 15 s without one. Fences and rally points,
+    which are missions of other types, are empty and cannot be uploaded. output: takes messages from a flight's thread.
+    """
+
+    def __init__(self, mav: Any, send: Callable[..., None], say: Callable[[str], None], output: deque[Any]) -> None:
+        self._mav, self._send, self._say, self._output = mav, send, say, output
         self.items: list[Any] = []
-        self._uploading: tuple[Peer, int, list[Any], float, tuple[int, int]] | None = None
+        self._upload: _Upload | None = None
+        self._ended: _Upload | None = None  # whose last acknowledgement may have been lost
 
-    def ask_again(self, now_s: float) -> None:
-        """Request the next item of an upload again if it has not arrived."""
-        if self._uploading is not None and now_s - self._uploading[3] > AGAIN_S:
-            self._request_item()
+    def keep_going(self, now_s: float) -> None:
+        """Request the next item of an upload again if it has not arrived, or give up."""
+        upload = self._upload
+        if upload is None or now_s - upload.asked_s < AGAIN_S:
+            return
+        if now_s - upload.heard_s > GIVE_UP_S:
+            self._upload = None
+            self._say(f"mission upload: item {len(upload.items)} did not arrive within {GIVE_UP_S:g} s: cancelled")
+            self._acknowledge(upload.peer, upload.asker, CANCELLED)
+        else:
+            self._request_item(upload)
+
+    def report(self, numbers: list[int], leg: int) -> None:
+        """Report the item that is being flown, on any thread. numbers: of the waypoints' items."""
+        if numbers:
+            self._output.append(self._mav.mission_current_encode(numbers[min(leg, len(numbers) - 1)]))
+
+    def report_reached(self, numbers: list[int]) -> None:
+        """Report that the waypoints have been reached, on any thread."""
+        for number in numbers:
+            self._output.append(self._mav.mission_item_reached_encode(number))
 
     def on_mission_request_list(self, peer: Peer, message: Any) -> None:
         """Report the number of items."""
-        self._send(self._mav.mission_count_encode(*_from(message), len(self.items)), peer)
+        count = len(self.items) if message.mission_type == MISSION else 0
+        self._send(self._mav.mission_count_encode(*_from(message), count, message.mission_type), peer)
 
     def on_mission_request_int(self, peer: Peer, message: Any) -> None:
         """Send an item."""
-        if not 0 <= message.seq < len(self.items):
-            self._send(self._mav.mission_ack_encode(*_from(message), INVALID_SEQUENCE), peer)
-            return
-        item = self.items[message.seq]
-        self._send(
-            self._mav.mission_item_int_encode(
-                *_from(message), item.seq, item.frame, item.command, 0, item.autocontinue, item.param1, item.param2,
-                item.param3, item.param4, item.x, item.y, item.z,
-            ),
-            peer,
-        )  # fmt: skip
+        item = self._item(peer, message)
+        if item is not None:
+            place = item.x, item.y, item.z
+            self._send(self._mav.mission_item_int_encode(*_from(message), *_plain(item), *place), peer)
 
-    on_mission_request = on_mission_request_int
+    def on_mission_request(self, peer: Peer, message: Any) -> None:
+        """Send an item in degrees."""
+        item = self._item(peer, message)
+        if item is not None:
+            place = 1e-7 * item.x, 1e-7 * item.y, item.z
+            self._send(self._mav.mission_item_encode(*_from(message), *_plain(item), *place), peer)
+
+    def _item(self, peer: Peer, message: Any) -> Any:
+        if message.mission_type == MISSION and 0 <= message.seq < len(self.items):
+            return self.items[message.seq]
+        self._acknowledge(peer, _from(message), INVALID_SEQUENCE, message.mission_type)
+        return None
 
     def on_mission_count(self, peer: Peer, message: Any) -> None:
         """Begin an upload."""
-        if not 0 < message.count <= ITEMS_MAX:
+        if message.mission_type != MISSION:
+            self._acknowledge(peer, _from(message), UNSUPPORTED, message.mission_type)
+        elif message.count == 0:
+            self.on_mission_clear_all(peer, message)
+        elif message.count > ITEMS_MAX:
             self._acknowledge(peer, _from(message), NO_SPACE)
-            return
-        self._uploading = (peer, message.count, [], 0.0, _from(message))
-        self._request_item()
+        elif self._upload is not None and self._upload.peer != peer:
+            self._say("mission upload: refused while another ground station uploads")
+            self._acknowledge(peer, _from(message), DENIED)
+        else:
+            self._upload = _Upload(peer, _from(message), message.count, time.monotonic())
+            self._request_item(self._upload)
 
-    def _request_item(self) -> None:
-        assert self._uploading is not None
-        peer, count, items, _, asker = self._uploading
-        self._uploading = (peer, count, items, time.monotonic(), asker)
-        self._send(self._mav.mission_request_int_encode(*asker, len(items)), peer)
+    def _request_item(self, upload: _Upload) -> None:
+        upload.asked_s = time.monotonic()
+        self._send(self._mav.mission_request_int_encode(*upload.asker, len(upload.items)), upload.peer)
+
+    def on_mission_item(self, peer: Peer, message: Any) -> None:
+        """Take an item in degrees."""
+        if not (math.isfinite(message.x) and math.isfinite(message.y)):
+            self._say(f"mission item {message.seq}: latitude and longitude must be numbers")
+            self._refuse(peer, INVALID)
+            return
+        if message.frame in ABOVE_SEA + ABOVE_HOME:
+            message.x, message.y = round(1e7 * message.x), round(1e7 * message.y)
+        else:
+            message.x, message.y = round(message.x), round(message.y)
+        self.on_mission_item_int(peer, message)
 
     def on_mission_item_int(self, peer: Peer, message: Any) -> None:
         """Take the next item of an upload, and acknowledge the last one."""
-        if self._uploading is None or peer != self._uploading[0] or message.seq != len(self._uploading[2]):
+        upload, ended = self._upload, self._ended
+        if upload is None and ended is not None and ended.peer == peer and message.seq == ended.count - 1:
+            self._acknowledge(peer, ended.asker, ACCEPTED)  # again
+        if upload is None or peer != upload.peer or message.seq != len(upload.items):
             return
-        _, count, items, _, asker = self._uploading
         try:
-            items.append(checked(message))
+            upload.items.append(checked(message))
         except RefusedItemError as error:
-            self._uploading = None
-            self._acknowledge(peer, asker, error.result)
             self._say(str(error))
+            self._refuse(peer, error.result)
             return
-        if len(items) < count:
-            self._request_item()
+        upload.heard_s = time.monotonic()
+        if len(upload.items) < upload.count:
+            self._request_item(upload)
             return
-        self.items, self._uploading = items, None
-        self._acknowledge(peer, asker, ACCEPTED)
+        self.items, self._upload, self._ended = upload.items, None, upload
+        self._acknowledge(peer, upload.asker, ACCEPTED)
+
+    def _refuse(self, peer: Peer, result: int) -> None:
+        """End this peer's upload."""
+        upload = self._upload
+        if upload is not None and upload.peer == peer:
+            self._upload = None
+            self._acknowledge(peer, upload.asker, result)
 
     def on_mission_clear_all(self, peer: Peer, message: Any) -> None:
         """Delete the mission."""
-        self.items = []
-        self._acknowledge(peer, _from(message), ACCEPTED)
+        if message.mission_type == MISSION:
+            self.items = []
+        self._acknowledge(peer, _from(message), ACCEPTED, message.mission_type)
 
-    def _acknowledge(self, peer: Peer, asker: tuple[int, int], result: int) -> None:
-        self._send(self._mav.mission_ack_encode(*asker, result), peer)
+    def _acknowledge(self, peer: Peer, asker: tuple[int, int], result: int, kind: int = MISSION) -> None:
+        self._send(self._mav.mission_ack_encode(*asker, result, kind), peer)
+
+
+def _plain(item: Any) -> tuple[Any, ...]:
+    return (
+        item.seq,
+        item.frame,
+        item.command,
+        0,
+        item.autocontinue,
+        item.param1,
+        item.param2,
+        item.param3,
+        item.param4,
+    )
 
 
 def _from(message: Any) -> tuple[int, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -12,6 +13,7 @@ from uwsim.live import LiveSimulator
 
 ID_CHARACTERS = 16
 AT_ONCE = 20
+FUNCTION_MAX = 250
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 
 Send = Callable[..., None]
@@ -45,11 +47,14 @@ def as_value(number: float, present: Any) -> Any:
 
 
 class ParameterServer:
-    """Lists, reads and sets parameters for ground stations. ids: names by id. For one thread."""
+    """Lists, reads and sets parameters for ground stations. ids: names by id. For one thread.
 
-    def __init__(self, live: LiveSimulator, mav: Any, send: Send) -> None:
-        self._live, self._mav, self._send = live, mav, send
-        self.ids = ids_of(live.simulator.parameters, live.vehicles)
+    buttons: further parameters by id, which are not the simulator's: the functions of a joystick's buttons.
+    """
+
+    def __init__(self, live: LiveSimulator, mav: Any, send: Send, buttons: dict[str, int]) -> None:
+        self._live, self._mav, self._send, self._buttons = live, mav, send, buttons
+        self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in buttons}
         self._indices = {name: index for index, name in enumerate(self.ids)}
         self._due: deque[tuple[Peer, str]] = deque()
 
@@ -59,14 +64,18 @@ class ParameterServer:
             peer, name = self._due.popleft()
             self._send(self._value(name), peer)
 
+    def _present(self, name: str) -> Any:
+        return self._buttons[name] if name in self._buttons else self._live.simulator.parameters[self.ids[name]]
+
     def _value(self, name: str) -> Any:
-        value = self._live.simulator.parameters[self.ids[name]]
+        value = self._present(name)
         kind = INT32 if isinstance(value, int) else REAL32
         return self._mav.param_value_encode(name.encode(), float(value), kind, len(self.ids), self._indices[name])
 
     def on_param_request_list(self, peer: Peer, message: Any) -> None:
         """Send all parameters, a few at a time."""
-        self._due = deque((peer, name) for name in self.ids)
+        others = ((whose, name) for whose, name in self._due if whose != peer)
+        self._due = deque([*others, *((peer, name) for name in self.ids)])
 
     def on_param_request_read(self, peer: Peer, message: Any) -> None:
         """Send one parameter, by id or by index."""
@@ -80,8 +89,19 @@ class ParameterServer:
         name = message.param_id
         if name not in self.ids:
             raise ValueError(f"parameter '{name}': unknown")
-        value = as_value(message.param_value, self._live.simulator.parameters[self.ids[name]])
+        if not math.isfinite(message.param_value):
+            self._send(self._value(name))
+            raise ValueError(f"parameter '{name}' = {message.param_value}: must be a number")
+        value = as_value(message.param_value, self._present(name))
         try:
-            self._live.command("set_parameter", name=self.ids[name], value=value).result(timeout=5.0)
+            if name in self._buttons:
+                self._set_button(name, value)
+            else:
+                self._live.command("set_parameter", name=self.ids[name], value=value).result(timeout=5.0)
         finally:
             self._send(self._value(name))
+
+    def _set_button(self, name: str, value: int) -> None:
+        if not 0 <= value <= FUNCTION_MAX:
+            raise ValueError(f"parameter '{name}' = {value}: must be in [0, {FUNCTION_MAX}]")
+        self._buttons[name] = value

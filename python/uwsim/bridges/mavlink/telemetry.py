@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,15 +13,20 @@ from uwsim.channels.source import Source
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
-RATE_HZ = 10.0
 UNKNOWN_U16, UNKNOWN_I16 = 0xFFFF, 0x7FFF
+ULTRASOUND, DOWN = 1, 25  # MAV_DISTANCE_SENSOR, MAV_SENSOR_ORIENTATION
+YAW_IN_VEHICLE = 32  # GIMBAL_DEVICE_FLAGS
 SENSORS = {"imu": 0x1 | 0x2, "compass": 0x4, "pressure": 0x8, "depth": 0x8, "altitude": 0x100}
 """MAV_SYS_STATUS_SENSOR by kind: gyroscope and accelerometer, magnetometer, absolute pressure, range finder."""
 HPA_PER_PA = 0.01
 
 
 class State(NamedTuple):
-    """One reading. position_world_m: by the estimate unless the truth is published. velocity_body: (6,)."""
+    """One reading. position_world_m: by the estimate unless the truth is published. velocity_body: (6,).
+
+    gimbal_rad: pitch, positive up, and yaw, positive to the right, of the first camera with a motor. camera_tilt: its
+    pitch as a share of its range, from 0 (lowest) to 1. lights: the share of lamps that are on. NaN: there is none.
+    """
 
     time_s: float
     position_world_m: Vector
@@ -40,6 +45,9 @@ class State(NamedTuple):
     events: int
     sensors: int
     tilt_rad: float
+    gimbal_rad: tuple[float, float]
+    camera_tilt: float
+    lights: float
 
 
 def read(sim: Simulator, source: Source, *, truth: bool) -> State:
@@ -49,6 +57,8 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> State:
     pose, velocity = mover.pose, mover.velocity
     panel, holds = vehicle.telemetry(), vehicle.gate.holds
     failsafe = vehicle.failsafe
+    gimbal_rad, camera_tilt = _gimbal_of(vehicle)
+    lamps = [lamp.on for lamp in vehicle.lamps.values()]
     by_kind = {sensor.kind: sensor for sensor in reversed(vehicle.sensors.values())}
     return State(
         time_s=sim.time_s,
@@ -68,11 +78,24 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> State:
         events=len(sim.events),
         sensors=_present(vehicle),
         tilt_rad=vehicle.sonar.elevation_rad if vehicle.sonars else math.nan,
+        gimbal_rad=gimbal_rad,
+        camera_tilt=camera_tilt,
+        lights=sum(lamps) / len(lamps) if lamps else math.nan,
     )
 
 
 def _reading(sensors: dict[str, Any], kind: str, otherwise: float) -> float:
     return float(sensors[kind].read()) if kind in sensors else otherwise
+
+
+def _gimbal_of(vehicle: Vehicle) -> tuple[tuple[float, float], float]:
+    for camera in vehicle.cameras.values():
+        motor = camera.mount.pan_tilt
+        if motor is not None:
+            pan, tilt = camera.aim_rad
+            low, high = (math.radians(limit) for limit in motor.tilt_limits_deg)
+            return (-tilt, -pan), (high - tilt) / (high - low) if high > low else math.nan
+    return (math.nan, math.nan), math.nan
 
 
 def _present(vehicle: Vehicle) -> int:
@@ -82,36 +105,126 @@ def _present(vehicle: Vehicle) -> int:
     return bits
 
 
-def messages(mav: Any, state: State, home: Home) -> Iterator[Any]:
-    """Yield the messages of one reading. mav: pymavlink's dialect, a MAVLink object."""
-    ms = round(1e3 * state.time_s) % 2**32
-    roll, pitch, yaw = euler_rad(state.world_from_body)
-    rates = state.velocity_body[3:] * FRD
-    velocity = NED_FROM_ENU @ (state.world_from_body[:3, :3] @ state.velocity_body[:3])
-    position = NED_FROM_ENU @ state.position_world_m
-    lat_deg, lon_deg = home.degrees(state.position_world_m)
-    up_mm = round(1e3 * state.position_world_m[2])
-    heading_cdeg = round(100 * math.degrees(yaw)) % 36000
-    yield mav.attitude_encode(ms, roll, pitch, yaw, *rates)
-    yield mav.local_position_ned_encode(ms, *position, *velocity)
-    yield mav.global_position_int_encode(
-        ms, round(1e7 * lat_deg), round(1e7 * lon_deg), up_mm, up_mm, *(_int16(100 * part) for part in velocity),
-        heading_cdeg,
-    )  # fmt: skip
-    temperature_cdeg = _int16(100 * state.temperature_deg_c)
-    yield mav.scaled_pressure2_encode(ms, HPA_PER_PA * state.pressure_pa, 0.0, temperature_cdeg)
-    speed = float(np.hypot(velocity[0], velocity[1]))
-    yield mav.vfr_hud_encode(speed, speed, heading_cdeg // 100, state.throttle_percent, -position[2], -velocity[2])
-    percent = -1 if math.isnan(state.battery_percent) else min(max(round(state.battery_percent), 0), 100)
-    yield mav.sys_status_encode(
-        state.sensors, state.sensors, state.sensors, 0, UNKNOWN_U16, -1, percent, 0, 0, 0, 0, 0, 0
-    )
-    cells = [UNKNOWN_U16] * 10
-    yield mav.battery_status_encode(0, 0, 0, UNKNOWN_I16, cells, -1, -1, -1, percent)
-    if math.isfinite(state.altitude_m):
-        yield mav.rangefinder_encode(state.altitude_m, 0.0)
-    if math.isfinite(state.tilt_rad):
-        yield mav.named_value_float_encode(ms, b"SonarTilt", state.tilt_rad)
+class Figures:
+    """The values of one reading in MAVLink's units and axes, computed once for all messages."""
+
+    def __init__(self, state: State, home: Home) -> None:
+        self.state, self.home = state, home
+        self.ms = round(1e3 * state.time_s) % 2**32
+        self.roll, self.pitch, self.yaw = euler_rad(state.world_from_body)
+        self.rates_rad_s = state.velocity_body[3:] * FRD
+        self.velocity_ned_m_s = NED_FROM_ENU @ (state.world_from_body[:3, :3] @ state.velocity_body[:3])
+        self.position_ned_m = NED_FROM_ENU @ state.position_world_m
+        lat_deg, lon_deg = home.degrees(state.position_world_m)
+        self.lat_e7, self.lon_e7 = round(1e7 * lat_deg), round(1e7 * lon_deg)
+        self.heading_cdeg = round(100 * math.degrees(self.yaw)) % 36000
+        percent = state.battery_percent
+        self.percent = -1 if math.isnan(percent) else min(max(round(percent), 0), 100)
+
+
+Maker = Callable[[Any, Figures], Iterable[Any]]
+"""Returns the messages of one kind. The first argument encodes them: pymavlink's MAVLink object."""
+
+
+def _position(mav: Any, f: Figures) -> Iterable[Any]:
+    up_mm = round(1e3 * f.state.position_world_m[2])
+    speeds = (_int16(100 * part) for part in f.velocity_ned_m_s)
+    return [mav.global_position_int_encode(f.ms, f.lat_e7, f.lon_e7, up_mm, up_mm, *speeds, f.heading_cdeg)]
+
+
+def _hud(mav: Any, f: Figures) -> Iterable[Any]:
+    north, east, down = f.velocity_ned_m_s
+    speed = float(np.hypot(north, east))
+    altitude_m = -f.position_ned_m[2]
+    return [mav.vfr_hud_encode(speed, speed, f.heading_cdeg // 100, f.state.throttle_percent, altitude_m, -down)]
+
+
+def _status(mav: Any, f: Figures) -> Iterable[Any]:
+    sensors = [f.state.sensors] * 3
+    return [mav.sys_status_encode(*sensors, 0, UNKNOWN_U16, -1, f.percent, 0, 0, 0, 0, 0, 0)]
+
+
+def _battery(mav: Any, f: Figures) -> Iterable[Any]:
+    return [mav.battery_status_encode(0, 0, 0, UNKNOWN_I16, [UNKNOWN_U16] * 10, -1, -1, -1, f.percent)]
+
+
+def _pressure(mav: Any, f: Figures) -> Iterable[Any]:
+    temperature_cdeg = _int16(100 * f.state.temperature_deg_c)
+    return [mav.scaled_pressure2_encode(f.ms, HPA_PER_PA * f.state.pressure_pa, 0.0, temperature_cdeg)]
+
+
+def _range(mav: Any, f: Figures) -> Iterable[Any]:
+    return [mav.rangefinder_encode(f.state.altitude_m, 0.0)] if math.isfinite(f.state.altitude_m) else []
+
+
+def _distance(mav: Any, f: Figures) -> Iterable[Any]:
+    if not math.isfinite(f.state.altitude_m):
+        return []
+    centimetres = min(max(round(100 * f.state.altitude_m), 0), UNKNOWN_U16)
+    return [mav.distance_sensor_encode(f.ms, 0, UNKNOWN_U16, centimetres, ULTRASOUND, 0, DOWN, 255)]
+
+
+def _named(mav: Any, f: Figures) -> Iterable[Any]:
+    named = {"SonarTilt": f.state.tilt_rad, "CamTilt": f.state.camera_tilt, "Lights1": f.state.lights}
+    return [mav.named_value_float_encode(f.ms, name.encode(), v) for name, v in named.items() if math.isfinite(v)]
+
+
+def _gimbal(mav: Any, f: Figures) -> Iterable[Any]:
+    pitch, yaw = f.state.gimbal_rad
+    if math.isnan(pitch):
+        return []
+    cp, sp, cy, sy = math.cos(pitch / 2), math.sin(pitch / 2), math.cos(yaw / 2), math.sin(yaw / 2)
+    q = [cy * cp, -sy * sp, cy * sp, sy * cp]
+    unknown = [math.nan] * 3
+    return [mav.gimbal_device_attitude_status_encode(0, 0, f.ms, YAW_IN_VEHICLE, q, *unknown, 0, gimbal_device_id=1)]
+
+
+def place(mav: Any, home: Home) -> Any:
+    """Return HOME_POSITION."""
+    lat, lon = round(1e7 * home.lat_deg), round(1e7 * home.lon_deg)
+    return mav.home_position_encode(lat, lon, 0, 0.0, 0.0, 0.0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0)
+
+
+def origin(mav: Any, home: Home) -> Any:
+    """Return GPS_GLOBAL_ORIGIN."""
+    return mav.gps_global_origin_encode(round(1e7 * home.lat_deg), round(1e7 * home.lon_deg), 0)
+
+
+class Kind(NamedTuple):
+    """A kind of message: its number, what makes it, its rate by default, and its stream (MAV_DATA_STREAM)."""
+
+    number: int
+    make: Maker
+    rate_hz: float
+    stream: int
+
+
+EXTENDED_STATUS, POSITION, EXTRA1, EXTRA2, EXTRA3, RAW_SENSORS = 2, 6, 10, 11, 12, 1  # MAV_DATA_STREAM
+KINDS = [
+    Kind(30, lambda mav, f: [mav.attitude_encode(f.ms, f.roll, f.pitch, f.yaw, *f.rates_rad_s)], 10, EXTRA1),
+    Kind(
+        32, lambda mav, f: [mav.local_position_ned_encode(f.ms, *f.position_ned_m, *f.velocity_ned_m_s)], 10, POSITION
+    ),
+    Kind(33, _position, 10, POSITION),
+    Kind(137, _pressure, 10, RAW_SENSORS),
+    Kind(74, _hud, 10, EXTRA2),
+    Kind(1, _status, 10, EXTENDED_STATUS),
+    Kind(147, _battery, 10, EXTRA3),
+    Kind(173, _range, 10, EXTRA3),
+    Kind(251, _named, 10, EXTRA3),
+    Kind(285, _gimbal, 10, EXTRA3),
+    Kind(2, lambda mav, f: [mav.system_time_encode(0, f.ms)], 1, EXTRA3),
+    Kind(
+        178,
+        lambda mav, f: [mav.ahrs2_encode(f.roll, f.pitch, f.yaw, -f.position_ned_m[2], f.lat_e7, f.lon_e7)],
+        0,
+        EXTRA1,
+    ),
+    Kind(132, _distance, 0, EXTRA3),
+    Kind(242, lambda mav, f: [place(mav, f.home)], 0, EXTENDED_STATUS),
+    Kind(49, lambda mav, f: [origin(mav, f.home)], 0, EXTENDED_STATUS),
+]
+"""All telemetry; a new message is one entry."""
 
 
 def _int16(value: float) -> int:

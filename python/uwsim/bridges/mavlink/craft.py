@@ -1,0 +1,54 @@
+"""The simulated vehicle behind a MAVLink system: commands to it, and texts about it."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any
+
+from uwsim.bridges.actions import Action
+from uwsim.bridges.mavlink.component import Say
+from uwsim.bridges.mavlink.earth import Home
+from uwsim.bridges.mavlink.telemetry import State
+from uwsim.channels.steering import log_error
+from uwsim.live import LiveSimulator
+
+COMMAND_S = 5.0
+
+
+@dataclass
+class Craft:
+    """A vehicle of a live simulator.
+
+    name: the vehicle's. action: `fly_path`, or None for a vehicle without. home: where the world's origin is. say:
+    sends a text to the ground stations. output: messages of the autopilot from any thread, for all stations. state: the
+    latest reading.
+    """
+
+    live: LiveSimulator
+    name: str
+    action: Action | None
+    home: Home
+    say: Say
+    output: deque[Any] = field(default_factory=lambda: deque(maxlen=1000))
+    state: State | None = None
+
+    @property
+    def vehicle(self) -> Any:
+        """The simulated vehicle."""
+        return self.live.simulator.vehicles[self.name]
+
+    def begin(self, command: str, **arguments: Any) -> Future[Any]:
+        """Issue a command if the station's pilot permits it. Raises ValueError."""
+        if self.action is not None:
+            self.action.steering.rights.require(command, {"data": arguments.get("on", True)})
+        return self.live.command(command, vehicle=self.name, **arguments)
+
+    def command(self, command: str, **arguments: Any) -> None:
+        """Issue a command, and wait until it has taken effect. Raises ValueError or RuntimeError."""
+        self.begin(command, **arguments).result(timeout=COMMAND_S)
+
+    def send(self, command: str, **arguments: Any) -> None:
+        """Issue a command without waiting; its failure is logged. Raises ValueError."""
+        self.begin(command, **arguments).add_done_callback(log_error)

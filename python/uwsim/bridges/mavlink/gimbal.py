@@ -1,0 +1,210 @@
+"""The gimbal manager (https://mavlink.io/en/services/gimbal_v2.html) of a camera with a pan-tilt motor."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from uwsim.bridges.mavlink.component import DENIED, DONE, UNSUPPORTED, Component, Given, Obey
+from uwsim.bridges.mavlink.craft import Craft
+from uwsim.bridges.mavlink.endpoint import Peer
+from uwsim.bridges.mavlink.telemetry import EXTRA3, Kind, State
+
+DEVICE = 1
+"""The gimbal device's id: 1 to 6 for one that speaks no MAVLink itself."""
+INFORMATION, STATUS = 280, 281  # messages
+PITCH_AXIS, PITCH_FOLLOW, YAW_AXIS, YAW_FOLLOW = 1 << 3, 1 << 4, 1 << 6, 1 << 7  # GIMBAL_MANAGER_CAP_FLAGS
+RETRACT, NEUTRAL, YAW_LOCK, YAW_IN_EARTH = 1, 2, 16, 64  # GIMBAL_MANAGER_FLAGS
+STATUS_HZ = 0.2
+RATE_LASTS_S = 1.0
+STICK_RAD_S = math.radians(30)
+"""At full deflection, and while a button is pressed: ArduSub's MNT1_RC_RATE."""
+MOUNT_RETRACT, MOUNT_NEUTRAL, MOUNT_TARGETING = 0, 1, 2  # MAV_MOUNT_MODE
+UNCHANGED, MINE, RELEASE = -1, -2, -3  # of DO_GIMBAL_MANAGER_CONFIGURE
+
+
+class Gimbal:
+    """Turns the first of a vehicle's cameras that has a motor.
+
+    Pitch is positive up and yaw to the right, from the direction in which the camera is mounted; the mount moves with
+    the vehicle, so that no axis can be locked to the horizon or to north. One ground station at a time has control, if
+    it has requested it. camera: the camera's name; "" without any, when every command is answered as unsupported.
+    """
+
+    def __init__(self, craft: Craft, component: Component) -> None:
+        self._craft, self._component = craft, component
+        turning = [name for name, camera in craft.vehicle.cameras.items() if camera.mount.pan_tilt is not None]
+        self.camera = next(iter(turning), "")
+        motor = craft.vehicle.cameras[self.camera].mount.pan_tilt if turning else None
+        low, high = motor.tilt_limits_deg if motor else (0.0, 0.0)
+        left, right = motor.pan_limits_deg if motor else (0.0, 0.0)
+        self._pitch_limits_rad = math.radians(-high), math.radians(-low)
+        self._yaw_limits_rad = math.radians(-right), math.radians(-left)
+        self._owner = (0, 0)  # the station in control
+        self._rates_rad_s = (0.0, 0.0)
+        self._rates_end_s = 0.0
+        self._turned_s = math.nan  # simulated time of the last turn at a rate
+        self._wanted_rad = (0.0, 0.0)
+
+    @property
+    def commands(self) -> Mapping[int, Obey]:
+        """The commands that this part obeys, by MAV_CMD."""
+        if not self.camera:
+            return {}
+        return {204: lambda given: DONE, 205: self._on_mount, 1000: self._on_pitch_yaw, 1001: self._on_configure}
+
+    @property
+    def kinds(self) -> list[Kind]:
+        """The messages that are sent at a rate."""
+        return [Kind(STATUS, lambda mav, figures: [self.status()], STATUS_HZ, EXTRA3)] if self.camera else []
+
+    def answer(self, number: int, value: float) -> Iterable[Any] | None:
+        """Return the message with an id; see Answers."""
+        return [self.information()] if self.camera and number == INFORMATION else None
+
+    def information(self) -> Any:
+        """Return GIMBAL_MANAGER_INFORMATION."""
+        flags = (PITCH_AXIS | PITCH_FOLLOW) * self._can_turn(self._pitch_limits_rad)
+        flags |= (YAW_AXIS | YAW_FOLLOW) * self._can_turn(self._yaw_limits_rad)
+        limits = *self._pitch_limits_rad, *self._yaw_limits_rad
+        return self._component.mav.gimbal_manager_information_encode(self._ms, flags, DEVICE, 0.0, 0.0, *limits)
+
+    def status(self) -> Any:
+        """Return GIMBAL_MANAGER_STATUS."""
+        return self._component.mav.gimbal_manager_status_encode(self._ms, 0, DEVICE, *self._owner, 0, 0)
+
+    @property
+    def _ms(self) -> int:
+        return 0 if self._craft.state is None else round(1e3 * self._craft.state.time_s) % 2**32
+
+    @staticmethod
+    def _can_turn(limits: tuple[float, float]) -> bool:
+        return limits[0] < limits[1]
+
+    @property
+    def angles_rad(self) -> tuple[float, float]:
+        """Pitch and yaw to which the camera turns."""
+        pan, tilt = self._craft.vehicle.cameras[self.camera].target_rad
+        return -tilt, -pan
+
+    def turn_to(self, pitch_rad: float, yaw_rad: float) -> None:
+        """Turn to these angles; NaN leaves an axis as it is. Raises ValueError beyond the motor's limits."""
+        self._rates_rad_s = (0.0, 0.0)
+        self._command(pitch_rad, yaw_rad)
+
+    def _command(self, pitch_rad: float, yaw_rad: float) -> None:
+        for name, angle, (low, high) in (
+            ("pitch", pitch_rad, self._pitch_limits_rad), ("yaw", yaw_rad, self._yaw_limits_rad)
+        ):  # fmt: skip
+            if math.isinf(angle) or angle < low - 1e-6 or angle > high + 1e-6:
+                bounds = f"[{math.degrees(low):g}, {math.degrees(high):g}]"
+                raise ValueError(f"gimbal: {name} = {math.degrees(angle):g} deg: must be in {bounds} deg")
+        tilt, pan = (None if math.isnan(angle) else -angle for angle in (pitch_rad, yaw_rad))
+        if tilt is not None or pan is not None:
+            self._craft.send("aim_camera", camera=self.camera, pan_rad=pan, tilt_rad=tilt)
+
+    def centre(self) -> None:
+        """Turn to the direction in which the camera is mounted."""
+        if self.camera:
+            self.turn_to(0.0, 0.0 if self._can_turn(self._yaw_limits_rad) else math.nan)
+
+    def turn_by_stick(self, pitch: float, yaw: float) -> None:
+        """Turn at a rate for up to a second: deflections in [-1, 1]."""
+        self._turn_at((STICK_RAD_S * pitch, STICK_RAD_S * yaw))
+
+    def _turn_at(self, rates_rad_s: tuple[float, float]) -> None:
+        if not self.camera:
+            return
+        if not any(self._rates_rad_s):
+            self._wanted_rad, self._turned_s = self.angles_rad, math.nan
+        self._rates_rad_s, self._rates_end_s = rates_rad_s, time.monotonic() + RATE_LASTS_S
+
+    def follow(self, state: State) -> None:
+        """Go on turning at the present rate, which ends when it has not been renewed."""
+        if not any(self._rates_rad_s):
+            return
+        since_s = 0.0 if math.isnan(self._turned_s) else max(state.time_s - self._turned_s, 0.0)
+        self._turned_s = state.time_s
+        limits = (self._pitch_limits_rad, self._yaw_limits_rad)
+        pitch, yaw = (
+            min(max(angle + rate * since_s, low), high)
+            for angle, rate, (low, high) in zip(self._wanted_rad, self._rates_rad_s, limits, strict=True)
+        )
+        self._wanted_rad = pitch, yaw
+        if time.monotonic() > self._rates_end_s:
+            self._rates_rad_s = (0.0, 0.0)
+        if since_s > 0:
+            self._command(pitch, yaw)
+
+    def _on_mount(self, given: Given) -> int:
+        mode = given.values[6]
+        if mode in (MOUNT_RETRACT, MOUNT_NEUTRAL):
+            self.centre()
+            return DONE
+        if mode != MOUNT_TARGETING:
+            return UNSUPPORTED
+        pitch, yaw = (math.radians(given.values[k]) for k in (0, 2))
+        self.turn_to(pitch, yaw if self._can_turn(self._yaw_limits_rad) else math.nan)
+        return DONE
+
+    def _on_pitch_yaw(self, given: Given) -> int:
+        pitch_deg, yaw_deg, pitch_deg_s, yaw_deg_s, flags, _, device = given.values
+        if device not in (0, DEVICE):
+            return UNSUPPORTED
+        rates = math.radians(pitch_deg_s), math.radians(yaw_deg_s)
+        return self._set(given.sender, int(flags), (math.radians(pitch_deg), math.radians(yaw_deg)), rates)
+
+    def on_gimbal_manager_set_pitchyaw(self, peer: Peer, message: Any) -> None:
+        """Turn to angles or at rates; there is no acknowledgement."""
+        if self.camera and message.gimbal_device_id in (0, DEVICE):
+            sender = message.get_srcSystem(), message.get_srcComponent()
+            angles, rates = (message.pitch, message.yaw), (message.pitch_rate, message.yaw_rate)
+            self._set(sender, message.flags, angles, rates)
+
+    def on_gimbal_manager_set_attitude(self, peer: Peer, message: Any) -> None:
+        """Turn to a quaternion's angles or at rates; there is no acknowledgement."""
+        if not self.camera or message.gimbal_device_id not in (0, DEVICE):
+            return
+        w, x, y, z = message.q
+        angles = math.nan, math.nan
+        if all(math.isfinite(part) for part in (w, x, y, z)):
+            sine = max(-1.0, min(2 * (w * y - z * x), 1.0))
+            angles = math.asin(sine), math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+        sender = message.get_srcSystem(), message.get_srcComponent()
+        self._set(sender, message.flags, angles, (message.angular_velocity_y, message.angular_velocity_z))
+
+    def _set(
+        self, sender: tuple[int, int], flags: int, angles_rad: tuple[float, float], rates_rad_s: tuple[float, float]
+    ) -> int:
+        if self._owner not in ((0, 0), sender):
+            self._craft.say(f"gimbal: system {self._owner[0]} is in control")
+            return DENIED
+        if flags & (YAW_LOCK | YAW_IN_EARTH):
+            raise ValueError("gimbal: yaw: must be relative to the vehicle: no yaw lock, no earth frame")
+        if flags & (RETRACT | NEUTRAL):
+            self.centre()
+        elif all(math.isnan(angle) for angle in angles_rad):
+            self._turn_at(tuple(0.0 if math.isnan(rate) else rate for rate in rates_rad_s))  # type: ignore[arg-type]
+        else:
+            yaw_rad = angles_rad[1]
+            if yaw_rad == 0 and not self._can_turn(self._yaw_limits_rad):
+                yaw_rad = math.nan
+            self.turn_to(angles_rad[0], yaw_rad)
+        return DONE
+
+    def _on_configure(self, given: Given) -> int:
+        system, component = given.integer(1), given.integer(2)
+        if system == MINE:
+            self._owner = given.sender
+        elif system == RELEASE:
+            self._owner = (0, 0) if self._owner == given.sender else self._owner
+        elif system >= 0:
+            if not (system <= 255 and 0 <= component <= 255):
+                raise ValueError(
+                    f"gimbal: control = {system}, {component}: must be a system and a component in [0, 255]"
+                )
+            self._owner = system, component
+        given.replies.append(self.status())
+        return DONE

@@ -1,0 +1,197 @@
+"""Video: a camera's pictures as an H.264 stream by RTP, which ground stations show."""
+
+from __future__ import annotations
+
+import logging
+import os
+import queue
+import re
+import shutil
+import subprocess
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from uwsim.base.extras import need_extra
+from uwsim.channels.pictures import RATE_HZ
+from uwsim.instruments.cameras import Camera, Frame
+from uwsim.live import LiveSimulator, Subscription
+from uwsim.simulator.simulator import Simulator
+
+PORT = 5600
+"""QGroundControl and Cockpit expect video at this UDP port."""
+PAYLOAD_TYPE = 96
+PACKET_BYTES = 1200
+BITRATE_KBIT_S = 4000
+CLOSE_S = 2.0
+
+logger = logging.getLogger("uwsim.video")
+
+
+class Target(NamedTuple):
+    """Where a stream is sent by UDP."""
+
+    host: str
+    port: int
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Parse "5600" or "127.0.0.1:5600". Raises ValueError."""
+        host, _, port = text.rpartition(":")
+        if not re.fullmatch(r"\d{1,5}", port) or not 0 < int(port) <= 65535:
+            raise ValueError(f"video = '{text}': must be [HOST:]PORT, with a port in [1, 65535]")
+        if host and not re.fullmatch(r"[A-Za-z0-9._-]+", host):
+            raise ValueError(f"video = '{text}': the host must be a name or an IPv4 address")
+        return cls(host or "127.0.0.1", int(port))
+
+    def __str__(self) -> str:
+        return f"{self.host}:{self.port}"
+
+
+def encoder_path() -> str:
+    """Return the path of ffmpeg: the system's, or that of the extra `video`. Raises MissingExtraError.
+
+    It is a program of its own: its encoder, x264, may not be linked with uwsim, because of its licence (GPL).
+    """
+    found = shutil.which("ffmpeg")
+    if found is None:
+        need_extra("imageio_ffmpeg", "video", "--video")
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        found = get_ffmpeg_exe()
+    return str(found)
+
+
+def own_first(cameras: Mapping[str, Camera]) -> list[str]:
+    """Return the names of a vehicle's cameras: first those that it carries, then those that follow it."""
+    return sorted(cameras, key=lambda name: cameras[name].mount.follows != "body")
+
+
+class VideoStream:
+    """Sends a camera's pictures as H.264 by RTP to a UDP port, up to 10 of them per simulated second.
+
+    A picture shows the world at the time of its reading and is rendered on a thread of its own; no step waits for it,
+    and none is begun before the previous one has been passed on. A program, ffmpeg, encodes and sends them.
+
+    vehicle: its name. camera: the name of one of its cameras; by default the first that it carries. Raises ValueError for an unknown
+    camera, MissingExtraError without ffmpeg.
+    """
+
+    def __init__(self, live: LiveSimulator, vehicle: str, target: Target, camera: str | None = None) -> None:
+        cameras = live.simulator.vehicles[vehicle].cameras
+        if not cameras:
+            raise ValueError(f"video: vehicle '{vehicle}' has no camera")
+        self.camera = own_first(cameras)[0] if camera is None else camera
+        if self.camera not in cameras:
+            raise ValueError(f"video: camera = '{camera}': must be one of {', '.join(cameras)}")
+        self.target, self.sent, self.is_paused = target, 0, False
+        self._live, self._vehicle = live, vehicle
+        self._path = encoder_path()
+        self._subscription: Subscription | None = None
+        self._waiting: queue.SimpleQueue[Callable[[], Frame] | None] = queue.SimpleQueue()
+        self._is_idle = True
+        self._thread = threading.Thread(target=self._run, name="uwsim-video", daemon=True)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the stream in pixels; even numbers, as H.264 requires."""
+        info = self._live.simulator.vehicles[self._vehicle].cameras[self.camera].info
+        return info.width // 2 * 2, info.height // 2 * 2
+
+    @property
+    def sdp(self) -> str:
+        """The session description (RFC 8866, RFC 6184) with which a receiver on the target's host reads the stream."""
+        return (
+            f"v=0\no=- 0 0 IN IP4 127.0.0.1\ns={self._vehicle}/{self.camera}\nc=IN IP4 {self.target.host}\nt=0 0\n"
+            f"m=video {self.target.port} RTP/AVP {PAYLOAD_TYPE}\na=rtpmap:{PAYLOAD_TYPE} H264/90000\n"
+            f"a=fmtp:{PAYLOAD_TYPE} packetization-mode=1\n"
+        )
+
+    def __enter__(self) -> Self:
+        """Start. Raises NotRunningError."""
+        if not self._is_local:
+            logger.warning("video is sent to %s, beyond this machine, in plain text", self.target)
+        self._subscription = self._live.every(1 / RATE_HZ, self._begin, self._take)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop."""
+        if self._subscription is not None:
+            self._subscription.cancel()
+        self._waiting.put(None)
+        self._thread.join(2 * CLOSE_S)
+
+    @property
+    def _is_local(self) -> bool:
+        return self.target.host == "localhost" or self.target.host.startswith("127.")
+
+    def _begin(self, sim: Simulator) -> Callable[[], Frame] | None:
+        if self.is_paused or not self._is_idle:
+            return None
+        return sim.vehicles[self._vehicle].cameras[self.camera].later()
+
+    def _take(self, capture: Callable[[], Frame] | None) -> None:
+        if capture is not None:
+            self._is_idle = False
+            self._waiting.put(capture)
+
+    def _run(self) -> None:
+        encoder: subprocess.Popen[bytes] | None = None
+        shape: tuple[int, ...] = ()
+        try:
+            while (capture := self._waiting.get()) is not None:
+                rgb = capture().rgb
+                rgb = rgb[: rgb.shape[0] // 2 * 2, : rgb.shape[1] // 2 * 2]
+                if encoder is None or rgb.shape != shape:
+                    _end(encoder)
+                    encoder, shape = self._started(rgb.shape), rgb.shape
+                assert encoder.stdin is not None
+                encoder.stdin.write(rgb.tobytes())
+                self.sent += 1
+                self._is_idle = True
+        except OSError as error:
+            why = b"" if encoder is None or encoder.stderr is None else encoder.stderr.read(2000)
+            reason = (why.decode(errors="replace").strip().splitlines() or [str(error)])[-1]
+            logger.warning("video to %s ended: %s", self.target, reason)
+        finally:
+            _end(encoder)
+
+    def _started(self, shape: tuple[int, ...]) -> subprocess.Popen[bytes]:
+        local = "&localaddr=127.0.0.1" if self._is_local else ""
+        command = [
+            self._path, "-loglevel", "error", "-nostdin",
+            "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", f"{shape[1]}x{shape[0]}",
+            "-use_wallclock_as_timestamps", "1", "-fflags", "nobuffer", "-probesize", "32", "-i", "pipe:0",
+            "-fps_mode", "passthrough", "-an", "-c:v", "libx264", "-preset", "ultrafast", "-tune", "zerolatency",
+            "-pix_fmt", "yuv420p", "-g", "10", "-threads", "1", "-b:v", f"{BITRATE_KBIT_S}k", "-maxrate",
+            f"{BITRATE_KBIT_S}k", "-bufsize", f"{BITRATE_KBIT_S}k", "-x264-params", "repeat-headers=1",
+            "-flush_packets", "1", "-payload_type", str(PAYLOAD_TYPE), "-f", "rtp",
+            f"rtp://{self.target}?pkt_size={PACKET_BYTES}{local}",
+        ]  # fmt: skip
+        encoder = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, bufsize=0,
+            start_new_session=True,
+        )  # fmt: skip
+        with suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, encoder.pid, 10)  # the simulator comes first
+        return encoder
+
+
+def _end(encoder: subprocess.Popen[bytes] | None) -> None:
+    if encoder is None:
+        return
+    assert encoder.stdin is not None
+    with suppress(OSError):
+        encoder.stdin.close()
+    try:
+        encoder.wait(CLOSE_S)
+    except subprocess.TimeoutExpired:
+        encoder.kill()
+        encoder.wait()
+    if encoder.stderr is not None:
+        encoder.stderr.close()
