@@ -296,9 +296,7 @@ def flown(binary: Path, defaults: str, path: Path, print_row: Callable[[Row], No
 
 
 class Speed(NamedTuple):
-    """Simulated seconds a second, and processor time for a frame [us]: this thread's steps and exchange, this thread's
-    pings, and the firmware's.
-    """
+    """Simulated seconds a second; processor time of a frame [us]: of this thread's steps, its pings, the firmware."""
 
     factor: float
     steps_us: float

@@ -11,8 +11,8 @@ from contextlib import suppress
 from typing import Any
 
 os.environ["MAVLINK20"] = "1"  # read by pymavlink
-from pymavlink import mavutil  # noqa: E402
-from pymavlink.dialects.v20 import ardupilotmega as dialect  # noqa: E402
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 AUTOPILOT, CAMERA = 1, 100
 TRIES = 3
@@ -88,9 +88,7 @@ class Station:
         """Request a message by REQUEST_MESSAGE; return it, which must follow its acknowledgement at once."""
         number = getattr(dialect, f"MAVLINK_MSG_ID_{kind}")
         result = self.command(dialect.MAV_CMD_REQUEST_MESSAGE, number, value, component=component)
-        return (
-            self.receive(kind, lambda message: message.get_srcComponent() == component, 2.0) if not result else result
-        )
+        return result or self.receive(kind, lambda message: message.get_srcComponent() == component, 2.0)
 
     def mode(self, mode: int) -> int:
         """Change the mode; return the result."""

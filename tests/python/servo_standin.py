@@ -33,13 +33,16 @@ def packet(number: int, outputs_us: Sequence[int], rate_hz: int = 400) -> bytes:
 
 
 class Standin:
-    """Sends a frame and waits for the line, again and again, on its own thread; it repeats a frame after REPEAT_S."""
+    """Sends a frame and waits for the line, again and again, on its own thread; it repeats a frame after REPEAT_S.
 
-    def __init__(self, port: int, decide: Decide, frames: int = 2**31) -> None:
+    lines: those received; of several, only each `every`th is read.
+    """
+
+    def __init__(self, port: int, decide: Decide, frames: int = 2**31, every: int = 1) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.connect(("127.0.0.1", port))
         self._socket.settimeout(REPEAT_S)
-        self._decide, self._frames = decide, frames
+        self._decide, self._frames, self._every = decide, frames, every
         self._ends = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self.lines: list[dict[str, Any]] = []
@@ -62,8 +65,10 @@ class Standin:
             while not self._ends.is_set():
                 try:
                     self._socket.send(frame)
-                    state = json.loads(self._socket.recv(2000))
-                    self.lines.append(state)
+                    line = self._socket.recv(2000)
+                    if (number + 1) % self._every == 0:
+                        state = json.loads(line)
+                        self.lines.append(state)
                     break
                 except TimeoutError:
                     continue

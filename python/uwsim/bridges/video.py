@@ -75,8 +75,8 @@ class VideoStream:
     A picture shows the world at the time of its reading and is rendered on a thread of its own; no step waits for it,
     and none is begun before the previous one has been passed on. A program, ffmpeg, encodes and sends them.
 
-    vehicle: its name. camera: the name of one of its cameras; by default the first that it carries. Raises ValueError for an unknown
-    camera, MissingExtraError without ffmpeg.
+    vehicle: its name. camera: the name of one of its cameras; by default the first that it carries. Raises ValueError
+    for an unknown camera, MissingExtraError without ffmpeg.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: str, target: Target, camera: str | None = None) -> None:

@@ -17,7 +17,7 @@ from uwsim.live.command_log import replay as replay_log
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, load, load_vehicle
-from uwsim.simulator.servo_frames import frame_of, servo_motors
+from uwsim.simulator.servo_frames import FRAME_BYTES, frame_of, servo_motors
 
 RECORDED = Path(__file__).parents[1] / "data" / "ardusub_exchange.npz"
 
@@ -141,25 +141,32 @@ def test_a_recording_of_its_flight_replays_to_the_byte(sim: Simulator, tmp_path:
     assert result.state_compared and result.messages["odom"] > 50
 
 
-def test_a_recorded_exchange_ends_where_it_did(sim: Simulator) -> None:
-    """Frames of a dive, a turn and a stop at the bottom, and the positions that the backend answered once a second.
+def test_a_recorded_flight_of_the_firmware_ends_where_it_did(scenario: Scenario) -> None:
+    """The frames of a compiled ArduSub (tools/ardusub-trial), sent again: 88 s of diving, holding and moving.
 
-    The stand-in closed the loop over the lines when it was recorded (20 s, 8,000 frames); here the frames are sent
-    again as they are. Positions may differ between kinds of CPU by rounding alone.
+    The vehicle takes the way that it took with the firmware, whose frames answered that way; positions may differ
+    between kinds of CPU by rounding alone. The journalled frames lead to the same state, to the byte.
     """
     with np.load(RECORDED) as recorded:
-        frames, positions = recorded["outputs_us"], recorded["positions_ned_m"]
-    sent = iter(frames)
+        frames, flown = np.cumsum(recorded["differences_us"], axis=0, dtype=np.int16), recorded["positions_ned_m"]
+    sent = iter(frames.tolist())
+    by_packets, by_journal = Simulator(scenario), Simulator(scenario)
+    for sim in (by_packets, by_journal):
+        sim.rov.place((-15.0, -16.0, -1.0))
     with (
-        ArduSub(sim, port=0) as ardusub,
-        Standin(ardusub.port, lambda state: next(sent), frames=len(frames)) as autopilot,
+        ArduSub(by_packets, port=0) as ardusub,
+        Standin(ardusub.port, lambda state: next(sent), frames=len(frames), every=400) as autopilot,
     ):
-        sim.step(len(frames))
-        counts = ardusub.counts
-    answered = np.array([line["position"] for line in autopilot.lines])
+        by_packets.step(len(frames))
+        counts, state = ardusub.counts, by_packets.save_state()
+    padded = np.zeros((len(frames), FRAME_BYTES // 2), "<u2")
+    padded[:, : frames.shape[1]] = frames
+    by_journal.lockstep.play(by_journal, vehicle="rov", frame="vectored_6dof", from_tick=0, frames=padded.tobytes())
+    by_journal.step(len(frames))
     assert (counts.frames, counts.lost, counts.resets) == (len(frames), 0, 0)
-    np.testing.assert_allclose(answered[399::400], positions, rtol=0, atol=1e-6)
-    assert np.ptp(positions[:, 2]) > 1.0  # it did dive
+    np.testing.assert_allclose([line["position"] for line in autopilot.lines], flown, rtol=0, atol=1e-6)
+    assert np.ptp(flown[:, 2]) > 3.0 and np.ptp(flown[:, 1]) > 0.8  # it dived, and moved
+    assert by_journal.save_state() == state
 
 
 def test_twice_the_same_frames_make_the_same_bytes(scenario: Scenario) -> None:

@@ -17,10 +17,10 @@ from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay
 
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
-from pymavlink.dialects.v20 import ardupilotmega as dialect  # noqa: E402
+from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import Station  # noqa: E402
-from uwsim.bridges.mavlink import MavlinkVehicle  # noqa: E402
+from mavlink_station import Station
+from uwsim.bridges.mavlink import MavlinkVehicle
 
 ALT_HOLD, GUIDED, AUTO, MANUAL = 2, 4, 3, 19
 

@@ -87,7 +87,7 @@ def _udp_sockets() -> list[str]:
     inodes = set()
     for child in children.split():
         for link in Path(f"/proc/{child}/fd").glob("*"):
-            target = os.readlink(link)
+            target = str(link.readlink())
             if target.startswith("socket:["):
                 inodes.add(target[8:-1])
     rows = [line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:]]

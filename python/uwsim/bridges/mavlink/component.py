@@ -81,7 +81,7 @@ class Commands:
 
     def knows(self, message: Any) -> bool:
         """Return whether a message is a command that this component obeys, or a request for a message that it has."""
-        if not message.get_type().startswith("COMMAND_"):
+        if message.get_type() not in ("COMMAND_LONG", "COMMAND_INT"):
             return False
         number = message.command
         if number != REQUEST_MESSAGE:

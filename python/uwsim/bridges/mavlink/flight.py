@@ -158,6 +158,8 @@ class Flight:
             raise ValueError(
                 f"target: frame {frame}: must be local NED (1), or an offset along NED (7) or the body (9)"
             )
+        if not np.isfinite(offset).all():
+            raise ValueError(f"target = {offset.tolist()} m: must be numbers")
         if frame == LOCAL:
             self._guide(message, NED_FROM_ENU.T @ offset)
             return
@@ -188,7 +190,9 @@ class Flight:
 
     def _fly_to(self, point: Vector, heading_rad: float | None) -> None:
         if not (all(math.isfinite(part) and abs(part) < 1e5 for part in point) and point[2] <= 0):
-            raise ValueError(f"target = {[round(float(part), 2) for part in point]} m: must be near and under water")
+            raise ValueError(
+                f"target = {[round(float(part), 2) for part in point]} m: must be near, and not above water"
+            )
         if heading_rad is not None and not math.isfinite(heading_rad):
             raise ValueError("target: yaw: must be a number")
         route = Route(point.reshape(1, 3), SPEED_M_S, heading_rad)

@@ -150,11 +150,11 @@ class Gimbal:
         return DONE
 
     def _on_pitch_yaw(self, given: Given) -> int:
-        pitch_deg, yaw_deg, pitch_deg_s, yaw_deg_s, flags, _, device = given.values
+        pitch_deg, yaw_deg, pitch_deg_s, yaw_deg_s, _, _, device = given.values
         if device not in (0, DEVICE):
             return UNSUPPORTED
         rates = math.radians(pitch_deg_s), math.radians(yaw_deg_s)
-        return self._set(given.sender, int(flags), (math.radians(pitch_deg), math.radians(yaw_deg)), rates)
+        return self._set(given.sender, given.integer(5), (math.radians(pitch_deg), math.radians(yaw_deg)), rates)
 
     def on_gimbal_manager_set_pitchyaw(self, peer: Peer, message: Any) -> None:
         """Turn to angles or at rates; there is no acknowledgement."""

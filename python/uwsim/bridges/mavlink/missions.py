@@ -170,14 +170,12 @@ class MissionStore:
 
     def on_mission_item(self, peer: Peer, message: Any) -> None:
         """Take an item in degrees."""
-        if not (math.isfinite(message.x) and math.isfinite(message.y)):
-            self._say(f"mission item {message.seq}: latitude and longitude must be numbers")
+        if not (abs(message.x) <= 180 and abs(message.y) <= 180):
+            place = f"{message.x:g}, {message.y:g} deg"
+            self._say(f"mission item {message.seq}: latitude, longitude = {place}: must be in [-180, 180]")
             self._refuse(peer, INVALID)
             return
-        if message.frame in ABOVE_SEA + ABOVE_HOME:
-            message.x, message.y = round(1e7 * message.x), round(1e7 * message.y)
-        else:
-            message.x, message.y = round(message.x), round(message.y)
+        message.x, message.y = round(1e7 * message.x), round(1e7 * message.y)
         self.on_mission_item_int(peer, message)
 
     def on_mission_item_int(self, peer: Peer, message: Any) -> None:
