@@ -1,4 +1,4 @@
-"""What ground stations request from a MAVLink vehicle: cameras, gimbal, rates, sticks, targets, and their handshakes.
+"""Requests of ground stations to a MAVLink vehicle: cameras, gimbal, rates, sticks, targets, and their handshakes.
 
 The orders of requests are those of QGroundControl's InitialConnectStateMachine, APMFirmwarePlugin, CameraDiscovery and
 GimbalController, and of Cockpit's MAVLinkVehicle and main vehicle store, as of November 2026, played by pymavlink.
@@ -127,6 +127,8 @@ def test_the_gimbal_turns_the_camera(live: LiveSimulator, station: Station) -> N
     information = station.request("GIMBAL_MANAGER_INFORMATION")
     assert information.gimbal_device_id == 1
     assert math.degrees(information.pitch_min) == pytest.approx(-90)
+    device = station.request("GIMBAL_DEVICE_INFORMATION")  # MAVSDK requests it
+    assert (device.model_name, device.gimbal_device_id) == ("front", 1)
     assert pitch_yaw(station, 20, -30) == DONE
     until(lambda: gimbal_deg(station) == pytest.approx((20, -30), abs=0.1))
     pan, tilt = live.rov.cameras["front"].aim_rad
@@ -350,7 +352,7 @@ def test_cockpits_handshake(station: Station) -> None:
 
 
 def test_lost_messages_are_sent_again(vehicle: MavlinkVehicle, station: Station) -> None:
-    """Of an upload, the vehicle requests again; the last acknowledgement is repeated; parameters are read by index."""
+    """The vehicle requests items of an upload again, repeats its last answer, and sends parameters by index."""
     station.mav.mission_count_send(1, 1, 2)
     assert station.receive("MISSION_REQUEST_INT").seq == 0  # lost on its way
     assert station.receive("MISSION_REQUEST_INT", limit_s=3).seq == 0

@@ -27,7 +27,7 @@ INFO = 6  # MAV_SEVERITY
 
 
 class Flight:
-    """Whether the vehicle is armed, and what it flies: by sticks with holds, or by itself to targets or a mission.
+    """Arms the vehicle and changes its modes: by sticks with holds, or by itself to targets or through a mission.
 
     For the thread of the bridge, but for the reports of a flight.
     """
@@ -54,7 +54,7 @@ class Flight:
 
     @property
     def is_by_sticks(self) -> bool:
-        """Whether sticks have an effect."""
+        """True if sticks have an effect."""
         return self.is_armed and self._flies == MANUAL
 
     def _on_mode(self, given: Given) -> int:

@@ -14,7 +14,7 @@ from uwsim.bridges.mavlink.telemetry import EXTRA3, Kind, State
 
 DEVICE = 1
 """The gimbal device's id: 1 to 6 for one that speaks no MAVLink itself."""
-INFORMATION, STATUS = 280, 281  # messages
+INFORMATION, STATUS, DEVICE_INFORMATION = 280, 281, 283  # messages
 PITCH_AXIS, PITCH_FOLLOW, YAW_AXIS, YAW_FOLLOW = 1 << 3, 1 << 4, 1 << 6, 1 << 7  # GIMBAL_MANAGER_CAP_FLAGS
 RETRACT, NEUTRAL, YAW_LOCK, YAW_IN_EARTH = 1, 2, 16, 64  # GIMBAL_MANAGER_FLAGS
 STATUS_HZ = 0.2
@@ -62,14 +62,19 @@ class Gimbal:
 
     def answer(self, number: int, value: float) -> Iterable[Any] | None:
         """Return the message with an id; see Answers."""
-        return [self.information()] if self.camera and number == INFORMATION else None
-
-    def information(self) -> Any:
-        """Return GIMBAL_MANAGER_INFORMATION."""
+        if not self.camera or number not in (INFORMATION, DEVICE_INFORMATION):
+            return None
         flags = (PITCH_AXIS | PITCH_FOLLOW) * self._can_turn(self._pitch_limits_rad)
         flags |= (YAW_AXIS | YAW_FOLLOW) * self._can_turn(self._yaw_limits_rad)
-        limits = *self._pitch_limits_rad, *self._yaw_limits_rad
-        return self._component.mav.gimbal_manager_information_encode(self._ms, flags, DEVICE, 0.0, 0.0, *limits)
+        limits = 0.0, 0.0, *self._pitch_limits_rad, *self._yaw_limits_rad
+        mav, name = self._component.mav, self.camera.encode()[:31]
+        if number == INFORMATION:
+            return [mav.gimbal_manager_information_encode(self._ms, flags, DEVICE, *limits)]
+        return [
+            mav.gimbal_device_information_encode(
+                self._ms, b"uwsim", name, b"", 0, 0, 0, flags, 0, *limits, gimbal_device_id=DEVICE
+            )
+        ]
 
     def status(self) -> Any:
         """Return GIMBAL_MANAGER_STATUS."""

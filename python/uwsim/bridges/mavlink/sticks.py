@@ -58,7 +58,7 @@ class Sticks:
 
     @property
     def is_lit(self) -> bool:
-        """Whether any lamp is on."""
+        """True if any lamp is on."""
         return any(lamp.on for lamp in self._craft.vehicle.lamps.values())
 
     def light(self, on: bool) -> None:
