@@ -65,7 +65,8 @@ class ArduSub:
     the first. frame: "vectored" or "vectored_6dof"; by default the one that fits its thrusters. port: 0 for any free
     one. host: the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in
     addition to those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that switch the
-    lamps and tilt the cameras. Raises ValueError, or OSError if the port is not available.
+    lamps and tilt the cameras. port, address: where it listens. Raises ValueError, or OSError if the port is not
+    available.
     """
 
     def __init__(
@@ -102,7 +103,7 @@ class ArduSub:
         if "imu" not in kinds:
             raise ValueError(f"vehicle '{self.vehicle}': has no IMU, which ArduSub needs")
         self._core = sim._core  # the exchange steps the native simulation
-        self._exchange = _core.ServoExchange(
+        self._exchange: _core.ServoExchange | None = _core.ServoExchange(
             self._core,
             list(sim.vehicles).index(self.vehicle),
             servo_motors(self.frame, thrusters, self.vehicle),
@@ -114,7 +115,8 @@ class ArduSub:
             port=port,
         )
         warn_beyond_loopback(host, None, tls=False)
-        self.address = f"{host}:{self._exchange.port}"
+        self.port: int = self._exchange.port
+        self.address = f"{host}:{self.port}"
         self._log = RareLog(logger)
         self._reported = self._exchange.counts
         self._set: dict[str, int] = {}
@@ -125,17 +127,12 @@ class ArduSub:
     @property
     def counts(self) -> _core.ServoCounts:
         """The numbers of frames and packets received so far."""
-        return self._exchange.counts
-
-    @property
-    def port(self) -> int:
-        """The UDP port."""
-        return self._exchange.port
+        return self._reported if self._exchange is None else self._exchange.counts
 
     @property
     def peer(self) -> str:
-        """The firmware's address and port; empty before its first frame."""
-        return self._exchange.peer
+        """The firmware's address and port; empty before its first frame, and once closed."""
+        return "" if self._exchange is None else self._exchange.peer
 
     def wait(self) -> None:
         """Wait until the firmware has sent its next frame, after which it waits for the next step.
@@ -143,7 +140,7 @@ class ArduSub:
         A MAVLink message that reaches the firmware from then on, before the next step, reaches it at the same frame in
         each run. Raises SilentAutopilotError.
         """
-        if not self._exchange.wait(self._patience_s):
+        if self._exchange is None or not self._exchange.wait(self._patience_s):
             raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
 
     def start(self) -> Self:
@@ -152,8 +149,9 @@ class ArduSub:
         return self
 
     def close(self) -> None:
-        """Give the steps back to the simulator; the thrusters stop."""
-        self._between_steps(self._detach)
+        """Give the steps back to the simulator, and close the socket; the thrusters stop."""
+        if self._exchange is not None:
+            self._between_steps(self._detach)
 
     def __enter__(self) -> Self:
         return self.start()
@@ -171,6 +169,8 @@ class ArduSub:
             function()
 
     def _attach(self) -> None:
+        if self._exchange is None:
+            raise ValueError("this ArduSub is closed: make another")
         if not self._sim.lockstep.is_free:
             raise ValueError("an autopilot makes the steps of this simulator already")
         if not self._rov.released:
@@ -183,6 +183,7 @@ class ArduSub:
         self._sim.lockstep.detach()
         self._rov.gate.autopilot = ""
         self._command("set_effort")
+        self._reported, self._exchange = self.counts, None
 
     def _command(self, name: str, **arguments: object) -> None:
         """Issue a command on the stepping thread, so that a live simulator logs it, too."""
@@ -211,6 +212,7 @@ class ArduSub:
         self._set_auxiliary()
         tick, gate = self._sim.tick, self._rov.gate
         patience_s = min(LIVE_PATIENCE_S, self._patience_s)
+        assert self._exchange is not None
         frames, changed = self._exchange.run(self._core, min(steps, STEPS_AT_ONCE), patience_s, gate.admits_autopilot())
         self._report()
         if not frames:
@@ -257,7 +259,7 @@ class ArduSub:
 
     def _report(self) -> None:
         """Log what was wrong with the packets since the last call, at most once a minute for each kind."""
-        now, before = self._exchange.counts, self._reported
+        now, before = self.counts, self._reported
         self._reported = now
         where = f"ArduSub: UDP {self.address}"
         if now.foreign > before.foreign:

@@ -88,6 +88,15 @@ def test_steps_are_frames_and_a_silent_autopilot_ends_them(sim: Simulator) -> No
     assert sim.tick == 8
 
 
+def test_the_next_autopilot_finds_the_port_free(sim: Simulator) -> None:
+    with ArduSub(sim, port=0) as ardusub:
+        port = ardusub.port
+    with ArduSub(sim, port=port):
+        assert ardusub.peer == "" and ardusub.counts.frames == 0
+    with pytest.raises(ValueError, match="is closed"):
+        ardusub.start()
+
+
 def test_lines_are_of_the_simulated_motion(sim: Simulator) -> None:
     def dive(state: dict[str, object]) -> list[int]:
         return mixed("vectored_6dof", throttle=-0.5, yaw=0.1)
