@@ -6,16 +6,23 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 os.environ["MAVLINK20"] = "1"  # read by pymavlink
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from uwsim import Simulator
+from uwsim.bridges.actions import actions_of
+from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+from uwsim.channels.served import served_table
+from uwsim.live import LiveSimulator
+from uwsim.scenario import load, load_vehicle
+
 AUTOPILOT, CAMERA = 1, 100
-TRIES = 3
+TRIES = 5
 
 
 class Station:
@@ -74,7 +81,7 @@ class Station:
             else:
                 self.mav.command_long_send(1, component, command, confirmation, *padded)
             with suppress(AssertionError):  # lost: again, as ground stations do
-                return int(self.receive("COMMAND_ACK", fits, 4.0).result)
+                return int(self.receive("COMMAND_ACK", fits, 2.0).result)
         raise AssertionError(f"command {command} is not acknowledged")
 
     def drain(self) -> None:
@@ -97,3 +104,42 @@ class Station:
     def arm(self, on: bool = True) -> int:
         """Arm or disarm; return the result."""
         return self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, float(on))
+
+
+DONE, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
+MANUAL, ALT_HOLD, GUIDED = 19, 2, 4
+
+
+@contextmanager
+def lagoon() -> Iterator[LiveSimulator]:
+    """Run the lagoon with a BlueROV2 that has the lake vehicle's cameras, one of which has a motor, and its lamps."""
+    rov = load_vehicle("rov")
+    model = load_vehicle("bluerov2_heavy").model_copy(update={"cameras": rov.cameras, "lamps": rov.lamps})
+    with LiveSimulator(Simulator(load("lagoon").with_changes(vehicle_model=model), seed=3), speed=5.0) as live:
+        yield live
+
+
+@contextmanager
+def served(live: LiveSimulator) -> Iterator[MavlinkVehicle]:
+    """Serve its vehicle by UDP."""
+    table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
+    flight = next(action for action in actions_of(live.simulator, table) if action.name == "fly_path")
+    with MavlinkVehicle(live, Endpoint.parse("udpin:127.0.0.1:0"), table.channels, action=flight) as vehicle:
+        yield vehicle
+
+
+def station_at(vehicle: MavlinkVehicle, system: int = 255) -> Station:
+    station = Station(f"udpout:127.0.0.1:{vehicle.endpoint.port}", system)
+    station.receive("HEARTBEAT")
+    return station
+
+
+def interval(station: Station, number: int, interval_us: float) -> int:
+    return station.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, interval_us)
+
+
+def until(condition: Callable[[], object], limit_s: float = 10.0) -> None:
+    end = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < end, "not in time"
+        time.sleep(0.01)

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import threading
+import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
@@ -26,6 +27,8 @@ PAYLOAD_TYPE = 96
 PACKET_BYTES = 1200
 BITRATE_KBIT_S = 4000
 CLOSE_S = 2.0
+SHORTEST_S = 0.08
+"""Least time between two pictures, so that a fast simulation does not render all the time."""
 
 logger = logging.getLogger("uwsim.video")
 
@@ -70,7 +73,7 @@ def own_first(cameras: Mapping[str, Camera]) -> list[str]:
 
 
 class VideoStream:
-    """Sends a camera's pictures as H.264 by RTP to a UDP port, up to 10 of them per simulated second.
+    """Sends a camera's pictures as H.264 by RTP to a UDP port, up to 10 a second, of simulated and of real time.
 
     A picture shows the world at the time of its reading and is rendered on a thread of its own; no step waits for it,
     and none is begun before the previous one has been passed on. A program, ffmpeg, encodes and sends them.
@@ -92,6 +95,7 @@ class VideoStream:
         self._subscription: Subscription | None = None
         self._waiting: queue.SimpleQueue[Callable[[], Frame] | None] = queue.SimpleQueue()
         self._is_idle = True
+        self._begun_s = -SHORTEST_S
         self._thread = threading.Thread(target=self._run, name="uwsim-video", daemon=True)
 
     @property
@@ -131,8 +135,10 @@ class VideoStream:
         return self.target.host == "localhost" or self.target.host.startswith("127.")
 
     def _begin(self, sim: Simulator) -> Callable[[], Frame] | None:
-        if self.is_paused or not self._is_idle:
+        now_s = time.monotonic()
+        if self.is_paused or not self._is_idle or now_s - self._begun_s < SHORTEST_S:
             return None
+        self._begun_s = now_s
         return sim.vehicles[self._vehicle].cameras[self.camera].later()
 
     def _take(self, capture: Callable[[], Frame] | None) -> None:
@@ -141,6 +147,7 @@ class VideoStream:
             self._waiting.put(capture)
 
     def _run(self) -> None:
+        _yield_to_others(threading.get_native_id())
         encoder: subprocess.Popen[bytes] | None = None
         shape: tuple[int, ...] = ()
         try:
@@ -177,9 +184,14 @@ class VideoStream:
             command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, bufsize=0,
             start_new_session=True,
         )  # fmt: skip
-        with suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, encoder.pid, 10)  # the simulator comes first
+        _yield_to_others(encoder.pid)
         return encoder
+
+
+def _yield_to_others(identity: int) -> None:
+    """Lower the priority of a process, or of a thread, as Linux has one for each: the simulator comes first."""
+    with suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, identity, 10)
 
 
 def _end(encoder: subprocess.Popen[bytes] | None) -> None:

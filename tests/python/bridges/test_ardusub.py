@@ -234,6 +234,16 @@ def test_a_live_simulator_pauses_with_it_and_answers_meanwhile(
     assert replay_log(Simulator(live.simulator.scenario), live.log, end).save_state() == state
 
 
+def test_a_diverging_motion_ends_in_an_error_and_no_line_has_a_nan(sim: Simulator) -> None:
+    with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, lambda state: [NEUTRAL] * 8) as autopilot:
+        sim.step(5)
+        sim.parameters["rov.drag.linear.surge"] = 1e6  # too stiff for the step
+        sim.rov.place((0.0, 0.0, -5.0), velocity_body=(5.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        with pytest.raises(ValueError, match="vehicle 'rov'.*the motion diverged"):
+            sim.step(200)
+    assert np.isfinite([line["position"] + line["imu"]["gyro"] for line in autopilot.lines]).all()
+
+
 def test_hostile_packets_get_one_line_each(sim: Simulator, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.WARNING)
     with ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, wandering()):
