@@ -239,7 +239,7 @@ def test_a_diverging_motion_ends_in_an_error_and_no_line_has_a_nan(sim: Simulato
         sim.step(5)
         sim.parameters["rov.drag.linear.surge"] = 1e6  # too stiff for the step
         sim.rov.place((0.0, 0.0, -5.0), velocity_body=(5.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-        with pytest.raises(ValueError, match="vehicle 'rov'.*the motion diverged"):
+        with pytest.raises(ValueError, match=r"vehicle 'rov'.*the motion diverged"):
             sim.step(200)
     assert np.isfinite([line["position"] + line["imu"]["gyro"] for line in autopilot.lines]).all()
 

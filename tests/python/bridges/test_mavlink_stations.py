@@ -156,6 +156,17 @@ def test_rates_sticks_and_buttons_turn_the_camera_too(live: LiveSimulator, stati
     until(lambda: live.rov.cameras["front"].target_rad == (0.0, 0.0))
 
 
+def test_the_stations_pilot_ends_a_turn(vehicle: MavlinkVehicle, station: Station) -> None:
+    assert vehicle._action is not None
+    rights = vehicle._action.steering.rights
+    assert pitch_yaw(station, math.nan, math.nan, 1, 0) == DONE
+    rights.pilot = lambda: "Ada"
+    try:
+        assert "Ada has the controls" in station.receive("STATUSTEXT").text
+    finally:
+        rights.pilot = lambda: ""
+
+
 def test_buttons_and_channels_switch_the_lamps_and_modes(live: LiveSimulator, station: Station) -> None:
     lamps = live.rov.lamps.values()
     station.mav.manual_control_send(1, 0, 0, 500, 0, 1 << 14)

@@ -47,7 +47,10 @@ class Craft:
 
     def command(self, command: str, **arguments: Any) -> None:
         """Issue a command, and wait until it has taken effect. Raises ValueError or RuntimeError."""
-        self.begin(command, **arguments).result(timeout=COMMAND_S)
+        try:
+            self.begin(command, **arguments).result(timeout=COMMAND_S)
+        except TimeoutError:
+            raise RuntimeError(f"{command}: had no effect within {COMMAND_S:g} s") from None
 
     def send(self, command: str, **arguments: Any) -> None:
         """Issue a command without waiting; its failure is logged. Raises ValueError."""

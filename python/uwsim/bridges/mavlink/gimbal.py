@@ -141,7 +141,11 @@ class Gimbal:
         if time.monotonic() > self._rates_end_s:
             self._rates_rad_s = (0.0, 0.0)
         if since_s > 0:
-            self._command(pitch, yaw)
+            try:
+                self._command(pitch, yaw)
+            except ValueError as error:  # the station's pilot has taken the controls
+                self._rates_rad_s = (0.0, 0.0)
+                self._craft.say(str(error))
 
     def _on_mount(self, given: Given) -> int:
         mode = given.values[6]
