@@ -28,9 +28,9 @@ console = Console()
 
 COUNTS = (1, 16, 256)
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
-    "proprioception": ("uwsim/StationKeeping-v0", {}),
-    "sonar of 64 beams": ("uwsim/PipelineFollowing-v0", {}),
-    "camera of 84 x 84": ("uwsim/PipelineFollowing-v0", {"camera": "front"}),
+    "proprioception": ("uwsim/StationKeeping-v1", {}),
+    "sonar of 64 beams": ("uwsim/PipelineFollowing-v1", {}),
+    "camera of 84 x 84": ("uwsim/PipelineFollowing-v1", {"camera": "front"}),
 }
 GOAL = 0.5  # share of the bare C++ step's rate, for 256 members and proprioception
 MARINEGYM = 250_000
@@ -126,7 +126,7 @@ def pybullet_step() -> Callable[[float], Rate] | None:
     if peer is None:
         return None
     steps_s = peer(on_bed=False)
-    return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten pybullet steps are one period of uwsim/StationKeeping-v0
+    return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten pybullet steps are one period of uwsim/StationKeeping-v1
 
 
 def compared(per_round: list[dict[str, Rate]], cores: int) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Train uwsim/StationKeeping-v0 by PPO (Stable-Baselines3, `pip install 'uwsim[rl]'`) and compare it with the PID.
+"""Train uwsim/StationKeeping-v1 by PPO (Stable-Baselines3, `pip install 'uwsim[rl]'`) and compare it with the PID.
 
     python tools/learn/ppo_station_keeping.py --steps 1000000
 
@@ -36,7 +36,7 @@ def main(
 ) -> None:
     """Train and compare."""
     torch.set_num_threads(1)
-    env = BatchVecEnv("uwsim/StationKeeping-v0", members, threads=threads)
+    env = BatchVecEnv("uwsim/StationKeeping-v1", members, threads=threads)
     model = PPO(
         "MlpPolicy", env, n_steps=128, batch_size=2048, n_epochs=5, learning_rate=1e-3, gamma=0.98, gae_lambda=0.95,
         policy_kwargs={"log_std_init": -1.0, "net_arch": [32, 32]}, seed=seed, device="cpu",

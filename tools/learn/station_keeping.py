@@ -38,7 +38,7 @@ def main(
     threads: Annotated[int | None, typer.Option(min=1)] = None,
 ) -> None:
     """Train, compare and plot."""
-    options = EpisodeOptions(threads=threads)
+    options = EpisodeOptions(threads=threads, normalise=False)
     course: list[Generation] = []
 
     def told(generation: Generation) -> None:

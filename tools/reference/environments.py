@@ -22,7 +22,7 @@ def environments_page() -> str:
 def _section(name: str, task: type[Task]) -> str:
     text = f"## uwsim/{name}-v0\n\n{plain(task.__doc__ or '')}\n\n"
     text += f"One action every {task.period_s:g} s: {', '.join(task.axes)}. Truncated after {task.duration_s:g} s. "
-    text += f"Scenario: `learning/{task.scenario_file}` in the assets."
+    text += f"Scenario: `learning/{task.scenario}` in the assets."
     drawn = [f"`{key}` in ({low:g}, {high:g})" for key, (low, high) in task.randomize.items()]
     text += f" Drawn for each episode: {', '.join(drawn)}.\n\n" if drawn else "\n\n"
     rows, first = [], 0

@@ -3,18 +3,20 @@
     import gymnasium
     import uwsim.learning
 
-    env = gymnasium.make("uwsim/StationKeeping-v0")
-    envs = gymnasium.make_vec("uwsim/StationKeeping-v0", num_envs=256)  # on uwsim.Batch
+    env = gymnasium.make("uwsim/StationKeeping-v1")
+    envs = gymnasium.make_vec("uwsim/StationKeeping-v1", num_envs=256)  # on uwsim.Batch
+    uwsim.learning.register("lab/Hover-v0", Hover)  # a task of your own
 
-docs/guides/learning.md lists the environments, their spaces, units and rewards.
+docs/guides/learning.md lists the environments, their spaces, units and rewards; docs/guides/own-task.md begins with an
+empty file.
 """
 
 from uwsim.base.extras import need_extra
 
 need_extra("gymnasium", "gym", "uwsim.learning")
 
-from uwsim.learning.registration import ENVIRONMENTS, register  # noqa: E402, after the check
+from uwsim.learning.registration import ENVIRONMENTS, register, register_packaged  # noqa: E402, after the check
 
-register()
+register_packaged()
 
-__all__ = ["ENVIRONMENTS"]
+__all__ = ["ENVIRONMENTS", "register"]

@@ -15,11 +15,15 @@ import numpy as np
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.batch import Batch
+from uwsim.learning.checks import checked_efforts, checked_start, checked_verdict, require_observed, require_task
 from uwsim.learning.eye import Eye, look
 from uwsim.learning.motion import Motion, yaw_xyzw
 from uwsim.learning.options import EpisodeOptions, checked_ranges, in_sonar_mode, require_effect
+from uwsim.learning.scales import Scales
 from uwsim.learning.task import Flags, Floats, Task, Verdict
+from uwsim.learning.view import View
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.assets import assets_folder
 
@@ -38,17 +42,22 @@ class Outcome:
 
 
 class Episodes:
-    """The episodes of n members of a task. Each member draws its episodes from its own random generator."""
+    """The episodes of n members of a task. Each member draws its episodes from its own random generator.
+
+    Raises ValueError for a task that is incomplete, and wherever one of its methods returns invalid values.
+    """
 
     def __init__(self, kind: type[Task], n: int, options: EpisodeOptions) -> None:
+        require_task(kind)
         scenario = task_scenario(kind, options.scenario)
         if options.sonar_mode is not None:
             scenario = in_sonar_mode(scenario, kind, options.sonar_mode)
         self.batch = Batch(scenario, n=n, faults=options.faults, threads=options.threads)
         require_effect(self.batch.faults[0], kind, scenario, options.camera)
         self.task = kind(self.batch)
-        if options.scenario is not None:
-            require_driven(self.task)
+        if not hasattr(self.task, "columns"):
+            raise ValueError(f"{kind.__name__}.__init__: must call super().__init__(batch, vehicle)")
+        require_driven(self.task)
         self.n = n
         self.period_s = kind.period_s
         self.steps = round(kind.period_s / scenario.step_s)
@@ -58,12 +67,15 @@ class Episodes:
         self.duration_s = kind.duration_s if options.duration_s is None else options.duration_s
         self.ranges = checked_ranges({**kind.randomize, **(options.randomize or {})}, scenario)
         self.eye = None if options.camera is None else Eye(self.batch, options)
-        self.observation_space = look(self.task.observation_space, self.eye)
+        self.normalise = options.normalise
+        self._space = self.task.observation_space
+        self._scales = Scales(kind, self._space)
+        self.observation_space = look(self._scales.space(self._space) if self.normalise else self._space, self.eye)
         self.action_space = self.task.action_space
         self.generators: list[np.random.Generator | None] = [None] * n
         self.generator_seeds: list[int] = [-1] * n
         self._seeds = list(self.batch.seeds)
-        self._actions = np.zeros((n, len(kind.axes)))
+        self.actions = np.zeros((n, len(kind.axes)))
         self._motion: Motion | None = None
 
     def seed(self, member: int, seed: int | None) -> None:
@@ -88,9 +100,9 @@ class Episodes:
             self._seeds[member] = int(generator.integers(SEED_MAX))
             draws[row] = generator.random(draws.shape[1])
         self.batch.reset(mask, seeds=self._seeds, parameters=self._parameters(members, draws[:, self.task.draws :]))
-        start = self.task.start(members, draws[:, : self.task.draws])
+        start = checked_start(self.task, self.task.start(members, draws[:, : self.task.draws]), members)
         self._place(mask, members, start.position_world_m, yaw_xyzw(start.yaw_rad))
-        self._actions[members] = 0.0
+        self.actions[members] = 0.0
 
     def _place(self, mask: Flags, members: NDArray[np.intp], position: Floats, orientation: Floats) -> None:
         positions, orientations = np.zeros((self.n, 3)), np.zeros((self.n, 4))
@@ -117,20 +129,28 @@ class Episodes:
     def observe(self) -> Any:
         """Return the observations of all members at the current time."""
         motion = self._motion = Motion.of(self.batch.observe(self.task.vehicle))
-        observation = self.task.observe(motion, self._actions)
+        observation = self.task.observe(motion, self.actions)
+        require_observed(self.task, self._space, observation)
+        if self.normalise:
+            observation = self._scales.apply(observation)
         if self.eye is None:
             return observation
         state = observation if isinstance(observation, dict) else {"state": observation}
         return {**state, "camera": self.eye.pictures()}
+
+    def resume(self) -> Any:
+        """Return the observations after a saved state has been restored."""
+        self._seeds = list(self.batch.seeds)
+        return self.observe()
 
     def step(self, actions: Any, anew: Flags | None = None) -> Outcome:
         """Apply actions (n, axes) for one period; members in `anew` (n,) begin new episodes instead, without reward.
 
         Raises ValueError for actions outside [-1, 1].
         """
-        self._actions[...] = self._checked(actions)
+        self.actions[...] = self._checked(actions)
         before = self.motion
-        diverged = self._advance(self.task.efforts(self._actions, before), before.time_s)
+        diverged = self._advance(checked_efforts(self.task, self.task.efforts(self.actions, before)), before.time_s)
         if anew is not None:
             self._restart(anew)
         observation, verdict = self.observe(), self._judged()
@@ -144,7 +164,7 @@ class Episodes:
         return Outcome(observation, reward, terminated, truncated, figures)
 
     def _judged(self) -> Verdict:
-        return self.task.judge(self.motion, self._actions)
+        return checked_verdict(self.task, self.task.judge(self.motion, self.actions))
 
     def _advance(self, efforts: Floats, before_s: Floats) -> Flags | None:
         """Step the batch; return a mask of the members whose motion diverged, or None if none did."""
@@ -159,8 +179,8 @@ class Episodes:
 
     def _checked(self, actions: Any) -> Floats:
         values = np.asarray(actions, np.float64)
-        if values.shape != self._actions.shape:
-            raise ValueError(f"actions.shape = {values.shape}: expected {self._actions.shape}")
+        if values.shape != self.actions.shape:
+            raise ValueError(f"actions.shape = {values.shape}: expected {self.actions.shape}")
         outside = ~(np.abs(values) <= 1.0)  # also true for NaN
         if outside.any():
             member, column = np.argwhere(outside)[0].tolist()
@@ -169,17 +189,26 @@ class Episodes:
             raise ValueError(f"{name} = {values[member, column]:g}: must be in [-1, 1]; {hint}")
         return values
 
-    def render(self, member: int, camera: str, width: int, height: int) -> NDArray[np.uint8]:
+    def require_camera(self, camera: str) -> None:
+        """Raise ValueError unless the vehicle has this camera."""
+        cameras = list(self.batch.simulator(0).vehicles[self.task.vehicle].cameras)
+        if camera not in cameras:
+            known = f"must be one of {', '.join(cameras)}{did_you_mean(str(camera), cameras)}"
+            raise ValueError(f"view.camera = {camera!r}: {known}")
+
+    def render(self, member: int, view: View) -> NDArray[np.uint8]:
         """Return a picture (height, width, 3) of the current state from a camera on the member's vehicle."""
         vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
-        seen = vehicle.cameras[camera]
-        seen.change(seen.mount.model_copy(update={"width": width, "height": height}))
-        return np.asarray(seen.capture().rgb)
+        camera = vehicle.cameras[view.camera]
+        camera.change(camera.mount.model_copy(update={"width": view.width, "height": view.height}))
+        return np.asarray(camera.capture().rgb)
 
 
 def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
     """Return the scenario that replaces the task's own, or the task's own if none is given."""
-    return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)
+    chosen = kind.scenario if scenario is None else scenario
+    packaged = assets_folder() / "learning" / chosen if isinstance(chosen, str) else None
+    return load(packaged if scenario is None and packaged is not None and packaged.is_file() else chosen)
 
 
 def require_driven(task: Task) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,12 +48,13 @@ def evolve(
     """Return the mean of the last generation's distribution. Episodes are seeded consecutively from first_seed.
 
     start: the mean of the first candidates; by default, all weights are zero. spread: the standard deviation of their
-    weights, each multiplied by the usual size of its input. Raises MissingExtraError if cma is not installed.
+    weights, each multiplied by the usual size of its input. The policy is for observations in their own units, whatever
+    `options.normalise` says. Raises MissingExtraError if cma is not installed.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
     import cma
 
-    episodes = Episodes(kind, candidates * episodes_each, options)
+    episodes = Episodes(kind, candidates * episodes_each, replace(options, normalise=False))
     free = free_weights(kind)
     stds = np.broadcast_to(1.0 / usual_sizes(kind), free.shape)[free]
     settings = {"popsize": candidates, "seed": first_seed + 1, "verbose": -9, "CMA_stds": stds}
@@ -89,7 +90,7 @@ def free_weights(kind: type[Task]) -> NDArray[np.bool_]:
 
 def usual_sizes(kind: type[Task]) -> Floats:
     """Return the usual size of each value in an observation, and 1 for the bias: (width + 1,)."""
-    sizes = [size for field in kind.fields() for size in (field.usual or (field.limit,) * field.width)]
+    sizes = [size for field in kind.fields() for size in field.sizes]
     return np.array([*sizes, 1.0])
 
 

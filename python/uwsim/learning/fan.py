@@ -7,14 +7,15 @@ import numpy as np
 from uwsim.batch import Batch
 from uwsim.learning.task import Field, Floats
 
-ALTITUDE = Field("altitude", 1, 100.0, "m", "above the bed, by the echo sounder, with its noise; 100: no echo", low=0.0)
+ALTITUDE = Field(
+    "altitude", 1, 100.0, "m", "above the bed, by the echo sounder, with its noise; 100: no echo", 0.0, usual=(5.0,)
+)
 
 
 def ranges_field(beams: int, range_max_m: float) -> Field:
-    """Return the observation field for the ranges of a ping."""
-    return Field(
-        "sonar_ranges", beams, range_max_m, "m", f"of a ping, starboard to port; {range_max_m:g}: no echo", low=0.0
-    )
+    """Return the observation field for the ranges of a ping; their usual size is half of the longest range."""
+    about = f"of a ping, starboard to port; {range_max_m:g}: no echo"
+    return Field("sonar_ranges", beams, range_max_m, "m", about, 0.0, usual=(0.5 * range_max_m,) * beams)
 
 
 def seen_by_fan(batch: Batch, vehicle: str, fields: tuple[Field, ...]) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.options import EpisodeOptions
+from uwsim.learning.saved import restore_episodes, save_episodes
 from uwsim.learning.task import Task
 from uwsim.learning.view import RENDER_MODES, View
 
@@ -29,6 +30,8 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         self.render_mode = render_mode
         self.view = (view or View()).checked(render_mode)
         self.episodes = Episodes(task, 1, EpisodeOptions(**{"threads": 1, **options}))
+        if render_mode is not None:
+            self.episodes.require_camera(self.view.camera)
         self.metadata = {**self.metadata, "render_fps": round(1.0 / task.period_s)}
         self.observation_space = self.episodes.observation_space
         self.action_space = self.episodes.action_space
@@ -42,8 +45,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         if options:
             raise ValueError(f"options = {options!r:.60}: would have no effect")
         self.episodes.seed(0, seed)
-        self._np_random = self.episodes.generators[0]
-        self._np_random_seed = self.episodes.generator_seeds[0]
+        self._take_generator()
         self._ended = False
         return first(self.episodes.begin(np.ones(1, np.bool_))), {}
 
@@ -60,11 +62,32 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         info = {name: values[0].item() for name, values in outcome.figures.items()}
         return first(outcome.observation), float(outcome.reward[0]), terminated, truncated, info
 
+    def save_state(self) -> bytes:
+        """Save everything that the episode and those after it depend on. Raises ValueError before the first reset.
+
+        The same environment, or another one made in the same way, continues from it to the last bit.
+        """
+        return save_episodes(self.episodes, np.array([self._ended]))
+
+    def restore_state(self, state: bytes) -> Any:
+        """Continue from a saved state; return its observation.
+
+        Raises ValueError if it is damaged or of another environment.
+        """
+        observation, ended = restore_episodes(self.episodes, state)
+        self._take_generator()
+        self._ended = bool(ended[0])
+        return first(observation)
+
+    def _take_generator(self) -> None:
+        self._np_random = self.episodes.generators[0]
+        self._np_random_seed = self.episodes.generator_seeds[0]
+
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture (height, width, 3) from a camera on the vehicle, or None without a render_mode."""
         if self.render_mode is None:
             return None
-        return self.episodes.render(0, self.view.camera, self.view.width, self.view.height)
+        return self.episodes.render(0, self.view)
 
 
 def first(observation: Any) -> Any:

@@ -28,7 +28,8 @@ class EpisodeOptions:
     those of the same name. duration_s: time after which an episode is truncated. threads: defaults to all. camera: name
     of a vehicle camera whose pictures, of camera_size (height, width), are added to the observation. faults: these
     replace the scenario's faults in each episode and have the same keys; random faults (rate_per_h) are drawn for each
-    episode. sonar_mode: mode of the task's sonar, "geometry" or "physics".
+    episode. sonar_mode: mode of the task's sonar, "geometry" or "physics". normalise: whether the observed values are
+    divided by the usual sizes of their fields; otherwise they have the fields' units.
     """
 
     scenario: str | Path | Scenario | None = None
@@ -39,6 +40,7 @@ class EpisodeOptions:
     camera_size: tuple[int, int] = (84, 84)
     faults: FaultList | None = None
     sonar_mode: Literal["geometry", "physics"] | None = None
+    normalise: bool = True
 
     def __post_init__(self) -> None:
         """Check all options that can be checked without the scenario. Raises ValueError if one is invalid."""

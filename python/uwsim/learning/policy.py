@@ -25,7 +25,10 @@ class Policy(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LinearPolicy:
-    """A linear policy. weights: (axes, width). bias: (axes,). about: the origin of the policy."""
+    """A linear policy of observations in their own units (`normalise=False`).
+
+    weights: (axes, width). bias: (axes,). about: the origin of the policy.
+    """
 
     weights: Floats
     bias: Floats

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.learning.episodes import Episodes
-from uwsim.learning.policy import Policy
+from uwsim.learning.policy import LinearPolicy, Policy
 
 Floats = NDArray[np.float64]
 
@@ -27,20 +27,26 @@ class Flown:
 
 
 def fly(episodes: Episodes, policy: Policy, seeds: Sequence[int]) -> Flown:
-    """Fly one episode per seed to its end. seeds: one per member."""
+    """Fly one episode per seed to its end. seeds: one per member.
+
+    Raises ValueError for a LinearPolicy, whose inputs have units, if the observations are normalised.
+    """
+    if isinstance(policy, LinearPolicy) and episodes.normalise:
+        raise ValueError("policy: a LinearPolicy needs observations in their own units: EpisodeOptions(normalise=False)")
     for member, seed in enumerate(seeds):
         episodes.seed(member, int(seed))
     observation = episodes.begin(np.ones(episodes.n, np.bool_))
-    flying = np.ones(episodes.n, np.bool_)
+    flying, ended = np.ones(episodes.n, np.bool_), np.zeros(episodes.n, np.bool_)
     total, steps = np.zeros(episodes.n), np.zeros(episodes.n, np.intp)
     rows: list[dict[str, Floats]] = []
     while flying.any():
-        outcome = episodes.step(policy(observation))
+        outcome = episodes.step(policy(observation), ended if ended.any() else None)  # these fly on, uncounted
         observation = outcome.observation
         total[flying] += outcome.reward[flying]
         steps[flying] += 1
         rows.append({name: np.where(flying, values, np.nan) for name, values in outcome.figures.items()})
-        flying &= ~(outcome.terminated | outcome.truncated)
+        ended = outcome.terminated | outcome.truncated
+        flying &= ~ended
     names = rows[0] if rows else {}
     return Flown(
         total, steps, {name: np.array([row.get(name, np.full(episodes.n, np.nan)) for row in rows]) for name in names}

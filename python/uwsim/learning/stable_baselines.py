@@ -16,18 +16,23 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
 import uwsim.learning  # noqa: E402, F401, registers the environments
+from uwsim.learning.task import Task  # noqa: E402
 from uwsim.learning.vector_env import BatchEnv  # noqa: E402
 
 
 class BatchVecEnv(VecEnv):  # type: ignore[misc]  # stable_baselines3 is not installed where types are checked
-    """A vector environment for PPO and similar algorithms: `BatchVecEnv("uwsim/StationKeeping-v0", 64)`.
+    """A vector environment for PPO and similar algorithms: `BatchVecEnv("uwsim/StationKeeping-v1", 64)`.
 
-    options: passed to gymnasium.make_vec. Actions are clipped to [-1, 1].
+    task: the name of a registered environment, or a Task class. options: passed to gymnasium.make_vec. Actions are
+    clipped to [-1, 1]. With render_mode="rgb_array", `render` returns the pictures of all members in a grid. Raises
+    ValueError.
     """
 
-    def __init__(self, name: str, num_envs: int, **options: Any) -> None:
-        made = gymnasium.make_vec(name, num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **options)
-        assert isinstance(made.unwrapped, BatchEnv)
+    def __init__(self, task: str | type[Task], num_envs: int, **options: Any) -> None:
+        options = {"autoreset_mode": AutoresetMode.SAME_STEP, **options}
+        made = gymnasium.make_vec(task, num_envs, **options) if isinstance(task, str) else BatchEnv(task, num_envs, **options)
+        if not isinstance(made.unwrapped, BatchEnv):
+            raise ValueError(f"task = {task!r}: is no environment of uwsim")
         self._env = made.unwrapped
         self._actions = np.zeros(self._env.action_space.shape or ())
         self._seed: int | None = None
@@ -64,6 +69,10 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # stable_baselines3 is not ins
             infos[k]["episode"] = episode
         self._earned[ended], self._lengths[ended] = 0.0, 0
         return observation, reward.astype(np.float32), ended, infos
+
+    def get_images(self) -> Sequence[Any]:
+        """Return a picture (height, width, 3) of each member, or None for each without a render_mode."""
+        return self._env.render() or [None] * self.num_envs
 
     def close(self) -> None:
         """Do nothing, since no resources are open."""

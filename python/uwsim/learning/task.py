@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,7 +16,9 @@ from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
 from uwsim.batch import Batch
+from uwsim.learning.arrays import rows
 from uwsim.learning.motion import Motion
+from uwsim.scenario import Scenario
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -24,7 +29,7 @@ class Field:
     """A part of an observation: `width` values in the same unit, each within +-limit (or [low, limit]).
 
     mirror: the factor on each value when port and starboard are exchanged; () if no such factors exist. usual: the
-    usual size of each value, for learners; defaults to its limit.
+    usual size of each value, by which environments divide it; defaults to its limit. Raises ValueError.
     """
 
     name: str
@@ -35,6 +40,28 @@ class Field:
     low: float | None = None
     mirror: tuple[int, ...] = ()
     usual: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check the field."""
+        name = f"field '{self.name}'"
+        if not isinstance(self.width, int) or self.width < 1:
+            raise ValueError(f"{name}: width = {self.width!r}: must be a whole number, 1 or more")
+        low = -self.limit if self.low is None else self.low
+        if not -math.inf < low < self.limit < math.inf:
+            raise ValueError(f"{name}: range {low:g} to {self.limit:g} {self.unit}: must be finite and ascending")
+        for key in ("mirror", "usual"):
+            values = getattr(self, key)
+            if values and len(values) != self.width:
+                raise ValueError(f"{name}: {key} has {len(values)} values: must have {self.width}, or none")
+        if not all(0.0 < value < math.inf for value in self.usual):
+            raise ValueError(f"{name}: usual = {self.usual}: must be positive and finite")
+        if not set(self.mirror) <= {-1, 1}:
+            raise ValueError(f"{name}: mirror = {self.mirror}: must be 1 or -1 each")
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """The usual size of each value: (width,)."""
+        return self.usual or (max(self.limit, -self.limit if self.low is None else -self.low),) * self.width
 
 
 ARROW, TURN = (1, -1, 1), (-1, 1, -1)
@@ -64,16 +91,20 @@ class Verdict:
 class Task(ABC):
     """A kind of episode, for all members of a batch together: arrays have one row per member.
 
-    scenario_file: name of a file in the `learning` folder in the assets. period_s: time between actions. duration_s:
-    time after which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: (low, high)
-    ranges of the parameters drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
-    needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;
-    all other observed values are the true motion.
+    scenario: a scenario, or the name or path of one, as for Simulator; or the name of a file in the `learning` folder in
+    the assets. period_s: time between actions, a whole number of steps. duration_s: time after which an episode is
+    truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: (low, high) ranges of the parameters drawn
+    uniformly for each episode. draws: number of random values in [0, 1) that `start` needs per member. pings: whether
+    the task uses the vehicle's first sonar. sensors: the sensors that the task reads; all other observed values are the
+    true motion. goal_fields: what `goal` returns.
 
-    A task may have additional arrays; `start` resets the rows of the members that begin.
+    A task may have additional arrays with a row per member; `start` resets the rows of the members that begin. All of
+    its arrays, numbers and texts are part of an environment's saved state; other objects must not change.
+
+    Everything that its methods return is checked: shapes, dtypes, finite values, ranges. Raises ValueError.
     """
 
-    scenario_file: ClassVar[str]
+    scenario: ClassVar[str | Path | Scenario]
     period_s: ClassVar[float] = 0.05
     duration_s: ClassVar[float] = 20.0
     axes: ClassVar[tuple[str, ...]] = AXES
@@ -143,7 +174,9 @@ class Task(ABC):
 
         actions: (n, axes), the previous actions.
         """
-        return observed(self.fields(), self.goal(now), now, actions)
+        width = sum(field.width for field in self.goal_fields)
+        goal = rows(f"{type(self).__name__}.goal", "goal", self.goal(now), (len(actions), width))
+        return observed(self.fields(), goal, now, actions)
 
     @abstractmethod
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from uwsim.batch.arguments import whole
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.options import EpisodeOptions
+from uwsim.learning.saved import restore_episodes, save_episodes
 from uwsim.learning.task import Flags, Floats, Task
 from uwsim.learning.view import RENDER_MODES, View
 
@@ -45,6 +46,8 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         self.num_envs = whole(num_envs, "num_envs", 1, 1_000_000)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.episodes = Episodes(task, self.num_envs, EpisodeOptions(**options))
+        if render_mode is not None:
+            self.episodes.require_camera(self.view.camera)
         fps = round(1.0 / task.period_s)
         self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self.episodes.observation_space
@@ -116,12 +119,27 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
             observation = self.episodes.begin(begun)
         return observation, outcome.reward, terminated, truncated, info
 
+    def save_state(self) -> bytes:
+        """Save everything that the episodes of all members depend on. Raises ValueError before the first reset.
+
+        The same environment, or another one made in the same way, continues from it to the last bit.
+        """
+        return save_episodes(self.episodes, self._ended)
+
+    def restore_state(self, state: bytes) -> Any:
+        """Continue from a saved state; return the observations of all members.
+
+        Raises ValueError if it is damaged or of another environment.
+        """
+        observation, self._ended = restore_episodes(self.episodes, state)
+        self._begun = True
+        return observation
+
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Return a picture (height, width, 3) of each member, or None without a render_mode."""
         if self.render_mode is None:
             return None
-        view = self.view
-        return tuple(self.episodes.render(k, view.camera, view.width, view.height) for k in range(self.num_envs))
+        return tuple(self.episodes.render(k, self.view) for k in range(self.num_envs))
 
 
 def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:

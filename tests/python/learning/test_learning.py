@@ -18,7 +18,7 @@ from uwsim.learning import ENVIRONMENTS
 from uwsim.learning.tasks import TASKS
 from uwsim.scenario.read.assets import assets_folder
 
-STATION = "uwsim/StationKeeping-v0"
+STATION = "uwsim/StationKeeping-v1"
 
 
 def same(one: Any, other: Any) -> bool:
@@ -110,7 +110,7 @@ def test_parameters_are_drawn_for_each_episode() -> None:
 
 
 def test_pictures_are_a_part_of_the_observation() -> None:
-    pipeline = "uwsim/PipelineFollowing-v0"
+    pipeline = "uwsim/PipelineFollowing-v1"
     vector = gymnasium.make_vec(pipeline, num_envs=2, camera="front", camera_size=(20, 30), threads=2)
     lone = gymnasium.make(pipeline, camera="front", camera_size=(20, 30))
     seen, _ = vector.reset(seed=4)
@@ -126,9 +126,9 @@ FAULTS = [
 
 
 def test_episodes_with_faults_and_a_sonar_in_physics_mode_follow_from_the_seed() -> None:
-    pipeline, options = "uwsim/PipelineFollowing-v0", {"faults": FAULTS, "sonar_mode": "physics"}
+    pipeline, options = "uwsim/PipelineFollowing-v1", {"faults": FAULTS, "sonar_mode": "physics", "normalise": False}
     vector, lone = gymnasium.make_vec(pipeline, num_envs=2, **options), gymnasium.make(pipeline, **options)
-    plain = gymnasium.make_vec(pipeline, num_envs=2, sonar_mode="geometry")
+    plain = gymnasium.make_vec(pipeline, num_envs=2, sonar_mode="geometry", normalise=False)
     (seen, _), (well, _), (own, _) = vector.reset(seed=6), plain.reset(seed=6), lone.reset(seed=7)
     assert not np.array_equal(seen[:, :64], well[:, :64])  # noise changes the echoes
     actions = np.full((2, 4), 0.5, np.float32)
@@ -143,7 +143,7 @@ def test_episodes_with_faults_and_a_sonar_in_physics_mode_follow_from_the_seed()
 def test_a_camera_that_fails_shows_black_and_a_sonar_nothing() -> None:
     blind = [{"kind": "camera", "camera": "front", "at_s": 0.1}, {"kind": "sonar", "at_s": 0.1}]
     vector = gymnasium.make_vec(
-        "uwsim/PipelineFollowing-v0", num_envs=2, camera="front", camera_size=(12, 12), faults=blind
+        "uwsim/PipelineFollowing-v1", num_envs=2, camera="front", camera_size=(12, 12), faults=blind, normalise=False
     )
     seen, _ = vector.reset(seed=4)
     assert seen["camera"].any() and (seen["state"][:, :64] < 20.0).any()
@@ -151,7 +151,7 @@ def test_a_camera_that_fails_shows_black_and_a_sonar_nothing() -> None:
         seen = vector.step(np.zeros((2, 4), np.float32))[0]
     assert not seen["camera"].any() and (seen["state"][:, :64] == 20.0).all()
     with pytest.raises(ValueError, match="camera 'front': is not observed"):
-        gymnasium.make("uwsim/PipelineFollowing-v0", faults=blind)
+        gymnasium.make("uwsim/PipelineFollowing-v1", faults=blind)
 
 
 def test_render_gives_a_picture_of_each_member() -> None:
@@ -195,7 +195,7 @@ def test_a_vehicle_that_cannot_do_what_actions_say_is_refused(tmp_path: Path) ->
     with pytest.raises(ValueError, match="vehicle 'rov': nothing drives its sway"):
         gymnasium.make_vec(STATION, num_envs=1, scenario=tmp_path / "remus.yaml")
     with pytest.raises(ValueError, match="vehicle 'rov': its sonar has 513 beams: the task needs 64"):
-        gymnasium.make("uwsim/PipelineFollowing-v0", scenario="cove").reset()
+        gymnasium.make("uwsim/PipelineFollowing-v1", scenario="cove").reset()
 
 
 @pytest.mark.parametrize(
@@ -235,7 +235,7 @@ def test_gymnasium_imports_what_registers_them_by_their_long_name() -> None:
     program = f"import gymnasium; print(gymnasium.make('uwsim.learning:{STATION}').spec.id)"
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == STATION
-    assert set(ENVIRONMENTS) == {f"uwsim/{name}-v0" for name in TASKS} <= set(gymnasium.registry)
+    assert set(ENVIRONMENTS) == {f"uwsim/{name}-v1" for name in TASKS} <= set(gymnasium.registry)
 
 
 def test_registering_loads_no_simulator() -> None:

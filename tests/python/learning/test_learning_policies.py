@@ -24,7 +24,7 @@ def settled_m(flown: Flown) -> float:
 
 
 def test_the_packaged_policy_beats_the_pid_of_the_vehicles_file_in_gusts() -> None:
-    arena = Episodes(StationKeeping, len(HELD_OUT), EpisodeOptions(threads=1))
+    arena = Episodes(StationKeeping, len(HELD_OUT), EpisodeOptions(threads=1, normalise=False))
     pid = fly(arena, Pid(arena, StationKeeping.place_m), HELD_OUT)
     learned = fly(arena, LinearPolicy.load("station_keeping"), HELD_OUT)
     assert pid.total.min() > 250.0  # out of 400: the PID controller does keep station
@@ -37,7 +37,7 @@ def test_a_few_generations_find_a_better_policy() -> None:
     weights = np.zeros((6, 21))
     for axis in range(3):
         weights[axis, axis], weights[axis, 9 + axis] = 0.1, -0.1  # a weak pull towards the target, with damping
-    start, options, course = LinearPolicy(weights, np.zeros(6)), EpisodeOptions(threads=1, duration_s=4.0), []
+    start, options, course = LinearPolicy(weights, np.zeros(6)), EpisodeOptions(threads=1, duration_s=4.0, normalise=False), []
     search = {"candidates": 10, "episodes_each": 3, "start": start, "spread": 0.1}
     found = evolve(StationKeeping, options, generations=12, **search, told=course.append)
     arena = Episodes(StationKeeping, len(HELD_OUT), options)

@@ -13,12 +13,12 @@ from uwsim.learning.stable_baselines import BatchVecEnv
 
 
 def test_ppo_learns_on_a_batch() -> None:
-    env = BatchVecEnv("uwsim/StationKeeping-v0", 4, duration_s=0.5, threads=1)
+    env = BatchVecEnv("uwsim/StationKeeping-v1", 4, duration_s=0.5, threads=1)
     PPO("MlpPolicy", env, n_steps=16, batch_size=32, n_epochs=1, device="cpu").learn(128)
 
 
 def test_the_last_observation_of_an_episode_is_in_its_info() -> None:
-    env = BatchVecEnv("uwsim/StationKeeping-v0", 2, duration_s=0.1, threads=1)
+    env = BatchVecEnv("uwsim/StationKeeping-v1", 2, duration_s=0.1, threads=1)
     env.seed(3)
     first = env.reset()
     env.step(np.zeros((2, 6), np.float32))

@@ -31,7 +31,7 @@ class Coverage(Task):
     plot.
     """
 
-    scenario_file = "plot.yaml"
+    scenario = "plot.yaml"
     period_s = 0.2
     duration_s = 180.0
     axes = ("surge", "sway", "yaw")

@@ -29,13 +29,13 @@ class Docking(Task):
     docked, or 20 m away.
     """
 
-    scenario_file = "dock.yaml"
+    scenario = "dock.yaml"
     duration_s = 40.0
     axes = ("surge", "sway", "heave", "yaw")
     randomize = {"water.current_world_m_s.x": (-0.1, 0.1), "water.current_world_m_s.y": (-0.1, 0.1)}  # noqa: RUF012
     draws = 4
     goal_fields = (
-        Field("dock_body", 3, LOST_M, "m", "the vector to the dock's centre, in body axes"),
+        Field("dock_body", 3, LOST_M, "m", "the vector to the dock's centre, in body axes", usual=(5.0,) * 3),
         Field("dock_heading_body", 3, 1.0, "1", "the dock's heading as a unit vector in body axes"),
     )
 

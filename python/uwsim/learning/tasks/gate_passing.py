@@ -27,7 +27,7 @@ class GatePassing(Task):
     anywhere else and -5 for a collision. Termination: any of these three, or a distance of 18 m from the gate.
     """
 
-    scenario_file = "gate.yaml"
+    scenario = "gate.yaml"
     period_s = 0.1
     duration_s = 60.0
     axes = ("surge", "sway", "heave", "yaw")

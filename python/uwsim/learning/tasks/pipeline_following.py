@@ -31,7 +31,7 @@ class PipelineFollowing(Task):
     collision. Termination: any of these.
     """
 
-    scenario_file = "pipeline.yaml"
+    scenario = "pipeline.yaml"
     period_s = 0.1
     duration_s = 120.0
     axes = ("surge", "sway", "heave", "yaw")

@@ -24,7 +24,7 @@ class StationKeeping(Task):
     from the target.
     """
 
-    scenario_file = "open_water.yaml"
+    scenario = "open_water.yaml"
     randomize = {"water.current_world_m_s.x": (-0.3, 0.3), "water.current_world_m_s.y": (-0.3, 0.3)}  # noqa: RUF012
     draws = 4
     place_m = PLACE_M

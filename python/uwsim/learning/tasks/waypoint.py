@@ -26,11 +26,11 @@ class Waypoint(Task):
     and slower than 0.3 m/s; -5 for a collision. Termination: arrival, a collision, or 25 m away.
     """
 
-    scenario_file = "open_water.yaml"
+    scenario = "open_water.yaml"
     duration_s = 60.0
     randomize = {"water.current_world_m_s.x": (-0.2, 0.2), "water.current_world_m_s.y": (-0.2, 0.2)}  # noqa: RUF012
     draws = 7
-    goal_fields = (Field("place_body", 3, LOST_M, "m", "the vector to the target, in body axes"),)
+    goal_fields = (Field("place_body", 3, LOST_M, "m", "the vector to the target, in body axes", usual=(5.0,) * 3),)
 
     def __init__(self, batch: Batch, vehicle: str | None = None) -> None:
         super().__init__(batch, vehicle)
