@@ -1,5 +1,7 @@
 """The reference of the learning environments: their tasks, observations and actions."""
 
+from pathlib import Path
+
 from tools.reference.markdown import code, plain, table
 
 from uwsim.learning.task import Field, Task
@@ -8,8 +10,9 @@ from uwsim.learning.tasks import TASKS
 HEAD = """# Learning environments
 
 The environments registered by `import uwsim.learning`; [Learning](../guides/learning.md) shows how to use them.
-Observations are float32 and clipped to their range; body axes are x forward, y left, z up. Actions are efforts in
-[-1, 1]. Values that are not measured by a sensor are exact.
+Observations are float32 and clipped to their range, then divided by their usual size (not in version 0, nor with
+`normalise=False`); body axes are x forward, y left, z up. Actions are efforts in [-1, 1]. Values that are not measured
+by a sensor are exact.
 
 """
 
@@ -22,14 +25,17 @@ def environments_page() -> str:
 def _section(name: str, task: type[Task]) -> str:
     text = f"## uwsim/{name}-v0\n\n{plain(task.__doc__ or '')}\n\n"
     text += f"One action every {task.period_s:g} s: {', '.join(task.axes)}. Truncated after {task.duration_s:g} s. "
-    text += f"Scenario: `learning/{task.scenario}` in the assets."
+    text += f"Scenario: `learning/{Path(str(task.scenario)).name}` in the assets."
     drawn = [f"`{key}` in ({low:g}, {high:g})" for key, (low, high) in task.randomize.items()]
     text += f" Drawn for each episode: {', '.join(drawn)}.\n\n" if drawn else "\n\n"
     rows, first = [], 0
     for field in task.fields():
-        rows.append((_place(first, field), code(field.name), plain(field.unit), _range(field), plain(field.about)))
+        usual = ", ".join(f"{size:g}" for size in dict.fromkeys(field.sizes))
+        rows.append(
+            (_place(first, field), code(field.name), plain(field.unit), _range(field), usual, plain(field.about))
+        )
         first += field.width
-    return text + table(("numbers", "name", "unit", "range", "what"), rows)
+    return text + table(("numbers", "name", "unit", "range", "usual size", "what"), rows)
 
 
 def _place(first: int, field: Field) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,10 +21,10 @@ from uwsim.learning.eye import Eye, look
 from uwsim.learning.motion import Motion, yaw_xyzw
 from uwsim.learning.options import EpisodeOptions, checked_ranges, in_sonar_mode, require_effect
 from uwsim.learning.scales import Scales
-from uwsim.learning.task import Flags, Floats, Task, Verdict
+from uwsim.learning.task import AnyScenario, Flags, Floats, Task, Verdict
 from uwsim.learning.view import View
 from uwsim.scenario import Scenario, load
-from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.validated import validated
 
 SEED_MAX = 2**63
 
@@ -204,11 +203,10 @@ class Episodes:
         return np.asarray(camera.capture().rgb)
 
 
-def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
+def task_scenario(kind: type[Task], scenario: AnyScenario | None) -> Scenario:
     """Return the scenario that replaces the task's own, or the task's own if none is given."""
     chosen = kind.scenario if scenario is None else scenario
-    packaged = assets_folder() / "learning" / chosen if isinstance(chosen, str) else None
-    return load(packaged if scenario is None and packaged is not None and packaged.is_file() else chosen)
+    return validated(Scenario, dict(chosen)) if isinstance(chosen, Mapping) else load(chosen)
 
 
 def require_driven(task: Task) -> None:

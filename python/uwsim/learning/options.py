@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.batch.arguments import FaultList
-from uwsim.learning.task import Task
+from uwsim.learning.task import AnyScenario, Task
 from uwsim.scenario import Scenario
 from uwsim.scenario.spec.fault import CameraFault, FaultModel, LinkLoss, SensorFault, SonarFault
 from uwsim.simulator.parameters import Parameters
@@ -23,7 +22,7 @@ PICTURE_MAX = 1024
 class EpisodeOptions:
     """Options common to all environments.
 
-    scenario: replaces the task's scenario; it must contain what the task needs. randomize: (low, high) by name in
+    scenario: replaces the task's scenario, and must contain what the task needs. randomize: (low, high) by name in
     `Simulator.parameters`; values are drawn uniformly for each episode. They add to the task's own ranges and override
     those of the same name. duration_s: time after which an episode is truncated. threads: defaults to all. camera: name
     of a vehicle camera whose pictures, of camera_size (height, width), are added to the observation. faults: these
@@ -32,7 +31,7 @@ class EpisodeOptions:
     divided by the usual sizes of their fields; otherwise they have the fields' units.
     """
 
-    scenario: str | Path | Scenario | None = None
+    scenario: AnyScenario | None = None
     randomize: Ranges | None = None
     duration_s: float | None = None
     threads: int | None = None

@@ -19,9 +19,13 @@ from uwsim.batch import Batch
 from uwsim.learning.arrays import rows
 from uwsim.learning.motion import Motion
 from uwsim.scenario import Scenario
+from uwsim.scenario.read.assets import assets_folder
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+AnyScenario = str | Path | Scenario | Mapping[str, Any]
+PACKAGED = assets_folder() / "learning"
+"""The folder with the scenarios of the packaged tasks."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +95,8 @@ class Verdict:
 class Task(ABC):
     """A kind of episode, for all members of a batch together: arrays have one row per member.
 
-    scenario: a scenario, or the name or path of one, as for Simulator; or the name of a file in the `learning` folder in
-    the assets. period_s: time between actions, a whole number of steps. duration_s: time after which an episode is
+    scenario: a scenario, or the name or path of one, as for Simulator, or the values of one, with the keys of its YAML
+    file. period_s: time between actions, a whole number of steps. duration_s: time after which an episode is
     truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: (low, high) ranges of the parameters drawn
     uniformly for each episode. draws: number of random values in [0, 1) that `start` needs per member. pings: whether
     the task uses the vehicle's first sonar. sensors: the sensors that the task reads; all other observed values are the
@@ -104,7 +108,7 @@ class Task(ABC):
     Everything that its methods return is checked: shapes, dtypes, finite values, ranges. Raises ValueError.
     """
 
-    scenario: ClassVar[str | Path | Scenario]
+    scenario: ClassVar[AnyScenario]
     period_s: ClassVar[float] = 0.05
     duration_s: ClassVar[float] = 20.0
     axes: ClassVar[tuple[str, ...]] = AXES

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from uwsim.batch import Batch
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict, spread
 
 CELLS, CELL_M = 40, 0.5
 PLOT_M = CELLS * CELL_M
@@ -31,7 +31,7 @@ class Coverage(Task):
     plot.
     """
 
-    scenario = "plot.yaml"
+    scenario = PACKAGED / "plot.yaml"
     period_s = 0.2
     duration_s = 180.0
     axes = ("surge", "sway", "yaw")

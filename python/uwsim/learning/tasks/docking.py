@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from uwsim.batch import Batch
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict, spread
 from uwsim.scenario.build.station import dock_position
 from uwsim.simulator.docking import CAPTURE_DEG, CAPTURE_M_S
 
@@ -29,7 +29,7 @@ class Docking(Task):
     docked, or 20 m away.
     """
 
-    scenario = "dock.yaml"
+    scenario = PACKAGED / "dock.yaml"
     duration_s = 40.0
     axes = ("surge", "sway", "heave", "yaw")
     randomize = {"water.current_world_m_s.x": (-0.1, 0.1), "water.current_world_m_s.y": (-0.1, 0.1)}  # noqa: RUF012

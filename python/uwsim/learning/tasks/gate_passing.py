@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim.batch import Batch
 from uwsim.learning.fan import ALTITUDE, ranges_field, seen_by_fan
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import PACKAGED, Floats, Start, Task, Verdict, spread
 from uwsim.scenario.spec.obstacle import Gate
 
 PASSED, MISSED, STRUCK = 10.0, -5.0, -5.0
@@ -27,7 +27,7 @@ class GatePassing(Task):
     anywhere else and -5 for a collision. Termination: any of these three, or a distance of 18 m from the gate.
     """
 
-    scenario = "gate.yaml"
+    scenario = PACKAGED / "gate.yaml"
     period_s = 0.1
     duration_s = 60.0
     axes = ("surge", "sway", "heave", "yaw")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim.batch import Batch
 from uwsim.learning.fan import ALTITUDE, ranges_field, seen_by_fan
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import PACKAGED, Floats, Start, Task, Verdict, spread
 from uwsim.learning.track import Track
 from uwsim.scenario.spec.obstacle import Pipeline
 
@@ -31,7 +31,7 @@ class PipelineFollowing(Task):
     collision. Termination: any of these.
     """
 
-    scenario = "pipeline.yaml"
+    scenario = PACKAGED / "pipeline.yaml"
     period_s = 0.1
     duration_s = 120.0
     axes = ("surge", "sway", "heave", "yaw")

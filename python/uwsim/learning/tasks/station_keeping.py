@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import ARROW, Field, Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import ARROW, PACKAGED, Field, Floats, Start, Task, Verdict, spread
 
 PLACE_M = np.array([0.0, 0.0, -7.0])
 HALF_PAY_M = 0.2  # the distance at which the reward is halved
@@ -24,7 +24,7 @@ class StationKeeping(Task):
     from the target.
     """
 
-    scenario = "open_water.yaml"
+    scenario = PACKAGED / "open_water.yaml"
     randomize = {"water.current_world_m_s.x": (-0.3, 0.3), "water.current_world_m_s.y": (-0.3, 0.3)}  # noqa: RUF012
     draws = 4
     place_m = PLACE_M

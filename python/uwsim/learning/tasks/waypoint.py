@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from uwsim.batch import Batch
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict, spread
 
 NEAR_M, SLOW_M_S = 0.5, 0.3
 ARRIVED, STRUCK = 10.0, -5.0
@@ -26,7 +26,7 @@ class Waypoint(Task):
     and slower than 0.3 m/s; -5 for a collision. Termination: arrival, a collision, or 25 m away.
     """
 
-    scenario = "open_water.yaml"
+    scenario = PACKAGED / "open_water.yaml"
     duration_s = 60.0
     randomize = {"water.current_world_m_s.x": (-0.2, 0.2), "water.current_world_m_s.y": (-0.2, 0.2)}  # noqa: RUF012
     draws = 7
