@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +13,7 @@ from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.options import WithoutEffectError, need
 
 if TYPE_CHECKING:
-    from uwsim.campaigns.sweeps import Sweep
+    from uwsim.campaigns.sweeps import Sweep, SweepPlan
 
 Workers = Annotated[
     int | None,
@@ -47,6 +48,9 @@ def sweep(
         ),
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write only the table.")] = False,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Fly three of the runs, print the cost of all and their metrics, write nothing.")
+    ] = False,
 ) -> None:
     """Fly a survey or a mission many times with varying values.
 
@@ -56,14 +60,22 @@ def sweep(
     or violates the sweep's requirements.
     """
     from uwsim.base.stoppable import stop_on_signals
-    from uwsim.campaigns.sweeps import fly_again, run_sweep
+    from uwsim.campaigns.sweeps import fly_again, plan_sweep, run_sweep
     from uwsim.campaigns.workers.job_progress import job_progress
     from uwsim.flight.terminal import Terminal
 
     screen = Terminal()
+    if plan:
+        _alone("--plan", scheduler=scheduler, resume=resume, retry_failed=retry_failed, again=again, no_report=no_report)
+        with screen.status("flying three of the runs"):
+            found = plan_sweep(source)
+        _print_plan(found, workers)
+        if found.failed:
+            raise typer.Exit(FAILED)
+        return
     if again is not None:
         _alone(
-            workers=workers, scheduler=scheduler, resume=resume, retry_failed=retry_failed,
+            "--again", workers=workers, scheduler=scheduler, resume=resume, retry_failed=retry_failed,
             no_report=no_report,
         )  # fmt: skip
         with screen.status(f"flying run {again} again"):
@@ -93,14 +105,33 @@ def sweep(
         raise typer.Exit(FAILED)
 
 
-def _alone(**options: object) -> None:
-    """Refuse options that have no effect with --again."""
+def _alone(chosen: str, **options: object) -> None:
+    """Refuse options that have no effect with the chosen one."""
     for name, value in options.items():
         if value is not None and value is not False:
             option = f"--{name.replace('_', '-')}"
             raise WithoutEffectError(
-                f"{option}: cannot be given with --again, which flies a single run in this process"
+                f"{option}: cannot be given with {chosen}, which flies in this process"
             )
+
+
+def _print_plan(plan: SweepPlan, workers: int | None) -> None:
+    from uwsim.flight.summary import duration_text
+
+    count = workers or len(os.sched_getaffinity(0))
+    low, high = min(plan.processor_s), max(plan.processor_s)
+    for name, value in (
+        ("runs", f"{plan.runs:,}"),
+        ("a run", f"{low:.3g} to {high:.3g} s of processor time (runs {', '.join(map(str, plan.tried))})"),
+        ("all runs", f"{duration_text(plan.total_s)} of processor time"),
+        (f"on {count} worker{'s' * (count > 1)}", duration_text(plan.total_s / count)),
+        ("memory of a worker", f"{plan.memory_bytes / 1e6:.0f} MB"),
+        ("ledger", f"{plan.runs * plan.row_bytes / 1e6:.3g} MB"),
+    ):
+        typer.echo(f"{name:<20}{value}")
+    for number, error in plan.failed.items():
+        typer.echo(f"run {number}: {error}", err=True)
+    typer.echo(f"metrics: {', '.join(plan.metrics)}")
 
 
 def _print(flown: Sweep) -> None:

@@ -1,6 +1,7 @@
 """Sweeps: varied values, runs, tables and reports, all run in this process."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from command_line import error_line, uwsim
 from docs_pages import page_named
 from uwsim import Simulator
-from uwsim.campaigns.sweeps import fly_again, run_sweep
+from uwsim.campaigns.sweeps import fly_again, plan_sweep, run_sweep
 from uwsim.campaigns.sweeps.check import require_flyable
 from uwsim.campaigns.sweeps.design import runs_of, saltelli
 from uwsim.campaigns.sweeps.job import Job, fly_job
@@ -227,6 +228,58 @@ def test_resuming_flies_what_is_missing_and_no_more(folder: Path) -> None:
     wall = ["run_wall_s", "flight_wall_s"]
     one, other = (pd.DataFrame(each.rows.rows).drop(columns=wall) for each in (done, whole))
     assert one.equals(other)
+
+
+def test_a_metric_that_does_not_exist_is_refused_after_one_run(folder: Path) -> None:
+    text = (
+        "scenario: pool\nmission: push.py\nvary: {mission.effort: {low: 0.1, high: 0.5, steps: 50}}\n"
+        "objective: {metric: result.y_m, best: high}\nrequire: {colisions: {high: 0}}\nshow: [simulated_s, time_s]\n"
+    )
+    told = (
+        r"sweep.yaml:5: require = colisions: run 0 has no such metric; did you mean 'collisions'",
+        r"sweep.yaml:6: show = time_s: run 0 has no such metric",
+        r"sweep.yaml:4: objective.metric = result.y_m: run 0 has no such metric; did you mean 'result.x_m'",
+    )
+    path, out = written(folder, text), folder / "out"
+    with pytest.raises(ScenarioError) as refused:
+        plan_sweep(path)
+    assert all(re.search(line, "\n".join(refused.value.mistakes)) for line in told)
+    with pytest.raises(ScenarioError) as refused:
+        run_sweep(path, out, workers=0)
+    assert all(re.search(line, "\n".join(refused.value.mistakes)) for line in told)
+    assert len((out / LEDGER).read_text().splitlines()) == 2  # the plan, and one run
+    with pytest.raises(ScenarioError, match="colisions"):  # before another run
+        run_sweep(path, out, workers=0, resume=True)
+    assert len((out / LEDGER).read_text().splitlines()) == 2
+    text = text.replace("result.y_m", "result.x_m").replace("colisions", "collisions").replace(", time_s", "")
+    seen: list[int] = []
+    part = run_sweep(
+        written(folder, text), out, workers=0, report=False, resume=True, tell=lambda done, *_: seen.append(done),
+        stop_requested=lambda: seen[-1:] == [3],
+    )  # fmt: skip
+    assert seen == [1, 2, 3] and [row["run"] for row in part.rows.rows] == [0, 1, 2]
+
+
+def test_a_result_that_a_mission_does_not_always_return_is_looked_for_in_the_next_run(folder: Path) -> None:
+    (folder / "some.py").write_text(
+        "def mission(vehicle, which=0):\n    yield from ()\n    return {'x_m': 1.0} if which else None\n"
+    )
+    sweep = {"scenario": "pool", "mission": str(folder / "some.py"), "vary": {"mission.which": {"choices": [0, 1, 1, 1]}}}
+    run_sweep({**sweep, "show": ["result.x_m"]}, folder / "good", workers=0, report=False)
+    with pytest.raises(ScenarioError, match="show = result.y_m: run 1 has no such metric"):
+        run_sweep({**sweep, "show": ["result.y_m"]}, folder / "bad", workers=0, report=False)
+
+
+def test_a_plan_tells_what_all_runs_will_cost(folder: Path) -> None:
+    path = written(
+        folder,
+        "scenario: pool\nmission: push.py\nvary: {mission.effort: {low: 0.2, high: 1.0}}\nmethod: latin_hypercube\n"
+        "samples: 10000\n",
+    )
+    plan = plan_sweep(path)
+    assert plan.runs == 10_000 and plan.tried == (0, 5000, 9999) and not (folder / "out").exists()
+    assert plan.total_s == pytest.approx(10_000 * sum(plan.processor_s) / 3) and plan.total_s > 1.0
+    assert "result.x_m" in plan.metrics and 100 < plan.row_bytes < 10_000 and plan.memory_bytes > 1e7
 
 
 def test_what_failed_may_be_tried_again(folder: Path) -> None:

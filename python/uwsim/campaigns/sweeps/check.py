@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.campaigns.sweeps.design import Run
 from uwsim.campaigns.sweeps.job import Job
 from uwsim.campaigns.sweeps.spec import SweepSpec, beside
@@ -89,6 +90,27 @@ def require_flyable(spec: SweepSpec, source: SourceFile, folder: Path) -> None:
         mistakes = [source.file_prefix + mistake for mistake in refused(first, whole=True)]
     if mistakes:
         raise ScenarioError.of(list(dict.fromkeys(mistakes)))
+
+
+def require_metrics(spec: SweepSpec, source: SourceFile, run: int, metrics: Mapping[str, object]) -> bool:
+    """Raise ScenarioError, with one line per mistake, if the sweep names a metric that a successful run does not have.
+
+    metrics: the results of that run. Returns whether all names have been checked: a mission may have returned nothing
+    this time, and several missions may return different values.
+    """
+    is_open = spec.flies_missions and ("mission" in spec.vary or metrics.get("result", 0) is None)
+    named = [(("require", name), "require", name) for name in spec.require]
+    named += [(("show", k), "show", name) for k, name in enumerate(spec.show)]
+    if spec.objective is not None:
+        named.append((("objective", "metric"), "objective.metric", spec.objective.metric))
+    unknown = [each for each in named if each[2] not in metrics and not (is_open and each[2].startswith("result."))]
+    if unknown:
+        mistakes = [
+            f"{source.line_prefix(*keys)}{place} = {name}: run {run} has no such metric{did_you_mean(name, metrics)}"
+            for keys, place, name in unknown
+        ]
+        raise ScenarioError.of([*mistakes, f"run {run} has {', '.join(metrics)}; correct the names and resume"])
+    return not is_open
 
 
 def _require_job(job: Job, *, whole: bool) -> None:

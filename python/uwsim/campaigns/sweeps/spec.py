@@ -49,7 +49,8 @@ class Seeds(Model):
 class Objective(Model):
     """The metric that distinguishes good runs from bad ones.
 
-    metric: a column of the table. best: whether high or low is good.
+    metric: a column of the table, such as coverage, or result.NAME for a value that the mission returns. best: whether
+    high or low is good.
     """
 
     metric: str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from importlib.metadata import version
@@ -13,7 +13,7 @@ from typing import Any
 
 from uwsim.base.folder_lock import alone_in
 from uwsim.campaigns.sweeps.again import WORST, fly_run_again
-from uwsim.campaigns.sweeps.check import FILES, Jobs, require_flyable
+from uwsim.campaigns.sweeps.check import FILES, Jobs, require_flyable, require_metrics
 from uwsim.campaigns.sweeps.design import Run, runs_of
 from uwsim.campaigns.sweeps.job import Job, fly_job
 from uwsim.campaigns.sweeps.rows import Rows
@@ -23,6 +23,7 @@ from uwsim.campaigns.workers import Ledger, Workers, open_workers
 from uwsim.flight.folder import made_folder
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.variation import choices
 
 REPORT = "report.html"
@@ -77,10 +78,11 @@ def run_sweep(
     source: a YAML file or its values. workers: number of processes on this machine (default: one per core); 0 flies in
     this process. scheduler: the address of a Dask cluster to use instead. resume: fly the runs that are missing in
     `out`, which must have been begun with the same sweep and build. retry_failed: also repeat failed runs. A failed run
-    becomes a row with its error.
+    becomes a row with its error. A metric that the first successful run does not have is an error: the finished runs
+    are kept, and resumed once the name is correct.
 
     Programs that call this must do so under `if __name__ == "__main__":`, since the workers import them. Raises
-    ScenarioError for mistakes in the file, before anything is written; also ValueError and OSError.
+    ScenarioError for mistakes in the file, but for names of metrics before anything is written; also ValueError and OSError.
     """
     spec, read_from, folder = read_sweep(source)
     with show("checking the sweep"):
@@ -101,13 +103,15 @@ def run_sweep(
         name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
         try:
             ledger.resume(plan) if resume else ledger.begin(plan)
+            are_known = _metrics_are_known(spec, read_from, ledger.results)
             done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
             missing = {run.number: jobs.of(run) for run in runs if run.number not in done}
             if missing:
                 with show("starting workers"):
                     crew = open_workers(workers, scheduler=scheduler)
                 with crew:
-                    _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell)
+                    for number, result in _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell):
+                        are_known = are_known or _metrics_are_known(spec, read_from, {number: result})
         finally:
             ledger.close()
         sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
@@ -121,8 +125,8 @@ def run_sweep(
 def _fly(
     crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
     stop_requested: Callable[[], bool], tell: Tell,
-) -> None:  # fmt: skip
-    """Fly the missing runs, recording each in the ledger as it finishes."""
+) -> Iterator[tuple[int, Mapping[str, Any]]]:  # fmt: skip
+    """Fly the missing runs, recording each in the ledger as it finishes; yield its number and result."""
     finished = count - len(missing)
     failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
     tell(finished, failed, count)
@@ -131,6 +135,16 @@ def _fly(
         ledger.add(each.job, {**result, "trials": each.trials})
         finished, failed = finished + 1, failed + bool(result["error"])
         tell(finished, failed, count)
+        yield each.job, result
+
+
+def _metrics_are_known(spec: SweepSpec, source: SourceFile, results: Mapping[int, Mapping[str, Any]]) -> bool:
+    """Return whether one of the runs shows that all metrics which the sweep names exist. Raises ScenarioError."""
+    return any(
+        require_metrics(spec, source, number, result["metrics"])
+        for number, result in results.items()
+        if not result["error"]
+    )
 
 
 def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
