@@ -78,7 +78,7 @@ class Course(BaseCallback):  # type: ignore[misc]  # stable_baselines3 is not in
     def measure(self) -> None:
         """Fly the held-out episodes, outside the measured time."""
         paused_s = time.process_time()
-        flown = fly(self.arena, self._policy, HELD_OUT_SEEDS)
+        flown = fly(self.arena, self.policy, HELD_OUT_SEEDS)
         self.processor_s.append(paused_s - self._begun_s)
         self.earned.append(float(flown.total.mean()))
         self.solved.append(solved(flown))
@@ -89,7 +89,8 @@ class Course(BaseCallback):  # type: ignore[misc]  # stable_baselines3 is not in
         )
         self._begun_s += time.process_time() - paused_s
 
-    def _policy(self, observation: Any) -> Floats:
+    def policy(self, observation: Any) -> Floats:
+        """Return the actions of the current policy, without noise."""
         return np.clip(self.model.predict(observation, deterministic=True)[0], -1.0, 1.0)
 
 
@@ -120,6 +121,8 @@ def main(
         print(name)
         courses[name] = Course(RECIPES[name])
         model = train(courses[name], members, seed)
+        if RECIPES[name].task is StationKeeping:
+            compare(courses[name])
         if out is not None:
             model.save(out)
     if curve is not None:
@@ -135,6 +138,15 @@ def train(course: Course, members: int, seed: int) -> PPO:
         policy_kwargs={"log_std_init": recipe.log_std, "net_arch": [32, 32]},
     )  # fmt: skip
     return model.learn(recipe.steps, callback=course)
+
+
+def compare(course: Course) -> None:
+    """Print in how many held-out episodes the policy earns more than the PID of the vehicle's file."""
+    pid, learned = (
+        fly(course.arena, policy, HELD_OUT_SEEDS).total
+        for policy in (Pid(course.arena, StationKeeping.place_m), course.policy)
+    )
+    print(f"PID: return {pid.mean():.1f}; PPO is better in {(learned > pid).sum()} of {COMPARED} episodes")
 
 
 def draw(courses: dict[str, Course], path: Path) -> None:
