@@ -49,7 +49,7 @@ def main(
 
     policy = evolve(
         StationKeeping, options, generations=generations, candidates=candidates, episodes_each=episodes,
-        start=first_guess(), spread=0.1, told=told,
+        start=first_guess(), spread=0.1, notify=told,
     )  # fmt: skip
     arena = Episodes(StationKeeping, compared, options)
     seeds = range(HELD_OUT, HELD_OUT + compared)

@@ -49,7 +49,8 @@ def sweep(
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write only the table.")] = False,
     plan: Annotated[
-        bool, typer.Option("--plan", help="Fly three of the runs, print the cost of all and their metrics, write nothing.")
+        bool,
+        typer.Option("--plan", help="Fly three of the runs, print the cost of all and their metrics, write nothing."),
     ] = False,
 ) -> None:
     """Fly a survey or a mission many times with varying values.
@@ -66,7 +67,9 @@ def sweep(
 
     screen = Terminal()
     if plan:
-        _alone("--plan", scheduler=scheduler, resume=resume, retry_failed=retry_failed, again=again, no_report=no_report)
+        _alone(
+            "--plan", scheduler=scheduler, resume=resume, retry_failed=retry_failed, again=again, no_report=no_report
+        )
         with screen.status("flying three of the runs"):
             found = plan_sweep(source)
         _print_plan(found, workers)
@@ -110,9 +113,7 @@ def _alone(chosen: str, **options: object) -> None:
     for name, value in options.items():
         if value is not None and value is not False:
             option = f"--{name.replace('_', '-')}"
-            raise WithoutEffectError(
-                f"{option}: cannot be given with {chosen}, which flies in this process"
-            )
+            raise WithoutEffectError(f"{option}: cannot be given with {chosen}, which flies in this process")
 
 
 def _print_plan(plan: SweepPlan, workers: int | None) -> None:

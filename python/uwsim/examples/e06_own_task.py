@@ -45,7 +45,7 @@ class StandOff(Task):
     def goal(self, now: Motion) -> Floats:
         """Return the nearest echo in each sector of the fan, at most 20 m."""
         ranges_m = np.minimum(self.batch.ping(self.vehicle).ranges_m, 20.0)  # no echo: inf
-        return ranges_m.reshape(len(ranges_m), SECTORS, -1).min(axis=2).astype(np.float64)
+        return np.array(ranges_m.reshape(len(ranges_m), SECTORS, -1).min(axis=2), np.float64)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
         """Return the verdict, rewarding the right distance and heading."""

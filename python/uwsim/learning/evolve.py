@@ -43,7 +43,7 @@ def evolve(
     first_seed: int = 0,
     start: LinearPolicy | None = None,
     spread: float = 0.5,
-    told: Callable[[Generation], None] = lambda generation: None,
+    notify: Callable[[Generation], None] = lambda generation: None,
 ) -> LinearPolicy:
     """Return the mean of the last generation's distribution. Episodes are seeded consecutively from first_seed.
 
@@ -69,7 +69,7 @@ def evolve(
         total = fly(episodes, Candidates(weights, episodes_each), np.tile(seeds, candidates).tolist()).total
         earned = total.reshape(candidates, episodes_each).mean(axis=1)
         strategy.tell(asked, (-earned).tolist())
-        told(Generation(index, float(earned.mean()), float(earned.max()), time.process_time() - begin))
+        notify(Generation(index, float(earned.mean()), float(earned.max()), time.process_time() - begin))
     found = np.zeros(free.shape)
     found[free] = strategy.mean
     return LinearPolicy(found[:, :-1].copy(), found[:, -1].copy())

@@ -32,7 +32,9 @@ def fly(episodes: Episodes, policy: Policy, seeds: Sequence[int]) -> Flown:
     Raises ValueError for a LinearPolicy, whose inputs have units, if the observations are normalised.
     """
     if isinstance(policy, LinearPolicy) and episodes.normalise:
-        raise ValueError("policy: a LinearPolicy needs observations in their own units: EpisodeOptions(normalise=False)")
+        raise ValueError(
+            "policy: a LinearPolicy needs observations in their own units: EpisodeOptions(normalise=False)"
+        )
     for member, seed in enumerate(seeds):
         episodes.seed(member, int(seed))
     observation = episodes.begin(np.ones(episodes.n, np.bool_))

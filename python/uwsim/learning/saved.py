@@ -6,7 +6,6 @@ A state may come from an untrusted source: it contains no pickled objects, and i
 from __future__ import annotations
 
 import io
-import json
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -66,10 +65,18 @@ def save_episodes(episodes: Episodes, ended: Flags) -> bytes:
     arrays, plain = task_state(episodes.task)
     generators = [_saved_generator(episodes, k) for k in range(episodes.n)]
     header = Header(
-        task=type(episodes.task).__name__, n=episodes.n, normalise=episodes.normalise, generators=generators,
-        members=_definitions(episodes.batch), plain=plain,
-    )  # fmt: skip
-    parts = {HEADER: np.frombuffer(header.model_dump_json().encode(), np.uint8), ACTIONS: episodes.actions, ENDED: ended}
+        task=type(episodes.task).__name__,
+        n=episodes.n,
+        normalise=episodes.normalise,
+        generators=generators,
+        members=_definitions(episodes.batch),
+        plain=plain,
+    )
+    parts = {
+        HEADER: np.frombuffer(header.model_dump_json().encode(), np.uint8),
+        ACTIONS: episodes.actions,
+        ENDED: ended,
+    }
     parts |= {ARRAY + name: values for name, values in arrays.items()}
     for k in range(episodes.n):
         parts[f"{MEMBER}{k}"] = np.frombuffer(episodes.batch.save_state(k), np.uint8)

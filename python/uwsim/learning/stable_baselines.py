@@ -30,7 +30,11 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # stable_baselines3 is not ins
 
     def __init__(self, task: str | type[Task], num_envs: int, **options: Any) -> None:
         options = {"autoreset_mode": AutoresetMode.SAME_STEP, **options}
-        made = gymnasium.make_vec(task, num_envs, **options) if isinstance(task, str) else BatchEnv(task, num_envs, **options)
+        made = (
+            gymnasium.make_vec(task, num_envs, **options)
+            if isinstance(task, str)
+            else BatchEnv(task, num_envs, **options)
+        )
         if not isinstance(made.unwrapped, BatchEnv):
             raise ValueError(f"task = {task!r}: is no environment of uwsim")
         self._env = made.unwrapped

@@ -235,7 +235,7 @@ def test_a_metric_that_does_not_exist_is_refused_after_one_run(folder: Path) -> 
         "scenario: pool\nmission: push.py\nvary: {mission.effort: {low: 0.1, high: 0.5, steps: 50}}\n"
         "objective: {metric: result.y_m, best: high}\nrequire: {colisions: {high: 0}}\nshow: [simulated_s, time_s]\n"
     )
-    told = (
+    lines = (
         r"sweep.yaml:5: require = colisions: run 0 has no such metric; did you mean 'collisions'",
         r"sweep.yaml:6: show = time_s: run 0 has no such metric",
         r"sweep.yaml:4: objective.metric = result.y_m: run 0 has no such metric; did you mean 'result.x_m'",
@@ -243,10 +243,10 @@ def test_a_metric_that_does_not_exist_is_refused_after_one_run(folder: Path) -> 
     path, out = written(folder, text), folder / "out"
     with pytest.raises(ScenarioError) as refused:
         plan_sweep(path)
-    assert all(re.search(line, "\n".join(refused.value.mistakes)) for line in told)
+    assert all(re.search(line, "\n".join(refused.value.mistakes)) for line in lines)
     with pytest.raises(ScenarioError) as refused:
         run_sweep(path, out, workers=0)
-    assert all(re.search(line, "\n".join(refused.value.mistakes)) for line in told)
+    assert all(re.search(line, "\n".join(refused.value.mistakes)) for line in lines)
     assert len((out / LEDGER).read_text().splitlines()) == 2  # the plan, and one run
     with pytest.raises(ScenarioError, match="colisions"):  # before another run
         run_sweep(path, out, workers=0, resume=True)
@@ -264,13 +264,17 @@ def test_a_result_that_a_mission_does_not_always_return_is_looked_for_in_the_nex
     (folder / "some.py").write_text(
         "def mission(vehicle, which=0):\n    yield from ()\n    return {'x_m': 1.0} if which else None\n"
     )
-    sweep = {"scenario": "pool", "mission": str(folder / "some.py"), "vary": {"mission.which": {"choices": [0, 1, 1, 1]}}}
+    sweep = {
+        "scenario": "pool",
+        "mission": str(folder / "some.py"),
+        "vary": {"mission.which": {"choices": [0, 1, 1, 1]}},
+    }
     run_sweep({**sweep, "show": ["result.x_m"]}, folder / "good", workers=0, report=False)
-    with pytest.raises(ScenarioError, match="show = result.y_m: run 1 has no such metric"):
+    with pytest.raises(ScenarioError, match=r"show = result\.y_m: run 1 has no such metric"):
         run_sweep({**sweep, "show": ["result.y_m"]}, folder / "bad", workers=0, report=False)
 
 
-def test_a_plan_tells_what_all_runs_will_cost(folder: Path) -> None:
+def test_a_plan_estimates_the_cost_of_all_runs(folder: Path) -> None:
     path = written(
         folder,
         "scenario: pool\nmission: push.py\nvary: {mission.effort: {low: 0.2, high: 1.0}}\nmethod: latin_hypercube\n"

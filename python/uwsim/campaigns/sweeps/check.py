@@ -99,7 +99,7 @@ def require_metrics(spec: SweepSpec, source: SourceFile, run: int, metrics: Mapp
     this time, and several missions may return different values.
     """
     is_open = spec.flies_missions and ("mission" in spec.vary or metrics.get("result", 0) is None)
-    named = [(("require", name), "require", name) for name in spec.require]
+    named: list[tuple[tuple[str | int, ...], str, str]] = [(("require", one), "require", one) for one in spec.require]
     named += [(("show", k), "show", name) for k, name in enumerate(spec.show)]
     if spec.objective is not None:
         named.append((("objective", "metric"), "objective.metric", spec.objective.metric))

@@ -18,7 +18,7 @@ from uwsim.campaigns.sweeps.spec import read_sweep
 
 @dataclass(frozen=True)
 class SweepPlan:
-    """What a sweep will cost.
+    """The expected cost of a sweep.
 
     runs: their number. tried: the numbers of the runs that were flown for this estimate. processor_s: the processor
     time of each of them. failed: the errors of those that failed. memory_bytes: the largest memory of the process that
@@ -35,7 +35,7 @@ class SweepPlan:
 
     @property
     def total_s(self) -> float:
-        """The processor time of all runs [s], if they cost as much as the tried ones on average."""
+        """Processor time of all runs [s], if they cost as much as the tried ones on average."""
         return self.runs * sum(self.processor_s) / len(self.processor_s)
 
 
