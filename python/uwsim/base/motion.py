@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.short_repr import ShortRepr
+
 Vector = NDArray[np.float64]
 
 
@@ -41,8 +43,8 @@ class Pose:
         return f"Pose(({east:.3f}, {north:.3f}, {up:.3f}) m, yaw {yaw_deg:.1f} deg, orientation x y z w ({turn}))"
 
 
-@dataclass(frozen=True, eq=False, init=False)  # as for Pose
-class Velocity:
+@dataclass(frozen=True, eq=False, init=False, repr=False)  # as for Pose
+class Velocity(ShortRepr):
     """A vehicle's velocity over ground, in body axes: linear_body_m_s (3,), angular_body_rad_s (3,)."""
 
     linear_body_m_s: Vector

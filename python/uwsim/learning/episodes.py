@@ -77,6 +77,9 @@ class Episodes:
         self.actions = np.zeros((n, len(kind.axes)))
         self._motion: Motion | None = None
 
+    def __repr__(self) -> str:
+        return f"<Episodes of {type(self.task).__name__}: {self.n} members>"
+
     def seed(self, member: int, seed: int | None) -> None:
         """Give a member a new generator with this seed; None: a random seed, but only if it has no generator yet."""
         if seed is not None or self.generators[member] is None:

@@ -37,6 +37,9 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         self.action_space = self.episodes.action_space
         self._ended = True
 
+    def __repr__(self) -> str:
+        return f"<LoneEnv of {type(self.episodes.task).__name__}>"
+
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode; with a seed, the first episode from that seed's generator.
 

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import BatchMotion
 from uwsim.navigation.control import EstimateLike
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(ShortRepr):
     """The true motion of a vehicle in each member of a batch.
 
     position_world_m: (n, 3). world_from_body: (n, 3, 3). velocity_body: (n, 6), linear and angular [m/s, rad/s].

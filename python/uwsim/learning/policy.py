@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.short_repr import ShortRepr
 from uwsim.scenario.read.assets import assets_folder
 
 Floats = NDArray[np.float64]
@@ -23,8 +24,8 @@ class Policy(Protocol):
         """Return actions."""
 
 
-@dataclass(frozen=True, eq=False)
-class LinearPolicy:
+@dataclass(frozen=True, eq=False, repr=False)
+class LinearPolicy(ShortRepr):
     """A linear policy of observations in their own units (`normalise=False`).
 
     weights: (axes, width). bias: (axes,). about: the origin of the policy.

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.short_repr import ShortRepr
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.policy import LinearPolicy, Policy
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Flown:
+@dataclass(frozen=True, eq=False, repr=False)
+class Flown(ShortRepr):
     """Results of one episode per seed.
 
     total: (n,), sum of rewards. steps: (n,), number of steps. figures: (steps, n) by name, NaN after the end.

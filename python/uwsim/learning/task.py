@@ -14,6 +14,7 @@ from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
+from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch
 from uwsim.learning.arrays import rows
 from uwsim.learning.motion import Motion
@@ -71,16 +72,16 @@ ARROW, TURN = (1, -1, 1), (-1, 1, -1)
 """Factors on the components of vectors in body axes under reflection: for polar vectors, and for rates and moments."""
 
 
-@dataclass(frozen=True, eq=False)
-class Start:
+@dataclass(frozen=True, eq=False, repr=False)
+class Start(ShortRepr):
     """Initial poses of m members, level and at rest: position_world_m (m, 3), yaw_rad (m,)."""
 
     position_world_m: Floats
     yaw_rad: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Verdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class Verdict(ShortRepr):
     """The result of a step.
 
     reward: (n,). terminated: (n,), whether the task itself has ended. figures: (n,) by name, for `info`.
@@ -121,6 +122,9 @@ class Task(ABC):
         self.batch = batch
         self.vehicle = batch.scenario.vehicles[0].name if vehicle is None else vehicle
         self.columns = [AXES.index(axis) for axis in self.axes]
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} with {self.batch!r}>"
 
     @classmethod
     def fields(cls) -> tuple[Field, ...]:

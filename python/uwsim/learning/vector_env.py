@@ -57,6 +57,9 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         self._ended = np.ones(self.num_envs, np.bool_)
         self._begun = False
 
+    def __repr__(self) -> str:
+        return f"<BatchEnv of {type(self.episodes.task).__name__}: {self.num_envs} members>"
+
     @property
     def np_random_seed(self) -> Any:  # read-only, with one entry per member, as in SyncVectorEnv
         """The seed of each member's generator, or -1 before the first reset."""

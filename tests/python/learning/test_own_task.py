@@ -17,6 +17,7 @@ import uwsim.learning
 from uwsim.examples import e06_own_task
 from uwsim.examples.e06_own_task import StandOff
 from uwsim.learning.lone_env import LoneEnv
+from uwsim.learning.policy import LinearPolicy
 from uwsim.learning.task import Field, Start, Task, Verdict
 from uwsim.learning.tasks import Coverage, Docking, PipelineFollowing
 from uwsim.learning.vector_env import BatchEnv
@@ -264,6 +265,14 @@ def test_an_unknown_camera_is_refused_when_the_environment_is_made() -> None:
     for make in (LoneEnv, BatchEnv):
         with pytest.raises(ValueError, match=r"view\.camera = 'frnt': must be one of .*; did you mean 'front'"):
             make(StandOff, render_mode="rgb_array", view=View("frnt"))
+
+
+def test_objects_describe_themselves_in_a_line() -> None:
+    env = BatchEnv(StandOff, 2, threads=1)
+    env.reset(seed=1)
+    things = [env, env.episodes, env.episodes.task, env.episodes.motion, LinearPolicy.load("station_keeping")]
+    assert all("\n" not in repr(one) and len(repr(one)) < 250 for one in things)
+    assert all(repr(one) == f"<{type(one).__name__} of StandOff: 2 members>" for one in things[:2])
 
 
 def test_the_page_shows_the_example() -> None:
