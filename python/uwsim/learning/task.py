@@ -195,7 +195,10 @@ class Task(ABC):
 
     @abstractmethod
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return the reward for the step just taken with these actions, and whether the task has ended."""
+        """Return the reward for the step just taken with these actions, and whether the task has ended.
+
+        Also called when episodes begin, for all members; the verdict is then ignored, so do not count calls.
+        """
 
 
 def observed(fields: tuple[Field, ...], goal: Floats, now: Motion, actions: Floats) -> NDArray[np.float32]:

@@ -175,3 +175,25 @@ def test_commands_to_docked_vehicles_are_warned_of_when_time_passes(command: Any
         command(batch)
         batch.release()
         batch.step(2)
+
+
+def test_a_saved_member_continues_in_a_member_of_another_batch_with_its_seed_parameters_and_faults() -> None:
+    faults = [{"kind": "leak", "kg_per_s": 0.05, "at_s": 0.2}]
+    batch = Batch("pool", n=2, seeds=[5, 6], parameters=[{}, {"rov.mass_kg": 290.0}], faults=[[], faults], threads=1)
+    batch.place([0.0, 0.0, -2.0])
+    batch.step(60, np.full((2, 6), 0.2))
+    state = batch.save_state(1)
+    changes = [{}, {}, {"rov.mass_kg": 290.0}]
+    other = Batch("pool", n=3, seeds=[0, 1, 6], parameters=changes, faults=[[], [], faults], threads=2)
+    other.restore_state(2, state)
+    for each in (batch, other):
+        each.step(60)
+    assert batch.save_state(1) == other.save_state(2) != state
+    assert [event.name for event in other.aboard(2).events] == [event.name for event in batch.aboard(1).events] != []
+    with pytest.raises(ValueError, match="member = 3"):
+        other.restore_state(3, state)
+    before = other.save_state(0)
+    for bad in (b"", state, state[:-8], Batch("lake", n=1).save_state(0)):
+        with pytest.raises(ValueError, match=r"\w"):
+            other.restore_state(0, bad)
+    assert other.save_state(0) == before

@@ -9,7 +9,9 @@ pytest.importorskip("stable_baselines3")
 
 from stable_baselines3 import PPO
 
+from uwsim.examples.e06_own_task import StandOff
 from uwsim.learning.stable_baselines import BatchVecEnv
+from uwsim.learning.vector_env import BatchEnv
 
 
 def test_ppo_learns_on_a_batch() -> None:
@@ -27,3 +29,14 @@ def test_the_last_observation_of_an_episode_is_in_its_info() -> None:
     assert all(info["TimeLimit.truncated"] and info["episode"]["l"] == 2 for info in infos)
     assert not np.array_equal(infos[0]["terminal_observation"], begun[0])
     assert begun.shape == first.shape
+
+
+def test_a_tasks_class_is_taken_and_rendered() -> None:
+    env = BatchVecEnv(StandOff, 2, duration_s=0.5, threads=1, render_mode="rgb_array")
+    env.seed(1)
+    named = BatchEnv(StandOff, 2, duration_s=0.5, threads=1)
+    assert env.reset().tobytes() == named.reset(seed=1)[0].tobytes()
+    assert [picture.shape for picture in env.get_images()] == [(270, 480, 3)] * 2
+    assert env.render().shape[2] == 3
+    with pytest.raises(ValueError, match="must be a class derived from"):
+        BatchVecEnv(int, 2)
