@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "uwsim/rays/embree_terrain.h"
+#include "uwsim/rays/ray_kernels.h"
 
 namespace uwsim {
 namespace {
@@ -40,31 +40,6 @@ void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, c
   }
 }
 
-/// Moves hits on the raised terrain to the plane of the true triangle, unless the ray grazes it.
-void lower_terrain(const RTCHit16& hit, double raise_m, RTCRay16& ray) {
-  constexpr auto kLeastSine = static_cast<float>(kGrazingSine);
-  const auto raise = static_cast<float>(raise_m);
-  for (std::size_t k = 0; k < kPacketRays; ++k) {
-    if (!TileSurfaces::is_terrain(hit.geomID[k])) continue;  // normals of misses are uninitialised
-    const float x = hit.Ng_x[k], y = hit.Ng_y[k], z = hit.Ng_z[k];
-    const float length = std::sqrt(x * x + y * y + z * z);
-    const float sinking = -(x * ray.dir_x[k] + y * ray.dir_y[k] + z * ray.dir_z[k]) / length;
-    if (std::abs(sinking) > kLeastSine) ray.tfar[k] = std::max(0.0f, ray.tfar[k] + raise / sinking);
-  }
-}
-
-/// Replaces quads, and the coordinates on them, by triangles and barycentric coordinates.
-void number_triangles(RTCHit16& hit) {
-  for (std::size_t k = 0; k < kPacketRays; ++k) {
-    if (!TileSurfaces::is_terrain(hit.geomID[k])) continue;
-    const float u = hit.u[k], v = hit.v[k];
-    hit.primID[k] = member_number(hit.geomID[k], hit.primID[k], u, v);
-    const bool second = u + v > 1;  // the corners of the second triangle are the quad's second, third and fourth
-    hit.u[k] = second ? u + v - 1 : u;
-    hit.v[k] = second ? 1 - u : v;
-  }
-}
-
 }  // namespace
 
 void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,
@@ -79,21 +54,27 @@ void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vec
     detail.lazy = &round->rays;
   }
   intersect(tree, detail, order, rays.active.data(), packet);
-  number_triangles(packet.hit);
-  lower_terrain(packet.hit, surfaces.tolerances().raise_m, packet.ray);
   if (round != nullptr && round->rays.made()) std::ranges::copy(packet.hit.primID, round->primitive.begin());
   std::ranges::copy(packet.hit.u, hits.u.begin());
   std::ranges::copy(packet.hit.v, hits.v.begin());
   std::ranges::copy(packet.hit.Ng_x, hits.normal_x.begin());
   std::ranges::copy(packet.hit.Ng_y, hits.normal_y.begin());
   std::ranges::copy(packet.hit.Ng_z, hits.normal_z.begin());
+  std::ranges::copy(packet.ray.tfar, hits.distance_m.begin());
+  std::ranges::copy(packet.hit.primID, hits.primitive.begin());
+  static const RayKernels& kernels = ray_kernels();
+  const bool others =
+      kernels.complete_floats({packet.hit.geomID, hits.primitive.data(), hits.label.data(), hits.u.data(),
+                               hits.v.data(), hits.distance_m.data(), packet.hit.Ng_x, packet.hit.Ng_y, packet.hit.Ng_z,
+                               packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z},
+                              TileSurfaces::kOpenTerrain, static_cast<float>(surfaces.tolerances().raise_m));
+  for (std::size_t k = 0; starts_m != nullptr && k < kPacketRays; ++k) {
+    hits.distance_m[k] = static_cast<float>(starts_m[k]) + hits.distance_m[k];
+  }
+  if (!others && surfaces.has_whole_terrain()) return;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const std::uint32_t geometry = packet.hit.geomID[k];
-    const bool met = geometry != RTC_INVALID_GEOMETRY_ID;
-    const float start = starts_m != nullptr ? static_cast<float>(starts_m[k]) : 0.0f;
-    hits.distance_m[k] = met ? start + packet.ray.tfar[k] : std::numeric_limits<float>::infinity();
-    hits.label[k] = met ? std::max<std::uint32_t>(geometry, kTerrain) : kNothing;
-    hits.primitive[k] = met ? surfaces.world_number(geometry, packet.hit.primID[k]) : 0;
+    if (geometry != kNoGeometry) hits.primitive[k] = surfaces.world_number(geometry, hits.primitive[k]);
   }
 }
 

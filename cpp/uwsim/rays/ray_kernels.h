@@ -44,6 +44,14 @@ struct LaneAnswers {
   const float *u, *v;
 };
 
+/// Embree's answer to sixteen rays of a picture, to be completed in place; normals and directions are only read.
+struct LaneFloatHits {
+  const std::uint32_t* geometry;
+  std::uint32_t *primitive, *label;
+  float *u, *v, *distance_m;
+  const float *normal_x, *normal_y, *normal_z, *direction_x, *direction_y, *direction_z;
+};
+
 /// The results for sixteen rays. `met` is -1 if the ray hits its triangle between 0 and far_m and at least
 /// `kCellMargin` from every edge. Otherwise, `met` is 0, the distance is infinite and the normal is zero.
 struct LaneHits {
@@ -69,6 +77,11 @@ struct RayKernels {
   /// geometries were hit: 1 for `near_solids`, 2 for `open`.
   int (*number_terrain)(const LaneAnswers& answers, std::uint32_t near_solids, std::uint32_t open,
                         std::uint32_t* primitive, TerrainLanes& terrain);
+  /// Completes Embree's answer for a picture: on terrain (geometries up to `terrain`), replaces quads and coordinates
+  /// on them by triangles and barycentric coordinates, and moves each hit down by the raise to the plane of the true
+  /// triangle, unless the ray grazes it. Sets the labels. Misses get an infinite distance, and label and primitive 0.
+  /// Returns whether any ray hit something other than `terrain` itself.
+  bool (*complete_floats)(const LaneFloatHits& hits, std::uint32_t terrain, float raise_m);
   /// Finds the locations of the triangles' heights and prefetches them for the refinement.
   void (*locate_heights)(const TerrainBlock& block, TerrainLanes& terrain);
   /// Intersects ray k with the plane of triangle k in double (see terrain_hit.h).

@@ -106,6 +106,31 @@ int number_terrain(const LaneAnswers& answers, std::uint32_t near_solids, std::u
   return (any_near_solids & 1) | (any_open & 2);
 }
 
+bool complete_floats(const LaneFloatHits& hits, std::uint32_t terrain, float raise_m) {
+  constexpr auto kLeastSine = static_cast<float>(kGrazingSine);
+  std::int32_t any_other = 0;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const std::uint32_t geometry = hits.geometry[k];
+    const bool met = geometry != kNoGeometry, on_terrain = geometry <= terrain;
+    const float u = hits.u[k], v = hits.v[k], distance = hits.distance_m[k];
+    const bool second = u + v > 1;  // the corners of the second triangle are the quad's second, third and fourth
+    const std::uint32_t number = 2 * hits.primitive[k] + (second ? 1 : 0);
+    hits.primitive[k] = on_terrain ? number : met ? hits.primitive[k] : 0;
+    hits.u[k] = on_terrain & second ? u + v - 1 : u;
+    hits.v[k] = on_terrain & second ? 1 - u : v;
+    const float x = hits.normal_x[k], y = hits.normal_y[k], z = hits.normal_z[k];
+    const float length = std::sqrt(x * x + y * y + z * z);
+    const float sinking = -(x * hits.direction_x[k] + y * hits.direction_y[k] + z * hits.direction_z[k]) / length;
+    const float lowered = distance + raise_m / sinking;
+    const float steep = std::fabs(sinking) > kLeastSine ? (lowered > 0 ? lowered : 0.0f) : distance;
+    hits.distance_m[k] = on_terrain ? steep : met ? distance : __builtin_inff();
+    hits.label[k] = on_terrain ? terrain : met ? geometry : 0;
+    any_other |= (met ? -1 : 0) & (geometry == terrain ? 0 : -1);
+  }
+  return any_other != 0;
+}
+
 void locate_heights(const TerrainBlock& block, TerrainLanes& terrain) {
   // Compute column and row by multiplication instead of division. This is exact for integers below 2^31, because half a
   // cell is added.
@@ -177,6 +202,7 @@ constexpr RayKernels kKernels{.all_near = &all_near,
                               .to_float = &to_float,
                               .may_meet_round = &may_meet_round,
                               .number_terrain = &number_terrain,
+                              .complete_floats = &complete_floats,
                               .locate_heights = &locate_heights,
                               .refine_terrain = &refine_terrain,
                               .label_terrain = &label_terrain};

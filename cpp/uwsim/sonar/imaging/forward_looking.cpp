@@ -23,7 +23,8 @@ constexpr double kVerticalSpan = 1.25;
 constexpr double kAcrossSpan = 6;  // multiple of the beam's width, to either side: main lobe and some side lobes
 constexpr std::size_t kBeamsTogether = 4;  // as the kernel sums up
 constexpr std::size_t kBeamsAside = 16;    // a multiple of these, written together
-constexpr double kMaxDraws = 4e9;          // random draws of a ping are numbered by 32 bits
+constexpr std::size_t kColumnsTogether = 8 * SurfaceEchoes::kArcsTogether;
+constexpr double kMaxDraws = 4e9;  // random draws of a ping are numbered by 32 bits
 
 /// A forward-looking imaging sonar with one broad transmission and many narrow receiving beams side by side. Pings
 /// once, from one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain if it is on, and on
@@ -68,9 +69,9 @@ class ForwardLooking final : public ImagingSonar {
                              bearing_rad(beams_ - 1), request.threads);
     const std::vector<double> weights = column_weights();
     std::vector<float> levels(bins_ * beams_);
-    parallel_ranges(
-        (beams_ + kBeamsAside - 1) / kBeamsAside, request.threads,
-        [&](std::size_t first, std::size_t last) {
+    parallel_batches(
+        (beams_ + kBeamsAside - 1) / kBeamsAside, 1, request.threads,
+        [&](std::size_t first, std::size_t last, std::size_t) {
           std::vector<double> echoes(kBeamsTogether * bins_);
           std::vector<float> aside(kBeamsAside * bins_);
           std::vector<FanSpeckle::Amplitude> row;
@@ -85,8 +86,7 @@ class ForwardLooking final : public ImagingSonar {
               write_aside(aside, lane + 1, {levels.data() + beam - lane, levels.size() - (beam - lane)});
             }
           }
-        },
-        1);
+        });
     std::vector<ImagingArray> result;
     result.push_back({"level_db", {bins_, beams_}, std::move(levels)});
     if (request.with_labels) {
@@ -111,18 +111,16 @@ class ForwardLooking final : public ImagingSonar {
     const std::vector<ArcRay> rays = column_rays();
     const Eigen::Matrix3d rotation = pose.rotation();
     ImageBuffer<double> profiles(columns * bins_);
-    parallel_ranges(
-        columns, request.threads,
-        [&](std::size_t first, std::size_t last) {
-          for (std::size_t k = first; k < last; ++k) {
-            const double bearing =
-                first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_;
-            const std::span<double> profile(profiles.data() + k * bins_, bins_);
-            std::ranges::fill(profile, 0.0);
-            echoes.add(column_at(rotation, bearing), rays, profile, by_label.empty() ? nullptr : &by_label[k]);
-          }
-        },
-        1);
+    parallel_batches(columns, kColumnsTogether, request.threads, [&](std::size_t first, std::size_t last, std::size_t) {
+      std::vector<RayArc> arcs;
+      for (std::size_t k = first; k < last; ++k) {
+        arcs.push_back(column_at(
+            rotation, first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_));
+      }
+      const std::span<double> rows(profiles.data() + first * bins_, arcs.size() * bins_);
+      std::ranges::fill(rows, 0.0);
+      echoes.add(arcs, rays, rows, by_label.empty() ? by_label : by_label.subspan(first, arcs.size()));
+    });
     return profiles;
   }
 

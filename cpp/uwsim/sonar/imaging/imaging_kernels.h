@@ -8,13 +8,14 @@ namespace uwsim {
 /// Limits the extent of a patch, as a multiple of its range.
 inline constexpr float kPatchStretch = 1.5f;
 
-/// The axes of an arc of rays in the world (RayArc), with the angle of its cone and the extent of its patches across.
-struct ArcFrame {
-  float ahead[3], up[3], aside[3];
-  float cos_aside, sin_aside, tan_half_width;
+/// The arcs of sixteen rays (RayArc), which may be of several arcs: their axes in the world, the angles of their cones,
+/// and the extent of their patches across.
+struct ArcFrames {
+  alignas(64) float ahead[3][16], up[3][16], aside[3][16];
+  alignas(64) float cos_aside[16], sin_aside[16], tan_half_width[16];
 };
 
-/// Cosines and sines of the angles of sixteen rays of an arc, and of the ends of the intervals that they represent.
+/// Cosines and sines of the angles of sixteen rays, and of the ends of the intervals that they represent.
 struct ArcAngles {
   const float *cosine, *sine, *lower_cosine, *lower_sine, *upper_cosine, *upper_sine;
 };
@@ -47,11 +48,15 @@ struct ReceiverLanes {
 
 /// Loops of imaging sonars, compiled for one instruction set. All instruction sets produce the same bits.
 struct ImagingKernels {
-  /// Computes the directions of sixteen rays of an arc.
-  void (*directions)(const ArcFrame& arc, const ArcAngles& angles, float* x, float* y, float* z);
+  /// Computes the directions of sixteen rays.
+  void (*directions)(const ArcFrames& arcs, const ArcAngles& angles, float* x, float* y, float* z);
   /// Computes the patches of sixteen hits.
-  void (*patches)(const ArcFrame& arc, const ArcAngles& angles, const ArcHits& hits, const PatchRule& rule,
+  void (*patches)(const ArcFrames& arcs, const ArcAngles& angles, const ArcHits& hits, const PatchRule& rule,
                   const ArcPatches& patches);
+  /// Adds up to sixteen echoes to a profile, in their order. Each is spread evenly over an interval of bins; those
+  /// without power, and those beyond the last bin, are skipped.
+  void (*spread)(const double* power, const double* near_bin, const double* far_bin, std::size_t count,
+                 std::size_t bins, double* profile);
   /// Adds up `count` rows of `bins` values, times their weights, for up to four beams at once: sums[b][bin] of
   /// weights[3 step + k] rows[b step + k][bin], in the order of k. There are 3 step zeros before and after the weights.
   /// `sums` has four rows.

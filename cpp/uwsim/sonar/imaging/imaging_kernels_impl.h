@@ -13,16 +13,18 @@ namespace {
 
 constexpr float kFarField_m = 0.05f;  // at shorter ranges there is no far field, and 1 / R^2 would diverge
 
-UWSIM_LANES Vector in_plane(const ArcFrame& arc, const float* cosine, const float* sine) {
-  return broadcast(arc.ahead) * load(cosine) + broadcast(arc.up) * load(sine);
+UWSIM_LANES Vector axes(const float (&rows)[3][16]) { return {load(rows[0]), load(rows[1]), load(rows[2])}; }
+
+UWSIM_LANES Vector in_plane(const ArcFrames& arcs, const float* cosine, const float* sine) {
+  return axes(arcs.ahead) * load(cosine) + axes(arcs.up) * load(sine);
 }
 
-UWSIM_LANES Vector arc_direction(const ArcFrame& arc, const float* cosine, const float* sine) {
-  return in_plane(arc, cosine, sine) * splat(arc.cos_aside) + broadcast(arc.aside) * splat(arc.sin_aside);
+UWSIM_LANES Vector arc_direction(const ArcFrames& arcs, const float* cosine, const float* sine) {
+  return in_plane(arcs, cosine, sine) * load(arcs.cos_aside) + axes(arcs.aside) * load(arcs.sin_aside);
 }
 
-void directions(const ArcFrame& arc, const ArcAngles& angles, float* x, float* y, float* z) {
-  const Vector direction = arc_direction(arc, angles.cosine, angles.sine);
+void directions(const ArcFrames& arcs, const ArcAngles& angles, float* x, float* y, float* z) {
+  const Vector direction = arc_direction(arcs, angles.cosine, angles.sine);
   store(x, direction.x), store(y, direction.y), store(z, direction.z);
 }
 
@@ -33,23 +35,23 @@ UWSIM_LANES Float range_ratio(Float along, Float other) {
   return clamp(select(other < 0, ratio, splat(kPatchStretch)), 1 / kPatchStretch, kPatchStretch);
 }
 
-void patches(const ArcFrame& arc, const ArcAngles& angles, const ArcHits& hits, const PatchRule& rule,
+void patches(const ArcFrames& arcs, const ArcAngles& angles, const ArcHits& hits, const PatchRule& rule,
              const ArcPatches& out) {
   const Float distance = load(hits.distance_m);
   const Int hit = distance < 1e30f;
   const Vector met =
       select(hit, {load(hits.normal_x), load(hits.normal_y), load(hits.normal_z)}, {Float{}, Float{}, splat(1)});
   const Vector normal = unit(met);
-  const Vector direction = arc_direction(arc, angles.cosine, angles.sine);
+  const Vector direction = arc_direction(arcs, angles.cosine, angles.sine);
   const Float along = dot(normal, direction);
   const Int echoes = hit & (along < 0) & (rule.head_z_m + distance * direction.z <= 0);
   const Float facing = select(echoes, along, splat(-1));
   const Float range = max(select(hit, distance, splat(1)), splat(kFarField_m));
-  const Float one = range_ratio(facing, dot(normal, arc_direction(arc, angles.lower_cosine, angles.lower_sine)));
-  const Float other = range_ratio(facing, dot(normal, arc_direction(arc, angles.upper_cosine, angles.upper_sine)));
+  const Float one = range_ratio(facing, dot(normal, arc_direction(arcs, angles.lower_cosine, angles.lower_sine)));
+  const Float other = range_ratio(facing, dot(normal, arc_direction(arcs, angles.upper_cosine, angles.upper_sine)));
   const Vector across =
-      broadcast(arc.aside) * splat(arc.cos_aside) - in_plane(arc, angles.cosine, angles.sine) * splat(arc.sin_aside);
-  const Float slope = dot(normal, across) * splat(arc.tan_half_width) / facing;
+      axes(arcs.aside) * load(arcs.cos_aside) - in_plane(arcs, angles.cosine, angles.sine) * load(arcs.sin_aside);
+  const Float slope = dot(normal, across) * load(arcs.tan_half_width) / facing;
   const Float widened = min(abs(slope), splat(kPatchStretch - 1));
   const Float per_bin = range / splat(rule.bin_m);
   store(out.near_bin, per_bin * max(min(one, other) - widened, splat(1 / kPatchStretch)));
@@ -67,19 +69,58 @@ UWSIM_LANES Doubles doubles_at(const double* from) {
   return value;
 }
 
+/// Adds an echo to the bins from `bin` on, eight at a time.
+UWSIM_LANES void spread_one(double power, double near_bin, double far_bin, std::size_t bins, double* profile) {
+  constexpr std::size_t kEach = 8;
+  constexpr Doubles kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+  const double end = static_cast<double>(bins), length = far_bin - near_bin;
+  if (!(near_bin < end)) return;
+  auto bin = static_cast<std::size_t>(near_bin);
+  if (length < 1e-9) {
+    profile[bin] += power;
+    return;
+  }
+  const double last = far_bin < end ? far_bin : end, whole = power / length;
+  for (; static_cast<double>(bin) < last && bin + kEach <= bins; bin += kEach) {
+    const double at = static_cast<double>(bin);
+    Doubles added = Doubles{} + whole;
+    if (at < near_bin || at + kEach > last) {
+      const Doubles low = kNumbers + at, high = low + 1;
+      const Doubles covered = (high < last ? high : Doubles{} + last) - (low > near_bin ? low : Doubles{} + near_bin);
+      added = (covered > 0 ? power * covered : Doubles{}) / length;
+    }
+    const Doubles sum = doubles_at(profile + bin) + added;
+    std::memcpy(profile + bin, &sum, sizeof sum);
+  }
+  for (; static_cast<double>(bin) < last; ++bin) {
+    const double at = static_cast<double>(bin);
+    const double covered = (at + 1 < last ? at + 1 : last) - (at > near_bin ? at : near_bin);
+    profile[bin] += power * covered / length;
+  }
+}
+
+void spread(const double* power, const double* near_bin, const double* far_bin, std::size_t count, std::size_t bins,
+            double* profile) {
+  for (std::size_t k = 0; k < count; ++k) {
+    if (power[k] > 0) spread_one(power[k], near_bin[k], far_bin[k], bins, profile);
+  }
+}
+
 void sum_beams(const double* rows, const double* weights, std::size_t count, std::size_t step, std::size_t beams,
                std::size_t bins, double* sums) {
-  constexpr std::size_t kBeams = 4, kWide = 2, kEach = 8;
+  constexpr std::size_t kBeams = 4, kWide = kNativeBytes == 64 ? 4 : 2, kEach = 8;
   const std::size_t all = count + (beams - 1) * step;
   std::size_t bin = 0;
   for (; bin + kWide * kEach <= bins; bin += kWide * kEach) {
     Doubles sum[kBeams][kWide] = {};
     for (std::size_t k = 0; k < all; ++k) {
-      const Doubles value[kWide] = {doubles_at(rows + k * bins + bin), doubles_at(rows + k * bins + bin + kEach)};
+      Doubles value[kWide];
+#pragma GCC unroll 4
+      for (std::size_t w = 0; w < kWide; ++w) value[w] = doubles_at(rows + k * bins + bin + w * kEach);
 #pragma GCC unroll 4
       for (std::size_t beam = 0; beam < kBeams; ++beam) {
         const double weight = weights[k + (kBeams - 1 - beam) * step];
-#pragma GCC unroll 2
+#pragma GCC unroll 4
         for (std::size_t w = 0; w < kWide; ++w) sum[beam][w] += weight * value[w];
       }
     }
@@ -130,7 +171,29 @@ UWSIM_LANES Float decibels(Double power) {
   return to_float(exponent - 1023) * 3.01029996f + logarithm(m) * 4.34294482f;
 }
 
+/// The amplitudes of sixteen cells of one look, of `looks` per cell.
+template <bool kOneLook>
+UWSIM_LANES void load_amplitudes(const float* speckle, std::uint32_t looks, std::uint32_t look, Float& real,
+                                 Float& imaginary) {
+  if constexpr (kOneLook) {
+    using Row = float __attribute__((vector_size(64)));
+    Row first, second;
+    std::memcpy(&first, speckle, sizeof first);
+    std::memcpy(&second, speckle + kLanes, sizeof second);
+    const Row even = __builtin_shufflevector(first, second, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const Row odd = __builtin_shufflevector(first, second, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    std::memcpy(real.part, &even, sizeof even);
+    std::memcpy(imaginary.part, &odd, sizeof odd);
+  } else {
+    for (int k = 0; k < kLanes; ++k) {
+      real[k] = speckle[2 * (static_cast<std::uint32_t>(k) * looks + look)];
+      imaginary[k] = speckle[2 * (static_cast<std::uint32_t>(k) * looks + look) + 1];
+    }
+  }
+}
+
 /// Sixteen bins.
+template <bool kOneLook>
 UWSIM_LANES void receive_lanes(const ReceiverLanes& receiver, const double* echo, const float* speckle,
                                std::uint32_t first_cell, double* received, Float gain_db, float* level_db) {
   const Double mean = load_double(echo) * Double(receiver.source);
@@ -142,16 +205,16 @@ UWSIM_LANES void receive_lanes(const ReceiverLanes& receiver, const double* echo
     store_double(root, mean);
     for (int k = 0; k < kLanes; ++k) root[k] = std::sqrt(root[k]);
     const Double amplitude = load_double(root), noise(std::sqrt(receiver.noise / 2));
-    const auto looks = static_cast<std::uint32_t>(receiver.looks);
+    const std::uint32_t looks = kOneLook ? 1 : static_cast<std::uint32_t>(receiver.looks);
+    alignas(64) static constexpr std::uint32_t kNumbers[kLanes] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                                   8, 9, 10, 11, 12, 13, 14, 15};
+    Unsigned lane;
+    std::memcpy(lane.part, kNumbers, sizeof kNumbers);
+    const Unsigned first_index = (Unsigned(first_cell) + lane * Unsigned(receiver.cell_step)) * Unsigned(looks);
     for (std::uint32_t look = 0; look < looks; ++look) {
-      Unsigned index;
+      const Unsigned index = first_index + Unsigned(look);
       Float real, imaginary;
-      for (int k = 0; k < kLanes; ++k) {
-        const auto lane = static_cast<std::uint32_t>(k);
-        index[k] = (first_cell + lane * receiver.cell_step) * looks + look;
-        real[k] = speckle[2 * (lane * looks + look)];
-        imaginary[k] = speckle[2 * (lane * looks + look) + 1];
-      }
+      load_amplitudes<kOneLook>(speckle, looks, look, real, imaginary);
       const PhiloxWords words =
           philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32), widened<std::uint64_t>(index),
                  Wide(std::uint64_t{receiver.stream}), receiver.key);
@@ -167,14 +230,15 @@ UWSIM_LANES void receive_lanes(const ReceiverLanes& receiver, const double* echo
   store(level_db, decibels(power) + gain_db);
 }
 
-void receive(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
-             std::size_t bins, double* received, float* level_db) {
+template <bool kOneLook>
+void receive_all(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
+                 std::size_t bins, double* received, float* level_db) {
   const auto looks = static_cast<std::size_t>(receiver.looks);
   std::size_t bin = 0;
   for (; bin + kLanes <= bins; bin += kLanes) {
-    receive_lanes(receiver, echo + bin, speckle + 2 * bin * looks,
-                  receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step, received + bin,
-                  load(gain_db + bin), level_db + bin);
+    receive_lanes<kOneLook>(receiver, echo + bin, speckle + 2 * bin * looks,
+                            receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step, received + bin,
+                            load(gain_db + bin), level_db + bin);
   }
   if (bin == bins) return;
   const std::size_t left = bins - bin;
@@ -183,14 +247,20 @@ void receive(const ReceiverLanes& receiver, const double* echo, const float* spe
   std::memcpy(echoes, echo + bin, left * sizeof(double));
   std::memcpy(gains, gain_db + bin, left * sizeof(float));
   if (looks > 0) std::memcpy(amplitudes, speckle + 2 * bin * looks, 2 * left * looks * sizeof(float));
-  receive_lanes(receiver, echoes, amplitudes,
-                receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step, powers, load(gains),
-                levels);
+  receive_lanes<kOneLook>(receiver, echoes, amplitudes,
+                          receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step, powers,
+                          load(gains), levels);
   std::memcpy(received + bin, powers, left * sizeof(double));
   std::memcpy(level_db + bin, levels, left * sizeof(float));
 }
 
-constexpr ImagingKernels kKernels{&directions, &patches, &sum_beams, &add_noise, &add_row, &receive};
+void receive(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
+             std::size_t bins, double* received, float* level_db) {
+  const auto& run = receiver.looks == 1 ? receive_all<true> : receive_all<false>;
+  run(receiver, echo, speckle, gain_db, bins, received, level_db);
+}
+
+constexpr ImagingKernels kKernels{&directions, &patches, &spread, &sum_beams, &add_noise, &add_row, &receive};
 
 }  // namespace
 }  // namespace uwsim

@@ -8,34 +8,22 @@
 namespace uwsim {
 namespace {
 
-/// Sixteen rays of an arc, in float.
-struct ArcPacket {
-  alignas(64) float cosine[kPacketRays], sine[kPacketRays];
-  alignas(64) float lower_cosine[kPacketRays], lower_sine[kPacketRays];
-  alignas(64) float upper_cosine[kPacketRays], upper_sine[kPacketRays];
-
-  /// The last ray fills the lanes that are left over.
-  explicit ArcPacket(std::span<const ArcRay> rays) {
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const ArcRay& ray = rays[std::min(k, rays.size() - 1)];
-      cosine[k] = ray.middle.cosine, sine[k] = ray.middle.sine;
-      lower_cosine[k] = ray.lower.cosine, lower_sine[k] = ray.lower.sine;
-      upper_cosine[k] = ray.upper.cosine, upper_sine[k] = ray.upper.sine;
+/// The frames of packets in which each arc has as many successive lanes as the others. Lanes that are left over repeat
+/// the last arc.
+ArcFrames frames_of(std::span<const RayArc> arcs, std::size_t rays_each) {
+  ArcFrames frames;
+  for (std::size_t lane = 0; lane < kPacketRays; ++lane) {
+    const RayArc& arc = arcs[std::min(lane / rays_each, arcs.size() - 1)];
+    for (int axis = 0; axis < 3; ++axis) {
+      frames.ahead[axis][lane] = static_cast<float>(arc.ahead_world[axis]);
+      frames.up[axis][lane] = static_cast<float>(arc.up_world[axis]);
+      frames.aside[axis][lane] = static_cast<float>(arc.aside_world[axis]);
     }
+    frames.cos_aside[lane] = static_cast<float>(std::cos(arc.aside_rad));
+    frames.sin_aside[lane] = static_cast<float>(std::sin(arc.aside_rad));
+    frames.tan_half_width[lane] = static_cast<float>(std::tan(arc.half_width_rad));
   }
-
-  ArcAngles angles() const { return {cosine, sine, lower_cosine, lower_sine, upper_cosine, upper_sine}; }
-};
-
-ArcFrame frame_of(const RayArc& arc) {
-  ArcFrame frame;
-  Eigen::Vector3f::Map(frame.ahead) = arc.ahead_world.cast<float>();
-  Eigen::Vector3f::Map(frame.up) = arc.up_world.cast<float>();
-  Eigen::Vector3f::Map(frame.aside) = arc.aside_world.cast<float>();
-  frame.cos_aside = static_cast<float>(std::cos(arc.aside_rad));
-  frame.sin_aside = static_cast<float>(std::sin(arc.aside_rad));
-  frame.tan_half_width = static_cast<float>(std::tan(arc.half_width_rad));
-  return frame;
+  return frames;
 }
 
 }  // namespace
@@ -84,18 +72,7 @@ Label EchoesByLabel::strongest(std::size_t bin, double least) const {
 }
 
 void SurfaceEchoes::spread(double power, double near_bin, double far_bin, std::span<double> profile) {
-  const double end = static_cast<double>(profile.size());
-  const double length = far_bin - near_bin;
-  if (near_bin >= end) return;
-  if (length < 1e-9) {
-    profile[static_cast<std::size_t>(near_bin)] += power;
-    return;
-  }
-  const double last = std::min(far_bin, end);
-  for (double bin = std::floor(near_bin); bin < last; ++bin) {
-    const double covered = std::min(bin + 1, last) - std::max(bin, near_bin);
-    profile[static_cast<std::size_t>(bin)] += power * covered / length;
-  }
+  imaging_kernels().spread(&power, &near_bin, &far_bin, 1, profile.size(), profile.data());
 }
 
 SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m,
@@ -126,11 +103,86 @@ double SurfaceEchoes::scattered(Label label, double cosine) const {
   return (label < strengths_.size() ? strengths_[label] : solid_) * cosine * cosine;
 }
 
+double SurfaceEchoes::reflected(Label label, double cosine) const {
+  if (curves_.empty()) return (label < strengths_.size() ? strengths_[label] : solid_) * cosine;
+  const double facing = std::max(cosine, 1e-3);
+  return scattered(label, facing) / facing;
+}
+
+/// The rays of an arc, one row per quantity. The last ray is repeated to fill a packet.
+class SurfaceEchoes::RayTable {
+ public:
+  explicit RayTable(std::span<const ArcRay> rays) : rays_(rays), stride_(rays.size() + kPacketRays) {
+    rows_.resize(kRows * stride_);
+    for (std::size_t k = 0; k < stride_; ++k) {
+      const ArcRay& ray = rays[std::min(k, rays.size() - 1)];
+      const ArcTurn turns[] = {ray.middle, ray.lower, ray.upper};
+      for (std::size_t turn = 0; turn < 3; ++turn) {
+        rows_[2 * turn * stride_ + k] = turns[turn].cosine;
+        rows_[(2 * turn + 1) * stride_ + k] = turns[turn].sine;
+      }
+    }
+  }
+
+  std::span<const ArcRay> rays() const { return rays_; }
+
+  /// The angles of a packet in which each arc has the rays from `first` on in successive lanes.
+  template <std::size_t kArcs>
+  class Packet {
+   public:
+    Packet(const RayTable& table, std::size_t first) {
+      constexpr std::size_t kEach = kPacketRays / kArcs;
+      for (std::size_t row = 0; row < kRows; ++row) {
+        const float* from = table.rows_.data() + row * table.stride_ + first;
+        for (std::size_t arc = 0; arc < kArcs; ++arc) std::copy_n(from, kEach, values_[row] + arc * kEach);
+      }
+    }
+    ArcAngles angles() const { return {values_[0], values_[1], values_[2], values_[3], values_[4], values_[5]}; }
+
+   private:
+    alignas(64) float values_[6][kPacketRays];
+  };
+
+ private:
+  static constexpr std::size_t kRows = 6;
+
+  std::span<const ArcRay> rays_;
+  std::size_t stride_;
+  std::vector<float> rows_;
+};
+
 void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
                         EchoesByLabel* by_label) const {
-  if (head_world_m_.z() > 0) return;
+  add({&arc, 1}, rays, profile, {by_label, by_label != nullptr ? 1u : 0u});
+}
+
+void SurfaceEchoes::add(std::span<const RayArc> arcs, std::span<const ArcRay> rays, std::span<double> profiles,
+                        std::span<EchoesByLabel> by_label) const {
+  if (head_world_m_.z() > 0 || rays.empty() || arcs.empty()) return;
+  const RayTable table(rays);
+  const std::size_t bins = profiles.size() / arcs.size();
+  for (std::size_t first = 0; first < arcs.size(); first += kArcsTogether) {
+    const std::size_t count = std::min(kArcsTogether, arcs.size() - first);
+    const std::span<double> some = profiles.subspan(first * bins, count * bins);
+    const std::span<EchoesByLabel> labelled = by_label.empty() ? by_label : by_label.subspan(first, count);
+    if (count == 1) {
+      add_packets<1>(arcs.subspan(first, count), table, some, labelled);
+    } else {
+      add_packets<kArcsTogether>(arcs.subspan(first, count), table, some, labelled);
+    }
+  }
+  if (!acoustics_->multipath) return;
+  for (std::size_t k = 0; k < arcs.size(); ++k) add_ghosts(arcs[k], rays, profiles.subspan(k * bins, bins));
+}
+
+template <std::size_t kArcs>
+void SurfaceEchoes::add_packets(std::span<const RayArc> arcs, const RayTable& table, std::span<double> profiles,
+                                std::span<EchoesByLabel> by_label) const {
+  constexpr std::size_t kEach = kPacketRays / kArcs;
   static const ImagingKernels& kernels = imaging_kernels();
-  const ArcFrame frame = frame_of(arc);
+  const std::span<const ArcRay> rays = table.rays();
+  const std::size_t bins = profiles.size() / arcs.size();
+  const ArcFrames frames = frames_of(arcs, kEach);
   const PatchRule rule{static_cast<float>(head_world_m_.z()), static_cast<float>(absorption_db_m_),
                        static_cast<float>(bin_m_)};
   RayPacket packet;
@@ -140,31 +192,37 @@ void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::sp
   // The patch of a ray that hits just beyond the last bin may begin within that bin.
   packet.far_m.fill(static_cast<float>(range_max_m_) * kPatchStretch);
   alignas(64) float near_bin[kPacketRays], far_bin[kPacketRays], cosine[kPacketRays], loss[kPacketRays];
-  for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
-    const std::span<const ArcRay> some = rays.subspan(first, std::min(kPacketRays, rays.size() - first));
-    const ArcPacket arcs(some);
-    kernels.directions(frame, arcs.angles(), packet.direction_x.data(), packet.direction_y.data(),
+  alignas(64) double power[kPacketRays], near[kPacketRays], far[kPacketRays];
+  for (std::size_t first = 0; first < rays.size(); first += kEach) {
+    const std::size_t count = std::min(kEach, rays.size() - first);
+    const RayTable::Packet<kArcs> packed(table, first);
+    kernels.directions(frames, packed.angles(), packet.direction_x.data(), packet.direction_y.data(),
                        packet.direction_z.data());
-    for (std::size_t k = 0; k < kPacketRays; ++k) packet.active[k] = k < some.size() ? -1 : 0;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      packet.active[k] = k % kEach < count && k / kEach < arcs.size() ? -1 : 0;
+    }
     scene_->cast(head_world_m_, packet, hits, RayOrder::kCoherent);
-    kernels.patches(frame, arcs.angles(),
+    kernels.patches(frames, packed.angles(),
                     {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data()}, rule,
                     {near_bin, far_bin, cosine, loss});
-    for (std::size_t k = 0; k < some.size(); ++k) {
-      if (!(cosine[k] > 0)) continue;
-      const auto label = static_cast<Label>(hits.label[k]);
-      double power = some[k].gain_sr * double{loss[k]};
-      if (curves_.empty()) {
-        power *= (label < strengths_.size() ? strengths_[label] : solid_) * double{cosine[k]};
-      } else {
-        const double facing = std::max(double{cosine[k]}, 1e-3);
-        power *= scattered(label, facing) / facing;
-      }
-      spread(power, double{near_bin[k]}, double{far_bin[k]}, profile);
-      if (by_label != nullptr) spread(power, double{near_bin[k]}, double{far_bin[k]}, by_label->of(label));
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const double facing = double{cosine[k]};
+      power[k] = 0;
+      near[k] = double{near_bin[k]}, far[k] = double{far_bin[k]};
+      if (!(facing > 0) || packet.active[k] == 0) continue;
+      const double received = rays[first + k % kEach].gain_sr * double{loss[k]};
+      power[k] = received * reflected(static_cast<Label>(hits.label[k]), facing);
+    }
+    for (std::size_t arc = 0; arc < arcs.size(); ++arc) {
+      const std::size_t lane = arc * kEach;
+      kernels.spread(power + lane, near + lane, far + lane, count, bins, profiles.data() + arc * bins);
+    }
+    if (by_label.empty()) continue;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (!(power[k] > 0)) continue;
+      spread(power[k], near[k], far[k], by_label[k / kEach].of(static_cast<Label>(hits.label[k])));
     }
   }
-  if (acoustics_->multipath) add_ghosts(arc, rays, profile);
 }
 
 }  // namespace uwsim

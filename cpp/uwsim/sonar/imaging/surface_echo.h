@@ -81,11 +81,24 @@ class SurfaceEchoes {
   /// Adds the echoes of an arc to `profile`, one power per range bin, and to `by_label` unless it is null.
   void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
            EchoesByLabel* by_label = nullptr) const;
+  /// The same for neighbouring arcs of the same rays: `profiles` has a row for each arc, and `by_label` an entry,
+  /// unless it is empty. Four arcs share their packets, which Embree traverses faster than those of one arc.
+  void add(std::span<const RayArc> arcs, std::span<const ArcRay> rays, std::span<double> profiles,
+           std::span<EchoesByLabel> by_label) const;
+
+  /// The number of arcs that share packets; see above.
+  static constexpr std::size_t kArcsTogether = 4;
 
  private:
+  class RayTable;
+  template <std::size_t kArcs>
+  void add_packets(std::span<const RayArc> arcs, const RayTable& rays, std::span<double> profiles,
+                   std::span<EchoesByLabel> by_label) const;
   void add_ghosts(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const;
   /// The backscattering cross-section per unit area.
   double scattered(Label label, double cosine) const;
+  /// The same per unit area across the ray.
+  double reflected(Label label, double cosine) const;
   /// Distributes power evenly over an interval of bins.
   static void spread(double power, double near_bin, double far_bin, std::span<double> profile);
 
