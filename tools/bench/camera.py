@@ -133,17 +133,25 @@ def write_rays(file: Path, sim: Simulator, camera: Camera, *, geometry_only: boo
 
 
 class BareEmbree:
-    """The peer's process; a call returns the seconds that it needs for all rays of one image."""
+    """The peer's process; a call returns the seconds of wall time that it needs for all rays of one image."""
 
     def __init__(self, command: list[str]) -> None:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def __call__(self) -> float:
         """Cast all rays and return the seconds."""
+        return self._cast()[0]
+
+    def processor_s(self) -> float:
+        """Cast all rays and return the seconds of processor time."""
+        return self._cast()[1]
+
+    def _cast(self) -> tuple[float, float]:
         assert self._process.stdin is not None and self._process.stdout is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()
-        return float(self._process.stdout.readline())
+        wall_s, processor_s = map(float, self._process.stdout.readline().split())
+        return wall_s, processor_s
 
     def close(self) -> None:
         """Stop the process."""

@@ -7,6 +7,7 @@
 #include "uwsim/core/check.h"
 #include "uwsim/sonar/beam_angles.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"
+#include "uwsim/sonar/imaging/surface_echo.h"
 
 namespace uwsim {
 namespace {
@@ -74,6 +75,34 @@ TEST(ForwardLooking, AFlatBedIsAsLoudAsTheSonarEquationSays) {
   for (int bin = 80; bin < 400; bin += 20) {
     const double range = model.acoustics().bin_centre_m(bin);
     EXPECT_NEAR(column[static_cast<std::size_t>(bin)], bed_level_db(model, world.water, -15, range), 0.05) << range;
+  }
+}
+
+TEST(ForwardLooking, ArcsThatShareTheirPacketsEchoAsEachDoesAlone) {
+  const ImagingModel model = quiet_forward_looking();
+  const ImagingAcoustics acoustics = model.acoustics();
+  const auto bins = static_cast<std::size_t>(acoustics.range_bins);
+  const RayScene scene(with_box(flat_bed(-20), {12, 1, -18}, {2, 2, 3}));
+  const SurfaceEchoes echoes(scene, {0, 0, -15}, acoustics, 0.05);
+  std::vector<double> angles;
+  for (int k = 0; k < 101; ++k) angles.push_back(-0.9 + 0.01 * k);  // fills no whole number of packets
+  const std::vector<ArcRay> rays = arc_rays(angles);
+  std::vector<RayArc> arcs;
+  for (int k = 0; k < 7; ++k) {
+    const double c = std::cos(0.03 * k), s = std::sin(0.03 * k);
+    arcs.push_back({{c, s, 0}, Eigen::Vector3d::UnitZ(), {-s, c, 0}, 0, 0.015});
+  }
+  std::vector<double> together(arcs.size() * bins, 0.0);
+  std::vector<EchoesByLabel> by_label(arcs.size(), EchoesByLabel(bins));
+  echoes.add(arcs, rays, together, by_label);
+  for (std::size_t k = 0; k < arcs.size(); ++k) {
+    std::vector<double> alone(bins, 0.0);
+    EchoesByLabel labels(bins);
+    echoes.add(arcs[k], rays, alone, &labels);
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+      EXPECT_NEAR(together[k * bins + bin], alone[bin], 1e-5 * alone[bin]);
+      EXPECT_EQ(by_label[k].strongest(bin, 0), labels.strongest(bin, 0));
+    }
   }
 }
 

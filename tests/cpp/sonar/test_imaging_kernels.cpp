@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <vector>
@@ -88,8 +89,37 @@ TEST(ImagingKernels, BeamsAreWeightedSumsOfTheirRows) {
   }
 }
 
+TEST(ImagingKernels, AnEchoIsSpreadEvenlyOverItsInterval) {
+  constexpr std::size_t kBins = 41;  // echoes end within and beyond the last whole block of eight bins
+  const std::vector<double> random = uniform(48, 6);
+  double power[16], near_bin[16], far_bin[16];
+  for (std::size_t k = 0; k < 16; ++k) {
+    power[k] = k == 7 ? 0 : 1 + random[k];
+    near_bin[k] = (k == 3 ? 30 : 45) * random[16 + k];
+    far_bin[k] = near_bin[k] + (k == 3 ? 0 : 20 * random[32 + k] * random[32 + k]);
+  }
+  std::vector<double> expected(kBins, 0.0), first;
+  for (std::size_t k = 0; k < 16; ++k) {
+    const double length = far_bin[k] - near_bin[k];
+    for (std::size_t bin = 0; bin < kBins; ++bin) {
+      const auto low = static_cast<double>(bin);
+      const double covered = std::min(low + 1, far_bin[k]) - std::max(low, near_bin[k]);
+      const bool inside = near_bin[k] >= low && near_bin[k] < low + 1;
+      expected[bin] += power[k] * (length > 0 ? std::max(covered, 0.0) / length : inside ? 1.0 : 0.0);
+    }
+  }
+  for (const ImagingKernels* kernels : all_kernels()) {
+    std::vector<double> profile(kBins, 0.0);
+    kernels->spread(power, near_bin, far_bin, 16, kBins, profile.data());
+    for (std::size_t bin = 0; bin < kBins; ++bin) EXPECT_NEAR(profile[bin], expected[bin], 1e-12) << bin;
+    if (first.empty()) first = profile;
+    EXPECT_EQ(profile, first);
+  }
+}
+
 TEST(ImagingKernels, APatchOnAPlaneLiesBetweenTheRangesAtItsEnds) {
-  const ArcFrame arc{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, 1, 0, 0};
+  ArcFrames arc{};
+  for (int k = 0; k < 16; ++k) arc.ahead[0][k] = arc.up[2][k] = arc.cos_aside[k] = 1, arc.aside[1][k] = -1;
   constexpr float kDepth_m = 4, kHalf_rad = 2e-3f;
   float angle[16], cosine[16], sine[16], lower_cosine[16], lower_sine[16], upper_cosine[16], upper_sine[16];
   float distance[16], x[16] = {}, y[16] = {}, z[16];

@@ -54,7 +54,7 @@ FanSpeckle::FanSpeckle(const Beam& beam, const ImagingAcoustics& acoustics, cons
   const Eigen::Vector2d tilted = turned.tilt_rad / beam.tilt_width_rad;
   const auto key = static_cast<std::uint32_t>(mixed(random.key() + random.stream()));
   const SimplexNodes<5> nodes = simplex_nodes<5>({moved.x(), moved.y(), moved.z(), tilted.x(), tilted.y()}, key);
-  amplitudes_.resize(count * cells_);
+  amplitudes_.resize(count * cells_);  // left uninitialised
   if (cells_ == 0) return;
   parallel_ranges(
       count, threads,
@@ -67,6 +67,7 @@ FanSpeckle::FanSpeckle(const Beam& beam, const ImagingAcoustics& acoustics, cons
 void FanSpeckle::fill(std::size_t scatterer, const SimplexNodes<5>& nodes) {
   const int bearing = ((first_ + static_cast<int>(scatterer)) % around_ + around_) % around_;
   Amplitude* const row = amplitudes_.data() + scatterer * cells_;
+  std::fill_n(row, cells_, Amplitude(0, 0));
   const float scale = 1 / std::sqrt(2 * kByteSumVariance);
   for (std::size_t node = 0; node < nodes.keys.size(); ++node) {
     const std::uint32_t key = mixed(nodes.keys[node] + 0x9e3779b1U * static_cast<std::uint32_t>(bearing));
@@ -82,10 +83,14 @@ std::span<const FanSpeckle::Amplitude> FanSpeckle::of_beam(double bearing_rad, s
   const int last = first_ + static_cast<int>(amplitudes_.size() / cells_) - 1;
   const int near = std::max(first_, static_cast<int>(std::ceil((axis_rad - reach_rad_) / spacing_rad_)));
   const int far = std::min(last, static_cast<int>(std::floor((axis_rad + reach_rad_) / spacing_rad_)));
+  std::vector<double> pattern;
   double squares = 0;
-  for (int k = near; k <= far; ++k) squares += std::pow(pattern_->amplitude_at(k * spacing_rad_ - axis_rad), 2);
   for (int k = near; k <= far; ++k) {
-    const auto weight = static_cast<float>(pattern_->amplitude_at(k * spacing_rad_ - axis_rad) / std::sqrt(squares));
+    pattern.push_back(pattern_->amplitude_at(k * spacing_rad_ - axis_rad));
+    squares += pattern.back() * pattern.back();
+  }
+  for (int k = near; k <= far; ++k) {
+    const auto weight = static_cast<float>(pattern[static_cast<std::size_t>(k - near)] / std::sqrt(squares));
     const Amplitude* const from = amplitudes_.data() + static_cast<std::size_t>(k - first_) * cells_;
     imaging_kernels().add_row(weight, reinterpret_cast<const float*>(from), 2 * cells_,
                               reinterpret_cast<float*>(row.data()));

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "uwsim/core/image_buffer.h"
 #include "uwsim/core/pose.h"
 #include "uwsim/core/random.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"
@@ -51,7 +52,7 @@ class FanSpeckle {
   double spacing_rad_, reach_rad_;
   double twist_rad_;
   int first_;                          // of the scatterers' bearings
-  std::vector<Amplitude> amplitudes_;  // (bearings, cells)
+  ImageBuffer<Amplitude> amplitudes_;  // (bearings, cells)
 };
 
 }  // namespace uwsim

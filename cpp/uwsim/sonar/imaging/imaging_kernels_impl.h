@@ -192,66 +192,96 @@ UWSIM_LANES void load_amplitudes(const float* speckle, std::uint32_t looks, std:
   }
 }
 
-/// Sixteen bins.
-template <bool kOneLook>
-UWSIM_LANES void receive_lanes(const ReceiverLanes& receiver, const double* echo, const float* speckle,
-                               std::uint32_t first_cell, double* received, Float gain_db, float* level_db) {
-  const Double mean = load_double(echo) * Double(receiver.source);
-  Double power;
+#define UWSIM_BLOCKS _Pragma("GCC unroll 2") for (int b = 0; b < kBlocks; ++b)
+
+/// Complex noise of the cells with these numbers. Each step is a long chain of operations, so that several blocks take
+/// hardly longer than one.
+template <int kBlocks>
+UWSIM_LANES void draw_noise(const ReceiverLanes& receiver, const Unsigned (&cell)[kBlocks], Float (&real)[kBlocks],
+                            Float (&imaginary)[kBlocks]) {
+  PhiloxWords words[kBlocks];
+  Float radius[kBlocks];
+  UWSIM_BLOCKS words[b] =
+      philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32), widened<std::uint64_t>(cell[b]),
+             Wide(std::uint64_t{receiver.stream}), receiver.key);
+  UWSIM_BLOCKS radius[b] = square_root(-2 * logarithm(open_unit(words[b].word[0])));
+  UWSIM_BLOCKS {
+    const SineCosine angle = sine_cosine_of_turns(open_unit(words[b].word[2]));
+    real[b] = radius[b] * angle.cosine;
+    imaginary[b] = radius[b] * angle.sine;
+  }
+}
+
+/// Blocks of sixteen bins.
+template <int kBlocks, bool kOneLook>
+UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* echo, const float* speckle,
+                                const float* gain_db, std::uint32_t first_cell, double* received, float* level_db) {
+  Double mean[kBlocks], power[kBlocks];
+  UWSIM_BLOCKS mean[b] = load_double(echo + b * kLanes) * Double(receiver.source);
   if (receiver.looks == 0) {
-    power = mean + Double(receiver.noise);
+    UWSIM_BLOCKS power[b] = mean[b] + Double(receiver.noise);
   } else {
-    alignas(64) double root[kLanes];
-    store_double(root, mean);
-    for (int k = 0; k < kLanes; ++k) root[k] = std::sqrt(root[k]);
-    const Double amplitude = load_double(root), noise(std::sqrt(receiver.noise / 2));
     const std::uint32_t looks = kOneLook ? 1 : static_cast<std::uint32_t>(receiver.looks);
     alignas(64) static constexpr std::uint32_t kNumbers[kLanes] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                                    8, 9, 10, 11, 12, 13, 14, 15};
-    Unsigned lane;
+    const Double noise(std::sqrt(receiver.noise / 2));
+    Unsigned lane, first_index[kBlocks];
     std::memcpy(lane.part, kNumbers, sizeof kNumbers);
-    const Unsigned first_index = (Unsigned(first_cell) + lane * Unsigned(receiver.cell_step)) * Unsigned(looks);
-    for (std::uint32_t look = 0; look < looks; ++look) {
-      const Unsigned index = first_index + Unsigned(look);
-      Float real, imaginary;
-      load_amplitudes<kOneLook>(speckle, looks, look, real, imaginary);
-      const PhiloxWords words =
-          philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32), widened<std::uint64_t>(index),
-                 Wide(std::uint64_t{receiver.stream}), receiver.key);
-      const Float radius = square_root(-2 * logarithm(open_unit(words.word[0])));
-      const SineCosine angle = sine_cosine_of_turns(open_unit(words.word[2]));
-      const Double x = amplitude * widened<double>(real) + noise * widened<double>(radius * angle.cosine);
-      const Double y = amplitude * widened<double>(imaginary) + noise * widened<double>(radius * angle.sine);
-      power = power + (x * x + y * y);
+    Double amplitude[kBlocks];
+    UWSIM_BLOCKS {
+      alignas(64) double root[kLanes];
+      store_double(root, mean[b]);
+      for (int k = 0; k < kLanes; ++k) root[k] = std::sqrt(root[k]);
+      amplitude[b] = load_double(root);
+      const Unsigned number = lane + Unsigned(static_cast<std::uint32_t>(b * kLanes));
+      first_index[b] = (Unsigned(first_cell) + number * Unsigned(receiver.cell_step)) * Unsigned(looks);
     }
-    power = power * Double(1.0 / receiver.looks);
+    for (std::uint32_t look = 0; look < looks; ++look) {
+      Unsigned index[kBlocks];
+      Float noise_real[kBlocks], noise_imaginary[kBlocks];
+      UWSIM_BLOCKS index[b] = first_index[b] + Unsigned(look);
+      draw_noise<kBlocks>(receiver, index, noise_real, noise_imaginary);
+      UWSIM_BLOCKS {
+        Float real, imaginary;
+        load_amplitudes<kOneLook>(speckle + 2 * static_cast<std::uint32_t>(b * kLanes) * looks, looks, look, real,
+                                  imaginary);
+        const Double x = amplitude[b] * widened<double>(real) + noise * widened<double>(noise_real[b]);
+        const Double y = amplitude[b] * widened<double>(imaginary) + noise * widened<double>(noise_imaginary[b]);
+        power[b] = power[b] + (x * x + y * y);
+      }
+    }
+    UWSIM_BLOCKS power[b] = power[b] * Double(1.0 / receiver.looks);
   }
-  store_double(received, power);
-  store(level_db, decibels(power) + gain_db);
+  UWSIM_BLOCKS {
+    store_double(received + b * kLanes, power[b]);
+    store(level_db + b * kLanes, decibels(power[b]) + load(gain_db + b * kLanes));
+  }
 }
+#undef UWSIM_BLOCKS
 
 template <bool kOneLook>
 void receive_all(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
                  std::size_t bins, double* received, float* level_db) {
   const auto looks = static_cast<std::size_t>(receiver.looks);
+  const auto cell = [&](std::size_t bin) {
+    return receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step;
+  };
   std::size_t bin = 0;
-  for (; bin + kLanes <= bins; bin += kLanes) {
-    receive_lanes<kOneLook>(receiver, echo + bin, speckle + 2 * bin * looks,
-                            receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step, received + bin,
-                            load(gain_db + bin), level_db + bin);
+  for (; bin + 2 * kLanes <= bins; bin += 2 * kLanes) {
+    receive_blocks<2, kOneLook>(receiver, echo + bin, speckle + 2 * bin * looks, gain_db + bin, cell(bin),
+                                received + bin, level_db + bin);
   }
-  if (bin == bins) return;
-  const std::size_t left = bins - bin;
-  double echoes[kLanes] = {}, powers[kLanes];
-  float gains[kLanes] = {}, levels[kLanes], amplitudes[2 * 16 * kLanes] = {};
-  std::memcpy(echoes, echo + bin, left * sizeof(double));
-  std::memcpy(gains, gain_db + bin, left * sizeof(float));
-  if (looks > 0) std::memcpy(amplitudes, speckle + 2 * bin * looks, 2 * left * looks * sizeof(float));
-  receive_lanes<kOneLook>(receiver, echoes, amplitudes,
-                          receiver.first_cell + static_cast<std::uint32_t>(bin) * receiver.cell_step, powers,
-                          load(gains), levels);
-  std::memcpy(received + bin, powers, left * sizeof(double));
-  std::memcpy(level_db + bin, levels, left * sizeof(float));
+  for (; bin < bins; bin += kLanes) {
+    const std::size_t left = bins - bin < kLanes ? bins - bin : kLanes;
+    double echoes[kLanes] = {}, powers[kLanes];
+    float gains[kLanes] = {}, levels[kLanes], amplitudes[2 * 16 * kLanes] = {};
+    std::memcpy(echoes, echo + bin, left * sizeof(double));
+    std::memcpy(gains, gain_db + bin, left * sizeof(float));
+    if (looks > 0) std::memcpy(amplitudes, speckle + 2 * bin * looks, 2 * left * looks * sizeof(float));
+    receive_blocks<1, kOneLook>(receiver, echoes, amplitudes, gains, cell(bin), powers, levels);
+    std::memcpy(received + bin, powers, left * sizeof(double));
+    std::memcpy(level_db + bin, levels, left * sizeof(float));
+  }
 }
 
 void receive(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,

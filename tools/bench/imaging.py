@@ -1,0 +1,166 @@
+"""A picture of the packaged forward-looking imaging sonar on the lake, compared with bare Embree casting the same rays.
+
+The cases alternate within one run, so that other load on the machine affects them equally; results are medians over the
+rounds, and ratios are computed per round. Each picture is taken from a new place along a line. The native peer casts
+the rays of the line's first picture, in packets of four by four neighbouring rays as the sonar does, and alternatively
+in packets of sixteen rays one above another.
+
+One thread is measured in processor time; several threads in wall time, which means little on a busy machine.
+"""
+
+from __future__ import annotations
+
+import json
+import runpy
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Simulator
+
+console = Console()
+
+PLACE_M = (-67.0, -52.0, -26.0)  # two metres above the bed, in front of a gate
+STEP_M = 0.3
+PLACES = 20
+SHAPES = {"square": 4, "columns": 1}  # the columns of rays in a packet
+GOALS = {"picture/square": 2.0, "wall_ms": 10.0}
+PACKET = np.dtype([("kind", "<i4"), ("active", "<i4", 16), ("rows", "<f4", (8, 16))])  # see native/embree_bare_rays.cpp
+COHERENT = 2
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often to measure each case; medians are reported.")] = 15,
+    threads: Annotated[int, typer.Option(min=1, help="Threads of the case that is measured in wall time.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
+) -> None:
+    """Measure all cases alternately and print medians."""
+    camera = runpy.run_path(str(Path(__file__).with_name("camera.py")))
+    cases: dict[str, Callable[[], float]] = {
+        "picture": Pictures(1, time.process_time),
+        "wall": Pictures(threads, time.perf_counter),
+    }
+    seconds: dict[str, list[float]] = {}
+    peers = []
+    with tempfile.TemporaryDirectory() as folder:
+        if (program := camera["bare_rays_program"]()) is not None:
+            for shape, columns in SHAPES.items():
+                file = Path(folder) / shape
+                write_rays(file, columns)
+                peers.append(camera["BareEmbree"]([str(program), str(file), "1", "quads"]))
+                cases[shape] = peers[-1].processor_s
+        else:
+            console.print("skipping Embree alone: embree_bare_rays is not installed with the package (run tools/setup)")
+        for turn in range(rounds + 1):
+            with console.status(f"round {turn} of {rounds}"):
+                for name, case in cases.items():
+                    elapsed_s = case()
+                    if turn > 0:  # the first round warms up
+                        seconds.setdefault(name, []).append(elapsed_s)
+        for peer in peers:
+            peer.close()
+    figures = {f"{name}_ms": 1e3 * statistics.median(values) for name, values in seconds.items()}
+    for shape in SHAPES:
+        if shape in seconds:
+            ratios = [a / b for a, b in zip(seconds["picture"], seconds[shape], strict=True)]
+            figures[f"picture/{shape}"] = statistics.median(ratios)
+    console.print(_table(figures, threads))
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+class Pictures:
+    """Pictures from successive places; a call returns the median seconds of one."""
+
+    def __init__(self, threads: int, clock: Callable[[], float]) -> None:
+        self._sim, self._clock = lake(threads), clock
+
+    def __call__(self) -> float:
+        """Take a picture at each place."""
+        rov, elapsed_s = self._sim.rov, []
+        for k in range(PLACES):
+            rov.place((PLACE_M[0] + STEP_M * k, *PLACE_M[1:]))
+            begun = self._clock()
+            rov.imaging_sonars["forward_looking"].look()
+            elapsed_s.append(self._clock() - begun)
+        return statistics.median(elapsed_s)
+
+
+def lake(threads: int = 1) -> Simulator:
+    """Return the lake, with the vehicle at the first place."""
+    sim = Simulator("lake", threads=threads)
+    sim.rov.release()
+    sim.rov.place(PLACE_M)
+    return sim
+
+
+def directions(sonar: Any) -> NDArray[np.float64]:
+    """Return the directions (columns, rays, 3) of a picture's rays in the world; see forward_looking.cpp."""
+    model, world_from_sonar = sonar.model, sonar.world_from_sonar
+    spacing = model.field_of_view_rad / (model.beams - 1) / model.columns_per_beam
+    reach = int(np.ceil(6 * model.beam_width_rad / spacing))
+    columns = (model.beams - 1) * model.columns_per_beam + 1 + 2 * reach
+    bearings = -model.field_of_view_rad / 2 + (np.arange(columns) - reach) * spacing
+    span = 1.25 * model.vertical_width_rad
+    elevations = -span + (np.arange(model.rays_per_column) + 0.5) * 2 * span / model.rays_per_column
+    bearing, elevation = np.meshgrid(bearings, elevations, indexing="ij")
+    level = np.cos(elevation)
+    xyz = np.stack([level * np.cos(bearing), level * np.sin(bearing), np.sin(elevation)], axis=-1)
+    return np.asarray(xyz @ world_from_sonar[:3, :3].T)
+
+
+def write_rays(file: Path, columns: int) -> None:
+    """Write the world's surface and the packets of one picture, of so many columns of rays each, for the peer."""
+    sim = lake()
+    sonar = sim.rov.imaging_sonars["forward_looking"]
+    rays, each = directions(sonar), 16 // columns
+    idle = -len(rays) % columns
+    active = np.concatenate([np.full(len(rays), -1), np.zeros(idle)]).astype(np.int32)
+    rays = np.concatenate([rays, np.repeat(rays[-1:], idle, axis=0)])
+    blocks = rays.reshape(-1, columns, rays.shape[1] // each, each, 3).transpose(0, 2, 4, 1, 3)
+    packets = np.zeros(blocks.shape[:2], PACKET)
+    packets["kind"] = COHERENT
+    packets["active"] = np.repeat(active.reshape(-1, columns), each, axis=1)[:, None]
+    packets["rows"][..., 3:6, :] = blocks.reshape(*blocks.shape[:3], 16)
+    packets["rows"][..., 7, :] = 1.5 * sonar.model.range_max_m
+    vertices, triangles, _ = sim.world.surface_mesh()
+    with file.open("wb") as out:
+        np.array([len(vertices), len(triangles), packets.size], np.uint64).tofile(out)
+        (vertices - sonar.world_from_sonar[:3, 3]).astype(np.float32).tofile(out)
+        triangles.astype(np.uint32).tofile(out)
+        packets.tofile(out)
+
+
+def _table(figures: dict[str, float], threads: int) -> Table:
+    labels = {
+        "picture_ms": "a picture, processor time of one thread",
+        "wall_ms": f"a picture, wall time of {threads} threads",
+        "square_ms": "bare Embree, packets of 4 x 4 rays",
+        "columns_ms": "bare Embree, packets of 16 rays above one another",
+        "picture/square": "a picture against the first, one thread",
+        "picture/columns": "a picture against the second, one thread",
+    }
+    table = Table(title="forward-looking sonar on the lake, 429,000 rays: medians", title_justify="left")
+    for column in ("case", "ms or ratio", "goal", "met"):
+        table.add_column(column, justify="left" if column == "case" else "right")
+    for key, label in labels.items():
+        if key in figures:
+            goal = GOALS.get(key)
+            met = "" if goal is None else "[green]yes[/]" if figures[key] <= goal else "[red]no[/]"
+            table.add_row(label, f"{figures[key]:.2f}", "" if goal is None else f"at most {goal:g}", met)
+    return table
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench imaging")
