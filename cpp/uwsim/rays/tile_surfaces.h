@@ -47,7 +47,7 @@ class TileSurfaces {
   std::uint32_t world_number(std::uint32_t geometry, std::uint32_t primitive) const {
     return geometry == kOpenTerrain && whole_terrain_ ? primitive : other_number(geometry, primitive);
   }
-  /// Whether the tile contains all of the terrain, so that open terrain has the world's numbers.
+  /// True if the tile contains all of the terrain; open terrain then has the numbers of the world.
   bool has_whole_terrain() const { return whole_terrain_; }
   Corners corners(std::uint32_t geometry, std::uint32_t primitive) const;
   Corners mesh_corners(std::size_t mesh, std::uint32_t member) const;

@@ -201,9 +201,8 @@ UWSIM_LANES void draw_noise(const ReceiverLanes& receiver, const Unsigned (&cell
                             Float (&imaginary)[kBlocks]) {
   PhiloxWords words[kBlocks];
   Float radius[kBlocks];
-  UWSIM_BLOCKS words[b] =
-      philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32), widened<std::uint64_t>(cell[b]),
-             Wide(std::uint64_t{receiver.stream}), receiver.key);
+  UWSIM_BLOCKS words[b] = philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32),
+                                 widened<std::uint64_t>(cell[b]), Wide(std::uint64_t{receiver.stream}), receiver.key);
   UWSIM_BLOCKS radius[b] = square_root(-2 * logarithm(open_unit(words[b].word[0])));
   UWSIM_BLOCKS {
     const SineCosine angle = sine_cosine_of_turns(open_unit(words[b].word[2]));
