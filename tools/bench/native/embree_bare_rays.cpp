@@ -1,8 +1,8 @@
 // Embree alone, casting recorded packets of sixteen rays: the peer that `uwsim bench camera` measures against.
 // Usage: embree_bare_rays FILE THREADS [quads]. For each line on stdin it casts all packets and prints the wall time
-// and the processor time [s]. FILE, little-endian: uint64 counts of vertices, triangles, packets; float vertices x 3; uint32 triangles x 3;
-// then for each packet int32 kind (0 cast, 1 occluded, + 2 where coherent), int32 active x 16, and eight rows of 16
-// floats: origin x, y, z, direction x, y, z, near, far.
+// and the processor time [s]. FILE, little-endian: uint64 counts of vertices, triangles, packets; float vertices x 3;
+// uint32 triangles x 3; then for each packet int32 kind (0 cast, 1 occluded, + 2 where coherent), int32 active x 16,
+// and eight rows of 16 floats: origin x, y, z, direction x, y, z, near, far.
 #include <embree3/rtcore.h>
 
 #include <atomic>
