@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "meshes.h"
-#include "uwsim/core/parallel.h"
 #include "uwsim/core/random.h"
 
 namespace uwsim {
@@ -77,19 +76,6 @@ TEST(RayScene, AWorldMadeAfterAnotherHasItsOwnSurfaces) {
     EXPECT_EQ(depth_m(lower_m, -5, 40), -double{lower_m});
     EXPECT_EQ(depth_m(-20, -5, 20), 5);
     EXPECT_EQ(depth_m(-20, -6, 20), 6);
-  }
-}
-
-TEST(RayScene, ThreadsThatCastTheFirstRaysAtOnceMeetTheSameSurfaces) {
-  World world;
-  world.add_solid("ball", testing::sphere(2, 40));
-  const Ray ray{{-10, 0.1, 0.2}, {1, 0, 0}};
-  const double expected_m = RayScene(world).cast(ray, 100).distance_m;
-  for (int round = 0; round < 20; ++round) {
-    const RayScene scene(world);  // without terrain, scenes share nothing
-    std::vector<double> distances_m(4);
-    on_threads(4, [&](std::size_t k) { distances_m[k] = scene.cast(ray, 100).distance_m; });
-    EXPECT_EQ(distances_m, std::vector<double>(4, expected_m));
   }
 }
 
