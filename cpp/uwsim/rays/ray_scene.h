@@ -22,12 +22,12 @@ struct RayHit {
   Label label;
 };
 
-/// The world's fixed surfaces, prepared for rays, and optionally bodies that move among them. Embree searches the
-/// surfaces in float, in tiles of at most 1 km, each relative to its own middle. The hits that it finds are recomputed
-/// in double on the world's own triangles and shapes, so a hit is the true first one, anywhere in the world and for any
-/// size of world. Within about 0.1 degree of tangency, float's error may decide whether a ray grazes or misses.
-/// README.md explains the method and the size of the remaining errors. Thread-safe. Copies are cheap: they share the
-/// surfaces.
+/// The world's fixed surfaces, prepared for ray casting, and optionally bodies that move among them. Embree searches
+/// the surfaces in single precision, in tiles of at most 1 km, each relative to its own centre. The hits that it finds
+/// are recomputed in double precision on the world's original triangles and shapes, so each is truly the first hit,
+/// anywhere in the world and however large the world is. Within about 0.1 degree of tangency, single-precision error
+/// may decide whether a ray grazes or misses. README.md explains the method and the size of the remaining errors.
+/// Thread-safe. Copies are cheap: they share the surfaces.
 class RayScene {
  public:
   explicit RayScene(const World& world);
