@@ -23,13 +23,13 @@ struct ServoExchangeSpec {
 
 /// Counts of what the exchange has received since it began.
 struct ServoCounts {
-  std::uint64_t frames = 0;    ///< frames that made a step
+  std::uint64_t frames = 0;    ///< frames that caused a step
   std::uint64_t lost = 0;      ///< frames missing between two that arrived
   std::uint64_t repeated = 0;  ///< frames that arrived again
-  std::uint64_t resets = 0;    ///< autopilots that started again
-  std::uint64_t foreign = 0;   ///< packets that are no servo packets
-  std::uint64_t cut = 0;       ///< servo packets of a wrong length
-  std::uint64_t others = 0;    ///< frames of another autopilot
+  std::uint64_t resets = 0;    ///< autopilots that restarted
+  std::uint64_t foreign = 0;   ///< packets that are not servo packets
+  std::uint64_t cut = 0;       ///< servo packets with a wrong length
+  std::uint64_t others = 0;    ///< frames from another autopilot
 };
 
 /// The frames of one call of ServoExchange::run, one for each step made.
@@ -44,11 +44,11 @@ struct ServoRun {
 /// The line contains, in the autopilot's frames (world north-east-down from the world's origin, body
 /// forward-right-down): timestamp [s], imu.gyro [rad/s], imu.accel_body (specific force) [m/s2], position [m], velocity
 /// [m/s], quaternion (w, x, y, z; body to world) and, with an altimeter, rng_1 [m]. The parser at the other end
-/// searches for keys as text, so that there are no spaces.
+/// searches for keys as text, so the line contains no spaces.
 ///
 /// A frame number that does not follow the previous one is counted: a gap as lost frames, the same number as a repeated
-/// frame, which gets the last line again and makes no step, and a smaller one as a reset. Another autopilot is ignored
-/// until the present one has been silent for kSilence_s.
+/// frame, which is answered with the last line again and causes no step, and a smaller one as a reset. Another
+/// autopilot is ignored until the present one has been silent for kSilence_s.
 class ServoExchange {
  public:
   static constexpr double kSilence_s = 1;
@@ -72,8 +72,8 @@ class ServoExchange {
   /// Waits until a packet has arrived, at most `patience_s`; returns whether one has.
   bool wait(double patience_s) const;
 
-  /// Makes one step for each frame, at most `steps`; ends early after a frame that changed a watched output, and if
-  /// none arrives for `patience_s`. `steers`: whether frames command the thrusters. Throws InvalidValue if the
+  /// Runs one step for each frame, at most `steps`; returns early after a frame that changed a watched output, and if
+  /// no frame arrives for `patience_s`. `steers`: whether frames command the thrusters. Throws InvalidValue if the
   /// vehicle's motion diverges.
   ServoRun run(Simulation& simulation, std::uint64_t steps, double patience_s, bool steers);
 

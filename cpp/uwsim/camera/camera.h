@@ -28,8 +28,8 @@ class Camera {
   const std::string& name() const { return name_; }
   const Lens& lens() const { return lens_; }
   const ImageSensor& sensor() const { return sensor_; }
-  /// `in_water`: refracted by the flat port, if it has one. The port belongs to the lens: without distortion it bends
-  /// nothing.
+  /// `in_water`: refracted by the flat port, if the camera has one. The port belongs to the lens: without distortion,
+  /// it bends no rays.
   const RayTable& rays(bool distort, bool in_water) const {
     return !distort ? undistorted_ : in_water && lens_.port ? refracted_ : distorted_;
   }

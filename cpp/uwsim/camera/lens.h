@@ -8,7 +8,7 @@ namespace uwsim {
 
 /// A flat window between an air-filled housing and the water, across the optical axis. A ray at the angle a to the axis
 /// in air is at the angle w in water, sin a = n sin w (Snell), and is displaced on its way through the glass. So rays
-/// in water do not meet in one point, and the magnification grows with the angle: no distortion model of a central
+/// in water do not meet at one point, and the magnification grows with the angle: no distortion model of a central
 /// camera is exact (Treibitz, Schechner, Kunz and Singh 2012, "Flat Refractive Geometry", IEEE TPAMI 34:51;
 /// Jordt-Sedlazeck and Koch 2012, "Refractive Calibration of Underwater Cameras", ECCV).
 struct FlatPort {

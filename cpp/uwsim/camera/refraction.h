@@ -6,7 +6,7 @@
 
 namespace uwsim {
 
-/// Of sea and fresh water for visible light, within 1 % (Quan and Fry 1995, Appl. Opt. 34:3477).
+/// The refractive index of sea and fresh water for visible light, within 1 % (Quan and Fry 1995, Appl. Opt. 34:3477).
 inline constexpr double kWaterIndex = 1.333;
 
 /// Snell's law: the direction of a ray along unit `direction` after crossing a surface with unit `normal` (towards the

@@ -21,12 +21,12 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A value as text in a message. These few functions print all values: a stream in a header, with Eigen's operators, is
-// compiled in every file that includes it.
+// Format a value for a message. These few functions format all values, because a stream in a header, with Eigen's
+// operators, would be compiled in every file that includes it.
 std::string printed_number(double value);                          ///< with six digits
 std::string printed_row(const std::vector<std::string>& numbers);  ///< in columns of equal width
 
-/// Returns the text of a number, of text, or of a row of Eigen's.
+/// Returns the text of a number, a string or an Eigen row.
 template <typename Value>
 std::string printed(const Value& value) {
   if constexpr (std::is_integral_v<Value>) {

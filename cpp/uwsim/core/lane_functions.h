@@ -40,8 +40,8 @@ inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosin
   cosine = cosine_negative ? -cosine_size : cosine_size;
 }
 
-/// exp(x) and exp(-x) for x <= 0. Below -700, as for -700. The even and the odd terms of the series are summed apart,
-/// which gives both exponentials and halves the chain of dependent operations.
+/// exp(x) and exp(-x) for x <= 0. Values below -700 are treated as -700. The even and odd terms of the series are
+/// summed separately, which gives both exponentials and halves the chain of dependent operations.
 inline void exponentials(DoubleLanes x, DoubleLanes& exp_x, DoubleLanes& exp_minus_x) {
   constexpr double kHigh = 0x1.62e42fee00000p-1, kLow = 0x1.a39ef35793c76p-33;  // of ln 2
   x = x > -700.0 ? x : DoubleLanes{} - 700.0;

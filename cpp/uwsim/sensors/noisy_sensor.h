@@ -51,7 +51,8 @@ class NoisySensor {
   std::optional<std::uint64_t> take_question() { return std::exchange(question_, std::nullopt); }
   /// The longest time from ping to answer within the sensor's range [s].
   double longest_travel_time_s() const { return sensor_->longest_travel_time_s(); }
-  /// Reports, at tick `now`, that the answer to a ping sent at `asked` has arrived, or that the ping has been given up.
+  /// Reports, at tick `now`, that the answer to a ping sent at `asked` has arrived, or that the ping has been
+  /// abandoned.
   void answer(const VehicleSnapshot& asked, bool given_up, std::uint64_t now);
 
   /// Returns the present value without errors, rate, latency or drop-outs.

@@ -54,8 +54,8 @@ struct Channel {
 };
 
 /// A sensor without noise, rate or latency: observe() measures the raw values, distort() adds errors that follow from
-/// them, report() converts them to a reading. Raw
-/// values are the channels in order, to which noise is added, followed by noise-free values.
+/// them, and report() converts them to a reading. Raw values are the channels in order, to which noise is added,
+/// followed by noise-free values.
 class Sensor {
  public:
   virtual ~Sensor() = default;

@@ -27,7 +27,7 @@ struct AcousticSpec {
   bool false_detections = true;  ///< whether noise may be detected as a bottom echo
   bool range_noise = true;
   bool bending = false;                      ///< whether rays follow the sound-speed profile
-  bool multipath = false;                    ///< whether echoes by more than one bounce are received, see ghosts.cpp
+  bool multipath = false;                    ///< whether echoes with several bounces are received, see ghosts.cpp
   std::optional<double> volume_strength_db;  ///< backscatter per cubic metre of water, re 1/m
   double acidity_ph = 8;
   BottomMaterial bottom;                  ///< for labels that `materials` does not cover
@@ -44,7 +44,7 @@ struct HeadMotion {
   Eigen::Vector3d rate_world_rad_s = Eigen::Vector3d::Zero();
 };
 
-/// Requests to a ping, besides its detections.
+/// Options of a ping: the results to compute besides its detections.
 struct PingRequest {
   double time_s = 0;          ///< moves the bubbles of a seep
   bool water_column = false;  ///< whether to compute AcousticPing::water_column_db
@@ -65,7 +65,8 @@ struct AcousticPing {
   /// The standard deviation of the echo's place, vertical and horizontal, from that of its range and that of its angle
   /// across the fan, which may lie anywhere in the transmitter's width: range x width / sqrt(12), the deviation of a
   /// uniform distribution. The sonar's share of the total vertical and horizontal uncertainty (TVU, THU) of IHO S-44,
-  /// at one standard deviation; Hare 1995's error model also has those of position, attitude and sound speed. Infinity.
+  /// at one standard deviation; Hare 1995's error model also includes those of position, attitude and sound speed.
+  /// Infinity.
   std::vector<float> vertical_deviation_m, horizontal_deviation_m;
   /// True value; kNothing, also for false detections, ghosts, and targets in the water
   std::vector<Label> labels;
@@ -82,10 +83,10 @@ struct AcousticPing {
 
 /// A multibeam in physics mode: its maximum range, range errors and gaps result from its acoustic parameters.
 ///
-/// Each beam is sampled by several rays (BeamFootprint). Each of a beam's n rays returns the fraction Omega/n S cos(i)
-/// / R^2 10^(-2 alpha R / 10) of the source's intensity. The factors are spherical spreading out and back (40 log R),
-/// the area of bottom covered by the ray's share Omega/n of the beam (R^2 / cos i), Lambert's law S cos^2 i, and
-/// Francois-Garrison absorption averaged along the path. The rays' echoes are summed over range to an envelope
+/// Each beam is sampled by several rays (BeamFootprint). Each of the n rays of a beam returns the fraction Omega/n S
+/// cos(i) / R^2 10^(-2 alpha R / 10) of the source's intensity. The factors are spherical spreading out and back (40
+/// log R), the area of bottom covered by the ray's share Omega/n of the beam (R^2 / cos i), Lambert's law S cos^2 i,
+/// and Francois-Garrison absorption averaged along the path. The rays' echoes are summed over range to an envelope
 /// (echo.h). The resulting spreading is 20 log R if one range cell contains the footprint, 30 log R if slope or relief
 /// spreads the footprint over several cells, and 40 log R for a small target. Speckle comes from scatterers that are
 /// fixed in the world (SpeckleField), so overlapping beams and pings from the same place share it. The detector

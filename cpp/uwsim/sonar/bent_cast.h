@@ -20,11 +20,10 @@ struct SoundHit {
 
 /// Casts bent rays from one point. Each path is cast as a series of chords until one hits a surface; the hit is then
 /// moved along the surface's tangent plane onto the path itself. A chord departs from the path by at most two
-/// thousandths of the distance travelled, or a millimetre if that is more, which only matters where the ray just passes
-/// or just meets an edge: the narrowest packaged beam, 0.4 degrees, is 3.5 times as wide. A ray ends at z = 0, at
-/// `time_max_s`, or at its hit. hits[k]
-/// belongs to directions_world[k], a unit vector. The result does not depend on how the directions are divided among
-/// calls. Returns the number of chords cast.
+/// thousandths of the distance travelled, or a millimetre if that is more, which only matters where the ray narrowly
+/// misses or hits an edge: the narrowest packaged beam, 0.4 degrees, is 3.5 times as wide. A ray ends at z = 0, at
+/// `time_max_s`, or at its hit. hits[k] belongs to directions_world[k], a unit vector. The result does not depend on
+/// how the directions are divided among calls. Returns the number of chords cast.
 std::size_t cast_bent(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& origin_world_m,
                       std::span<const Eigen::Vector3d> directions_world, double time_max_s, std::span<SoundHit> hits);
 

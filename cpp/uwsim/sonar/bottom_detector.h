@@ -42,7 +42,7 @@ class BottomDetector {
   /// The probability that noise exceeds the threshold in at least one of a beam's range cells.
   double false_alarm(double range_max_m, double cell_m) const;
   /// Returns a false detection, given a draw from (0, 1) that is below `false_alarm`. The amount by which the noise
-  /// exceeds the threshold is exponentially distributed. The detector takes it for an echo of one cell.
+  /// exceeds the threshold is exponentially distributed. The detector treats it as an echo of one cell.
   BottomDetection noise(double draw, double false_alarm, double range_m, double cell_m) const;
 
  private:

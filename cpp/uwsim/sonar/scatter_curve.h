@@ -9,8 +9,8 @@
 namespace uwsim {
 
 /// A surface's backscattering cross-section per unit area by incidence: that of its seabed, tabulated every 0.1 degree,
-/// or Lambert's law. A frequency or speed of sound outside of the seabed model's range of validity counts as the
-/// nearest one within it.
+/// or Lambert's law. A frequency or speed of sound outside the seabed model's range of validity is replaced by the
+/// nearest one within that range.
 class ScatterCurve {
  public:
   ScatterCurve(const BottomMaterial& material, double frequency_hz, double sound_speed_m_s);

@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// The corners of the simplex that a point is in, by keys to hash, with weights whose squares add up to 1. The sum of
-/// independent noise at the corners, weighted, is a noise that changes with the point.
+/// The corners of the simplex that a point is in, by keys to hash, with weights whose squares add up to 1. The weighted
+/// sum of independent noise at the corners is noise that varies with the point.
 template <std::size_t N>
 struct SimplexNodes {
   std::array<float, N + 1> weights;

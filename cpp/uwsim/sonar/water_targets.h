@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// A group of point targets in the water: a school of fish, which stands still, or the bubbles of a seep, which rise.
+/// A group of point targets in the water: a school of fish, which does not move, or the bubbles of a seep, which rise.
 /// Each target scatters by its own target strength, without shadowing, attenuating or multiply scattering the sound of
 /// others.
 struct WaterTargets {

@@ -27,10 +27,10 @@ struct BatterySpec {
 /// Simulation of Hybrid Electric Vehicles", without their exponential transients. The current is that of the thrusters,
 /// which depends on V, and that of a constant power P: I = I_T(V) + P / V. It is solved for V in closed form between
 /// two voltages of the thrusters' sheets. Charge is the integral of current. Once the voltage falls below a limit, or
-/// the charge is used up, it stays off until it is charged.
+/// the charge is used up, the battery stays off until it is charged.
 ///
-/// Valid at one temperature, for discharges slower than its own relaxation (minutes), above some 10 % of charge: below,
-/// and in cold water, a real resistance rises.
+/// Valid at one temperature, for discharges slower than its own relaxation (minutes), above about 10 % of charge: below
+/// that, and in cold water, the resistance of real cells rises.
 class BatteryCells {
  public:
   /// Throws InvalidValue: see BatterySpec::check.

@@ -17,7 +17,7 @@ inline bool any_of(IndexLanes mask) {
 
 enum class Side { dry, cut, wet };
 
-/// On which side of the plane a block's triangles are, if all are on the same.
+/// The side of the plane on which a block's triangles lie, if all lie on the same side.
 inline Side side_of(const CutBlock& block, double ux, double uy, double uz, double level_m) {
   const auto is_wet = [&](int corner) {
     const double(*const at)[kCutLanes] = block.corner_m + 3 * corner;

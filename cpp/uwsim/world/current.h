@@ -21,7 +21,7 @@ class Current {
   /// Upper bound of the speed anywhere and at any time [m/s]. Gusts are unbounded, so three standard deviations are
   /// used for them.
   virtual double bound_m_s() const = 0;
-  /// Whether it is the same everywhere.
+  /// Whether the current is the same everywhere.
   virtual bool is_uniform() const { return false; }
 };
 

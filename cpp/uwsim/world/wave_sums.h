@@ -67,13 +67,13 @@ struct WaveSumKernels {
   /// `spread_m2` is the second moment of the area, per unit area, about the position of the crests: xx, xy, yy.
   void (*surface)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const double* spread_m2,
                   WaveSurfaceSums& sums);
-  /// All but `rise_gradient`.
+  /// Computes all integrals but `rise_gradient`.
   void (*over)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
                WaveIntegrals& integrals);
-  /// As `over`, and the motion at `on.z_m` but for `local_m_s2`.
+  /// Like `over`; also computes the motion at `on.z_m`, except `local_m_s2`.
   void (*over_with_motion)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
                            WaveIntegrals& integrals, WaveMotionSums& sums);
-  /// All but those of the velocity.
+  /// Computes all integrals but those of the velocity.
   void (*load)(const WaveBlock* waves, std::size_t count, const CrestBlock* crests, const WavesOnVolume& on,
                WaveIntegrals& integrals);
 };

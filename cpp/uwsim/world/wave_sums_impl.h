@@ -129,7 +129,8 @@ void surface(const WaveBlock* waves, std::size_t count, const CrestBlock* crests
 }
 
 /// The integral of the gradient of -eta exp(kappa . r), and its moment, for the sum of kappa = (i k_x, i k_y, k) and of
-/// its mirror image (i k_x, i k_y, -k): see Waves::add_flow_over. What is odd in k differs in sign between the two.
+/// its mirror image (i k_x, i k_y, -k): see Waves::add_flow_over. Terms that are odd in k differ in sign between the
+/// two.
 template <bool kWithVelocity>
 struct GradientSums {
   DoubleLanes rate[3]{}, turning_rate[3]{}, velocity[3]{}, turning[3]{}, rise_x{}, rise_y{};

@@ -30,14 +30,14 @@ struct WaveComponent {
 /// this is JONSWAP's spectrum, and omega^2 h / (2 g) in shallow water, where it moves the peak to slightly higher
 /// frequencies. For wind seas on water of constant depth; all sources from memory.
 ///
-/// The spectrum is cut where the second moment m2 is 0.8 % short, some 11 omega_p, or at 42 rad/s, where gravity waves
-/// end: m2 is short by more for peak periods below 2 s. Each component has the energy and the m2 of its own share of
-/// it, so that their sums do not depend on the number of components. The shares are random, about equally large in the
-/// mean of energy and m2: the tail, which has a tenth of m2 above 3 omega_p, takes few components, and no two
-/// frequencies are commensurable, so that the sea does not recur (evenly spaced frequencies recur after 2 pi / spacing;
-/// 64 of them after 26 peak periods). A component that would break has a lower frequency than its share: in the
-/// steepest seas, or with few components. Directions spread about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is
-/// long-crested.
+/// The spectrum is truncated where the second moment m2 is 0.8 % short, at about 11 omega_p, or at 42 rad/s, where
+/// gravity waves end: m2 is short by more for peak periods below 2 s. Each component has the energy and the m2 of its
+/// own share of it, so that their sums do not depend on the number of components. The shares are random, about equally
+/// large in the mean of energy and m2: the tail, which has a tenth of m2 above 3 omega_p, takes few components, and no
+/// two frequencies are commensurable, so that the sea does not recur (evenly spaced frequencies recur after 2 pi /
+/// spacing; 64 of them after 26 peak periods). A component that would break has a lower frequency than its share: in
+/// the steepest seas, or with few components. Directions spread about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0
+/// is long-crested.
 struct JonswapSea {
   double significant_height_m = 0.5;
   double peak_period_s = 4;
@@ -148,7 +148,7 @@ class Waves {
   double gravity_m_s2_;
   double bound_m_ = 0;
   double stretched_m_ = 0;     // D unless a trough is deep
-  double resolved_rad_m_ = 0;  // number of the shortest wave but for kLeftOut of the energy
+  double resolved_rad_m_ = 0;  // wave number of the shortest wave, leaving out kLeftOut of the energy
   double slope_ = 0;           // upper bound of the surface's slope: sum of a k
 };
 

@@ -40,8 +40,8 @@ struct View {
   int has_offsets;
   const float *offset_x, *offset_y, *block_offset_x, *block_offset_y;
   float right[3], down[3], ahead[3];
-  /// The camera's motion while it takes the picture: velocity [m/s] and rotation, time between rows and of the
-  /// exposure's present part, after the middle of the picture's time.
+  /// The camera's motion while it takes the picture: velocity [m/s] and rotation, the time between rows, and the time
+  /// of the exposure's present part relative to the middle of the exposure.
   int moves;
   float velocity[3], spin_axis[3], spin_turns_per_s, row_s, part_s;
   float pixel_rad;  ///< angle across one pixel, approximately
