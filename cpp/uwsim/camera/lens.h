@@ -24,9 +24,8 @@ struct FlatPort {
 /// have integer coordinates. Distortion follows Brown and Conrady ("plumb_bob"; Brown 1971, "Close-range camera
 /// calibration"): with r^2 = x^2 + y^2 of the undistorted x = X/Z, y = Y/Z,
 ///   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' likewise; u = fx x' + cx, v = fy y' + cy.
-/// Without a port, the parameters are those of the camera in its housing, and hold in water as in air: those of a dome
-/// centred on the lens, or the central approximation of any other housing. With a flat port, they are those of the lens
-/// in air.
+/// Without a port, the parameters describe the camera in its housing, and hold in water as in air: a dome centred on
+/// the lens, or the central approximation of any other housing. With a flat port, they describe the lens in air.
 struct Lens {
   int width = 640, height = 360;
   double fx = 400, fy = 400, cx = 319.5, cy = 179.5;  ///< [pixels]

@@ -18,7 +18,7 @@ struct WaterFlow {
   Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();
 };
 
-/// Motion of the water in a volume, as that of a rigid body which has the water's linear momentum and its angular
+/// Motion of the water in a volume, expressed as that of a rigid body with the water's linear momentum and its angular
 /// momentum about the volume's centroid, world frame. The accelerations follow from the rates of these momenta, so that
 /// density times volume times wave_acceleration_m_s2 is the force of the waves' pressure on the volume (Froude-Krylov),
 /// and the moment of inertia of the displaced water times the angular acceleration is its moment.

@@ -24,7 +24,7 @@ namespace uwsim {
 /// body's mass is 1. A Newton step solves six equations per body, regardless of the number of contacts.
 class IslandSolver {
  public:
-  /// Of an island; the work grows with the cube.
+  /// The limit for one island; the work grows with the cube of the number of bodies.
   static constexpr std::size_t kMostBodies = 16;
 
   void reserve(std::size_t bodies, std::size_t contacts);

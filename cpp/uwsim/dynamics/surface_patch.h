@@ -42,8 +42,8 @@ struct SurfacePeak {
 
 /// The part of a fixed surface near a body.
 ///
-/// Flat and concave edges and points are not features: whatever touches one also touches a triangle. A body on a plane
-/// of many triangles thus touches a single plane.
+/// Flat and concave edges and points are not features: anything that touches one also touches a triangle. A body on a
+/// plane of many triangles thus touches a single plane.
 struct SurfacePatch {
   std::vector<SurfaceTriangle> triangles;
   std::vector<SurfaceEdge> edges;

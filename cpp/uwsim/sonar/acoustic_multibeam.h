@@ -62,11 +62,11 @@ struct AcousticPing {
   std::vector<float> snr_db;         ///< at the detector, with noise; -infinity
   std::vector<float> travel_time_s;  ///< two-way; infinity
   std::vector<float> deviation_m;    ///< standard deviation of the range, by the detector's own estimate; infinity
-  /// The standard deviation of the echo's place, vertical and horizontal, from that of its range and that of its angle
-  /// across the fan, which may lie anywhere in the transmitter's width: range x width / sqrt(12), the deviation of a
-  /// uniform distribution. The sonar's share of the total vertical and horizontal uncertainty (TVU, THU) of IHO S-44,
-  /// at one standard deviation; Hare 1995's error model also includes those of position, attitude and sound speed.
-  /// Infinity.
+  /// The vertical and horizontal standard deviations of the echo's place, from the deviations of its range and of its
+  /// angle across the fan. The angle may lie anywhere in the transmitter's width: range x width / sqrt(12), the
+  /// deviation of a uniform distribution. The sonar's share of the total vertical and horizontal uncertainty (TVU, THU)
+  /// of IHO S-44, at one standard deviation; Hare 1995's error model also includes those of position, attitude and
+  /// sound speed. Infinity.
   std::vector<float> vertical_deviation_m, horizontal_deviation_m;
   /// True value; kNothing, also for false detections, ghosts, and targets in the water
   std::vector<Label> labels;

@@ -18,8 +18,7 @@ inline std::uint32_t mixed(std::uint32_t h) {
   return h ^ (h >> 16);
 }
 
-/// The variance of both numbers of byte_sums: that of a byte is (256^2 - 1) / 12, that of four bytes four times as
-/// much.
+/// The variance of each number of byte_sums: (256^2 - 1) / 12 for a byte, and four times as much for four bytes.
 inline constexpr float kByteSumVariance = 65535.0f / 3;
 
 /// Two numbers with mean 0: sums of a hash's four bytes, with signs that make the two uncorrelated. No test here can

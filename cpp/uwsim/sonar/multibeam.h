@@ -34,7 +34,7 @@ struct MultibeamPing {
 /// A forward-looking multibeam in geometry mode (the paper's mode): one exact ray for each beam, along its axis.
 ///
 /// Sound does not leave the water: surfaces above z = 0 return no echo, and a head above the water or below the terrain
-/// receives none. A head inside a solid receives echoes from the inside of its walls.
+/// receives no echoes. A head inside a solid receives echoes from the inside of its walls.
 ///
 /// The echo's level follows the active sonar equation for a bottom that scatters by Lambert's law (Urick 1983,
 /// "Principles of Underwater Sound", ch. 2 and 8): EL - SL = -40 log10 R - 2 alpha R + BS + 20 log10 cos(incidence),

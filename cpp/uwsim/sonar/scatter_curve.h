@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// A surface's backscattering cross-section per unit area by incidence: that of its seabed, tabulated every 0.1 degree,
+/// A surface's backscattering cross-section per unit area by incidence: its seabed's curve, tabulated every 0.1 degree,
 /// or Lambert's law. A frequency or speed of sound outside the seabed model's range of validity is replaced by the
 /// nearest one within that range.
 class ScatterCurve {

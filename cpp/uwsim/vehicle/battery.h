@@ -12,7 +12,7 @@ namespace uwsim {
 
 /// The vehicle's energy store. It begins to drain when the vehicle is released; once it is empty, thrusters stop and
 /// fins stay where they are. Docking recharges it instantly. Without cells, it is modelled as in the paper, as a
-/// mission time: it drains at a constant rate, whatever the thrusters do, and is empty `lasting_s` after the release.
+/// mission time: it drains at a constant rate, regardless of the thrusters, and is empty `lasting_s` after the release.
 /// All times are ticks of the simulation, `step_ns` long.
 class Battery {
  public:

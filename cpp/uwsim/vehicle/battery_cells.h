@@ -24,10 +24,10 @@ struct BatterySpec {
 
 /// Cells behind an internal resistance: the voltage at the terminals is V = E(s) - R I, with the open-circuit voltage E
 /// by charge s, as in the models of Shepherd 1965 and Tremblay et al. 2007, "A Generic Battery Model for the Dynamic
-/// Simulation of Hybrid Electric Vehicles", without their exponential transients. The current is that of the thrusters,
-/// which depends on V, and that of a constant power P: I = I_T(V) + P / V. It is solved for V in closed form between
-/// two voltages of the thrusters' sheets. Charge is the integral of current. Once the voltage falls below a limit, or
-/// the charge is used up, the battery stays off until it is charged.
+/// Simulation of Hybrid Electric Vehicles", without their exponential transients. The current is the sum of the
+/// thrusters' current, which depends on V, and the current of a constant power P: I = I_T(V) + P / V. This is solved
+/// for V in closed form between two voltages of the thrusters' sheets. Charge is the integral of current. Once the
+/// voltage falls below a limit, or the charge is used up, the battery stays off until it is charged.
 ///
 /// Valid at one temperature, for discharges slower than its own relaxation (minutes), above about 10 % of charge: below
 /// that, and in cold water, the resistance of real cells rises.

@@ -36,11 +36,11 @@ struct Buoyancy {
 /// piecewise linear in depth. The result is exact for any closed mesh, and continuous through the surface. A hull that
 /// is fully submerged in one layer, or completely dry, requires no work on triangles.
 ///
-/// Waves: the integral of -grad p over the wet volume, which equals that of the pressure p over the wetted surface,
-/// since p is 0 at the water's surface (Gauss). The hull is cut into slices along its longest side that are short
-/// compared with the waves (WaterField::division_of), when it first meets waves, and each slice is cut by the plane
-/// that has the mean height and slopes of the surface over it. To first order in the waves' steepness, the error is
-/// that of the plane, 1 % of the wave's load for slices of a quarter of its length. For a hull deep enough below the
+/// Waves: the integral of -grad p over the wet volume, which equals the integral of the pressure p over the wetted
+/// surface, since p is 0 at the water's surface (Gauss). The hull is cut into slices along its longest side that are
+/// short compared with the waves (WaterField::division_of), when it first meets waves, and each slice is cut by the
+/// plane that has the mean height and slopes of the surface over it. To first order in the waves' steepness, the error
+/// is that of the plane, 1 % of the wave's load for slices of a quarter of its length. For a hull deep enough below the
 /// waves, force and moment follow from the acceleration of the displaced water instead (VolumeFlow), which includes the
 /// second-order part of the pressure. The two are blended smoothly over one radius of depth.
 class BuoyantHull {

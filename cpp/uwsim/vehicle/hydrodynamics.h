@@ -55,14 +55,15 @@ struct CraftParameters {
 /// s; with s < 1 the wake carries momentum away. Fossen omits such entries in the same pairs (PythonVehicleSimulator,
 /// remus100.py).
 ///
-/// nu_c is the motion of the water (current and orbital wave motion) as that of a rigid body: it has the linear and
-/// angular momentum of the water that the hull would displace if it were moved to the centre of its submerged volume.
-/// For a slender hull with the added mass of its sections, this is strip theory (Newman 1977, "Marine Hydrodynamics",
-/// sec. 7.5): forces and moments along the hull vary with the waves, which may be as short as the hull. nu_c' is the
-/// rate of change of nu_c in the body frame, due to the rotation of the body and the water's acceleration. For waves,
-/// this is the acceleration of the particles, including the convective part (Auton, Hunt and Prud'homme 1988, J. Fluid
-/// Mech. 197:241), so that a neutrally buoyant body that moves with the water keeps doing so. For currents, it is the
-/// local acceleration, without the second-order part due to drifting through a velocity field that varies in space.
+/// nu_c is the motion of the water (current and orbital wave motion), expressed as that of a rigid body with the linear
+/// and angular momentum of the water that the hull would displace if it were moved to the centre of its submerged
+/// volume. For a slender hull with the added mass of its sections, this is strip theory (Newman 1977, "Marine
+/// Hydrodynamics", sec. 7.5): forces and moments along the hull vary with the waves, which may be as short as the hull.
+/// nu_c' is the rate of change of nu_c in the body frame, due to the rotation of the body and the water's acceleration.
+/// For waves, this is the acceleration of the particles, including the convective part (Auton, Hunt and Prud'homme
+/// 1988, J. Fluid Mech. 197:241), so that a neutrally buoyant body that moves with the water keeps doing so. For
+/// currents, it is the local acceleration, without the second-order part due to drifting through a velocity field that
+/// varies in space.
 ///
 /// F_c = rho V a_c is the force of the pressure gradient that drives an unsteady current; the pressure of waves is part
 /// of g (Froude-Krylov). Radiation damping is not modelled, nor is diffraction beyond M_A. Added mass and damping scale

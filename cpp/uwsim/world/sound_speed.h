@@ -47,8 +47,8 @@ const std::string& name_of(SoundSpeedEquation equation);
 
 /// The most accurate equation that is valid throughout the water. A single equation is used, so that no transition
 /// between two equations bends rays: Belogol'skii for water without salt; Del Grosso for a sea deeper than 1000 m;
-/// otherwise UNESCO, or Leroy (colder than 0 deg C or saltier than 40 psu). If none covers the water (below -1 deg C,
-/// above 42 psu), UNESCO.
+/// otherwise UNESCO, or Leroy (colder than 0 deg C or saltier than 40 psu). If no equation covers the water (below -1
+/// deg C, above 42 psu), UNESCO.
 SoundSpeedEquation best_sound_speed_equation(const WaterRange& water);
 
 /// Speed of sound [m/s]. An equation is extrapolated beyond its range. Throws InvalidValue unless the temperature is in

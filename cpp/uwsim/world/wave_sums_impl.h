@@ -7,7 +7,7 @@
 namespace uwsim {
 namespace {
 
-/// The decay of a block's waves with depth: that of the pressure and of horizontal motion, and that of vertical motion.
+/// The decay of a block's waves with depth, for the pressure and horizontal motion, and for vertical motion.
 struct Decay {
   DoubleLanes level, upright;
 

@@ -67,7 +67,7 @@ struct View {
   WaveNodes waves;
 
   const Material* materials;
-  int steep_material, land_material;  ///< indices of steep and of dry ground; that of the bed is 0
+  int steep_material, land_material;  ///< indices of steep and of dry ground; the bed's index is 0
   int lamp_count;
   const SpotLight* lamps;
   int shaft_width;  ///< number of blocks in a row of the shafts' image; 0 for no shafts
