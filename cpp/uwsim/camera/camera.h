@@ -15,7 +15,7 @@ struct ImageSensor {
   double vignetting = 0.5;  ///< fraction of the cos^4 law; assumed, for lenses that correct part of it
   /// Largest deflection of a ray by turbulence; if unset, derived from the water's turbulence
   std::optional<double> wobble_rad;
-  double shutter_s = 0;  ///< how long each row collects light, which blurs what moves
+  double shutter_s = 0;  ///< how long each row collects light, which causes motion blur
   double readout_s = 0;  ///< from the first row's exposure to the last's (rolling shutter); 0: all rows at once
 };
 

@@ -33,8 +33,7 @@ struct NoiseSpec {
   /// where h = B^2 / pi). Relaxations with times in the ratio of 4 therefore have the standard deviation
   /// sqrt(h ln 4) = `instability` each. These times make the Allan deviation flat within 4 % from 1 s to 4 h.
   static constexpr double kFlickerTimes_s[] = {0.0625, 0.25, 1, 4, 16, 64, 256, 1024, 4096, 16384, 65536};
-  /// Standard deviation of the flicker noise, in units of `instability`, for samples that no relaxation is too fast
-  /// for.
+  /// Standard deviation of the flicker noise, in units of `instability`, if no relaxation is too fast for the samples.
   static constexpr double kFlickerStd = 3.3166247903554;  // the square root of their number
 
   /// Throws InvalidValue naming the field below `path`.

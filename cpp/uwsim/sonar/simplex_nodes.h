@@ -19,7 +19,7 @@ struct SimplexNodes {
 };
 
 /// A lattice of simplices, skewed so that it has no preferred direction (Perlin 2001, "Noise hardware"; from memory):
-/// N + 1 nodes instead of the 2^N of a cube. The correlation of the noise at two points, squared, is 0.30 half a unit
+/// N + 1 nodes instead of the 2^N of a cube. The squared correlation of the noise at two points is 0.30 half a unit
 /// apart, 0.02 or less one unit apart and 0 farther apart than 1.5 (averages over places; N = 3 and 5).
 template <std::size_t N>
 SimplexNodes<N> simplex_nodes(const std::array<double, N>& point, std::uint32_t key) {
