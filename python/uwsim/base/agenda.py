@@ -12,7 +12,7 @@ tests/python/base/test_agenda.py.
 |                | `REPLAY`   | a recording that is replayed issues its commands       | as recorded          |
 | the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
-|                | `HOLD`     | holds steer beside the stick                           | as engaged           |
+|                | `HOLD`     | holds steer alongside the stick                        | as engaged           |
 |                | `FAILSAFE` | failsafes check and steer                              | in vehicle order     |
 |                |            | one native step to T + 1 (`Simulation::step_once`, C++)|                      |
 

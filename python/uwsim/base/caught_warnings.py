@@ -14,8 +14,8 @@ _ONE_THREAD = RLock()
 def caught_warnings() -> Iterator[list[warnings.WarningMessage]]:
     """Collect the warnings issued in the block, by one thread at a time.
 
-    The filters and the hook belong to the whole process and are restored at the end of a block: two blocks that overlap
-    would leave those of the first in place, and the process without warnings.
+    The filters and the hook are global to the process and are restored at the end of a block: if two blocks overlapped,
+    those of the first would remain in place, and the process would no longer show warnings.
     """
     with _ONE_THREAD, warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always")

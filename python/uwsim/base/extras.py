@@ -42,7 +42,7 @@ EXTRA_OF = {
     "stable_baselines3": "rl",
     "distributed": "sweeps",
 }
-"""Module: the smallest extra of pyproject.toml that installs it."""
+"""By module, the smallest extra in pyproject.toml that installs it."""
 
 
 class MissingExtraError(ImportError, ValueError):
@@ -64,7 +64,7 @@ def explained(error: ImportError) -> str:
 
 
 class _MissingExtras(MetaPathFinder):
-    """Explains imports in uwsim that found nothing; the last finder, and silent towards other packages' imports."""
+    """The last import finder: explains failed imports in uwsim, and ignores those in other packages."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
@@ -86,6 +86,6 @@ def _importing_module() -> str:
 
 
 def explain_missing_extras() -> None:
-    """Make an import in uwsim that fails for lack of an optional package name the command that installs it."""
+    """Make errors for optional packages that uwsim fails to import name the command that installs them."""
     if not any(isinstance(finder, _MissingExtras) for finder in sys.meta_path):
         sys.meta_path.append(_MissingExtras())

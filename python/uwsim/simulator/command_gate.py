@@ -154,8 +154,8 @@ class CommandGate:
     def yields(self, *, moves: bool, stick: tuple[float, ...] | None = None) -> None:
         """Override the command just issued if all stop is set or the failsafe is steering; otherwise combine holds.
 
-        moves: whether any commanded value is nonzero. stick: the commanded efforts, beside which holds stay active;
-        None for commands of another kind, which end them.
+        moves: whether any commanded value is nonzero. stick: the commanded efforts, alongside which holds stay active;
+        None for other kinds of command, which end holds.
         """
         failsafe = self.failsafe
         self.is_driven = moves and not self.all_stopped
@@ -208,7 +208,7 @@ class CommandGate:
         return is_first
 
     def override(self) -> None:
-        """Take back control from the failsafe. Raises ValueError if there is none."""
+        """Take back control from the failsafe. Raises ValueError if the vehicle has no failsafe."""
         if self.failsafe is None:
             raise ValueError(f"vehicle '{self._vehicle}': override_failsafe: it has no failsafe")
         self.failsafe.override()

@@ -56,7 +56,8 @@ class Dock:
     def require_entry(self, vehicle: int) -> None:
         """Raise ValueError unless the dock is empty, and the vehicle is close to it, slow and aligned with it.
 
-        A dock above the water is lowered to the vehicle: its distance is that of the way down to the surface.
+        A dock above the water can be lowered to the vehicle's height, but not below the surface: the distance is
+        measured from there.
         """
         for other in range(len(self.hull_radii_m)):
             if other != vehicle and not self.simulation.released(other):

@@ -55,9 +55,9 @@ class Network:
     """The packets between the station and the vehicles, in simulated time; part of a simulator's state.
 
     modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message is delivered whole with
-    its last packet, or not at all; it may be sent several times, in any case (`repeats`) or because it was not
-    acknowledged (the modem's `retransmissions`). Topics that begin with `ranging/` are pings and fixes of a USBL that
-    shares the modem; `acknowledgement` counts those.
+    its last packet, or not at all; it may be sent several times, either unconditionally (`repeats`) or because it was
+    not acknowledged (the modem's `retransmissions`). Topics that begin with `ranging/` are pings and fixes of a USBL
+    that shares the modem; `acknowledgement` counts those.
     """
 
     def __init__(self, core: _core.Simulation, scenario: Scenario, modem: ModemModel, journal: Journal) -> None:

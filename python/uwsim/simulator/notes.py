@@ -1,4 +1,4 @@
-"""An operator's notes in a run's log of events: part of its state, like the others."""
+"""An operator's notes in a run's event log: part of the run's state, like all other events."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def write_note(
     position_world_m: Sequence[float] | None = None,
     picture: str = "",
 ) -> None:
-    """Log a note. position_world_m: (3,), of what it is about, None if unknown.
+    """Log a note. position_world_m: (3,), the position of the note's subject; None if unknown.
 
-    Raises ValueError, also if there are NOTES_MAX.
+    Raises ValueError for invalid arguments, or if there are already NOTES_MAX notes.
     """
     require_note(text, category, picture)
     if len(notes_of(events)) >= NOTES_MAX:
@@ -36,6 +36,6 @@ def notes_of(events: Iterable[Event]) -> list[Event]:
 
 
 def comment_of(events: Iterable[Event]) -> str:
-    """Return the comment that stands in pictures now, "" for none."""
+    """Return the comment currently shown in pictures; "" if there is none."""
     comments = [event.values["text"] for event in notes_of(events) if event.values["category"] == COMMENT]
     return comments[-1] if comments else ""

@@ -1,4 +1,4 @@
-"""Steps that an autopilot makes, one for each frame of servo outputs, and their repetition in a replay."""
+"""Steps driven by an autopilot, one for each frame of servo outputs, and their replay."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ def frame_of(thrusters: Mapping[str, ThrusterMount], vehicle: str) -> str:
 
 
 def servo_motors(frame: str, thrusters: Mapping[str, ThrusterMount], vehicle: str) -> list[_core.ServoMotor]:
-    """Return which servo output drives which thruster, found by the directions of forces and moments.
+    """Return which servo output drives which thruster, determined from the directions of forces and moments.
 
-    Raises ValueError for an unknown frame, or one with another arrangement of motors than the vehicle.
+    Raises ValueError for an unknown frame, or one whose motors are arranged differently from the vehicle's.
     """
     if frame not in FRAMES:
         raise ValueError(f"frame = '{frame}': must be one of {', '.join(FRAMES)}")
@@ -78,7 +78,7 @@ def servo_motors(frame: str, thrusters: Mapping[str, ThrusterMount], vehicle: st
 
 
 def _fitting(frame: str, thrusters: Mapping[str, ThrusterMount]) -> list[_core.ServoMotor]:
-    """Return the motors to which exactly one thruster corresponds that corresponds to no other."""
+    """Return the motors that match exactly one thruster which, in turn, matches no other motor."""
     pairs = [
         (output, name, direction)
         for output, motor in enumerate(FRAMES[frame])
@@ -91,7 +91,7 @@ def _fitting(frame: str, thrusters: Mapping[str, ThrusterMount]) -> list[_core.S
 
 
 def _direction(motor: Factors, mount: ThrusterMount) -> int:
-    """Return the sign of a thruster's command for a positive motor command; 0 if it acts otherwise than the motor."""
+    """Return the sign of a thruster's command for a positive motor command; 0 if they do not act alike."""
     force = np.array(mount.axis) / np.linalg.norm(mount.axis)
     moment = np.cross(mount.position_m, force)
     acts = np.array([moment[0], -moment[1], -moment[2], force[2], force[0], -force[1]])
@@ -104,7 +104,7 @@ def _direction(motor: Factors, mount: ThrusterMount) -> int:
 
 
 class Lockstep:
-    """Advances the native simulation, freely or as a partner decides.
+    """Advances the native simulation, either freely or in lockstep with a partner.
 
     advance: makes steps, at most as many as its argument; a partner may make fewer.
     """
@@ -144,7 +144,7 @@ class Lockstep:
 
 
 class _Playback:
-    """Repeats the steps of recorded frames, then hands the simulation back."""
+    """Repeats the steps of recorded frames, then returns control of the simulation."""
 
     def __init__(self, sim: Simulator, vehicle: str, motors: list[_core.ServoMotor], frames: bytes) -> None:
         self._sim = sim

@@ -1,4 +1,4 @@
-"""Vehicle: pose, velocity, telemetry and instruments of a simulated vehicle; vehicle_commands has its commands."""
+"""Vehicle: pose, velocity, telemetry and instruments of a simulated vehicle; its commands are in vehicle_commands."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def surface(pilot: Controller, began: Beginning, figures: Failsafe, time_s: floa
 
 
 def ascent(height_m: float, rate_m_s: float, since_s: float) -> tuple[float, float]:
-    """Return the height gained since_s into an ascent, and the rate then: constant, but decreasing at the end."""
+    """Return the height gained since_s into an ascent, and the rate at that time: constant until near the end."""
     fastest_m_s = min(rate_m_s, math.sqrt(2.0 * SLOWING_M_S2 * height_m))
     if fastest_m_s <= 0.0:
         return 0.0, 0.0
@@ -62,7 +62,7 @@ def fly_back(
     home_m: tuple[float, float, float],
     above_bed_m: float,
 ) -> None:
-    """Ascend or descend to the return depth, turn towards home, fly there, and hold at the depth of home.
+    """Ascend or descend to the return depth, turn towards home, fly there, and hold at home's depth.
 
     above_bed_m: the vehicle's altimeter reading; inf without an altimeter or an echo.
     """

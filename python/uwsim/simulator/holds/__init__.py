@@ -1,4 +1,4 @@
-"""Holds: a vehicle keeps heading, depth, altitude, position or speed by its own instruments while a pilot steers."""
+"""Holds: a vehicle keeps heading, depth, altitude, position or speed with its own instruments while a pilot steers."""
 
 from uwsim.simulator.holds.holds import Holds
 from uwsim.simulator.holds.state import HoldsState

@@ -1,4 +1,4 @@
-"""Holds of one vehicle: they keep what they measured where the stick was let go, and yield to the stick."""
+"""Holds of one vehicle: each maintains the value measured when the stick was let go, and yields to the stick."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ PERIOD_S = 0.05  # period of the control loop
 LEVEL = ("roll", "pitch")  # axes that every hold keeps level
 BRAKING_S = 5.0  # longest time between letting go of the stick and holding
 AT_REST = {"heading": 0.03, "depth": 0.03, "altitude": 0.03, "position": 0.05, "speed": math.inf}
-"""The rate [rad/s or m/s] below which the vehicle has come to rest, so that the target is taken."""
-MISSES = ("dvl",)  # kinds of sensor that miss single readings
+"""The rate [rad/s or m/s] below which the vehicle counts as at rest, so that the target is set."""
+MISSES = ("dvl",)  # kinds of sensor that occasionally miss a reading
 STEERING = ("hold", "surface", "return")
-HEAVE_INTEGRAL, YAW_INTEGRAL, VELOCITY, TURN = 2, 5, 6, 9  # places in Controller.memory
+HEAVE_INTEGRAL, YAW_INTEGRAL, VELOCITY, TURN = 2, 5, 6, 9  # indices into Controller.memory
 
 
 class Holds:
-    """The holds of one vehicle; docs/guides/holds.md states their rules. They act only while it is released.
+    """The holds of one vehicle; docs/guides/holds.md states their rules. They act only while the vehicle is released.
 
     targets: by active hold: yaw [rad], z of the depth [m], altitude [m], x and y [m], speed ahead [m/s]; None while the
-    stick moves the vehicle or it comes to rest. note: why the last hold was lost or changed; "" if none was.
+    stick moves the vehicle or the vehicle comes to rest. note: why the last hold was lost or changed; "" if none was.
     """
 
     def __init__(self, vehicle: Vehicle, *, agenda: Agenda, events: EventLog, step_s: float) -> None:
@@ -178,7 +178,7 @@ class Holds:
     # Instruments
 
     def _listen(self, tick: int) -> None:
-        """Release, or hand on, the holds whose instruments have been silent for too long."""
+        """End the holds whose instruments have been silent for too long, or replace them with their fallbacks."""
         listener = self._listener
         kinds = {listener.kind_for(name) for name in self.targets} | {EVERY_HOLD}
         listener.listen(kinds | ({COMPASS} if "heading" in self.targets and listener.has(COMPASS) else set()))
@@ -217,7 +217,7 @@ class Holds:
         return any(self._aided.stick[AXES.index(axis)] for axis in HOLDS[name].axes)
 
     def _steer(self, tick: int) -> None:
-        """Take the targets of holds whose stick is at rest, and set the efforts of one control period."""
+        """Set the targets of holds on axes where the stick is at rest, and the efforts for one control period."""
         pose, velocity = self._aided.pose, self._aided.velocity
         turn = pose.world_from_body[:3, :3]
         yaw_rad, position_m = float(pose.yaw_rad), pose.position_world_m.tolist()
@@ -243,7 +243,7 @@ class Holds:
                     self.targets[name] = [float(value) for value in measured]
 
         free = [math.nan] * 3
-        wanted_m_s = moving_m_s.copy()  # of axes that are not held
+        wanted_m_s = moving_m_s.copy()  # for axes that are not held
         if "position" in self.targets:
             free[:2] = self.targets["position"] or free[:2]
             wanted_m_s[:2] = 0.0
@@ -261,7 +261,7 @@ class Holds:
         self._follow(pilot, before, moving_m_s, turning_rad_s)
 
     def _height_m(self, z_m: float, altitude_m: float) -> float:
-        """Return the z at which depth or altitude are as they should be; NaN while the vehicle comes to rest."""
+        """Return the z at which the depth or altitude matches its target; NaN while the vehicle comes to rest."""
         if (depth := self.targets.get("depth")) is not None:
             return depth[0]
         if (wanted := self.targets.get("altitude")) is not None and math.isfinite(altitude_m):
@@ -269,10 +269,10 @@ class Holds:
         return math.nan
 
     def _follow(self, pilot: Controller, before: Any, moving_m_s: Any, turning_rad_s: float) -> None:
-        """Keep the controller's integrals, and its references at the motion, on axes that a stick or nothing steers.
+        """On axes that no hold steers, freeze the controller's integrals and set its references to the current motion.
 
-        The integrals would wind up, since the controller's efforts do not act there; references at the motion let the
-        vehicle come to rest at a limited deceleration once the stick is let go.
+        The integrals would wind up, since the controller's efforts do not act there; references equal to the motion let
+        the vehicle come to rest at a limited deceleration once the stick is let go.
         """
         memory = np.array(pilot.memory)
         steered = {axis for name in self.targets if not self._is_manual(name) for axis in HOLDS[name].axes}

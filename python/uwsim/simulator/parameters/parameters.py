@@ -289,6 +289,6 @@ def _begins(text: str, key: str) -> bool:
 
 
 def _displaces(name: str, old: str) -> bool:
-    """Return whether a change supersedes an earlier one: to the same value, part of it, or another kind's keys."""
+    """Return whether a change supersedes an earlier one, of the same value, part of it, or another kind's keys."""
     above = name.removesuffix("." + KIND)
     return old == name or old.startswith(name + ".") or (above != name and old.startswith(above + "."))
