@@ -1,4 +1,4 @@
-"""Optional dependencies, which a plain `pip install uwsim` does not install: which extra has what, and what to run."""
+"""Optional dependencies, which a plain `pip install uwsim` omits: which extra provides each, and how to install it."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def arguments_of(command: Command, request: Request) -> dict[str, Any]:
 
 
 def named_arguments(service: Service, values: list[Any]) -> Request:
-    """Return the request whose fields have these values, in their order. Raises ValueError if there are too many."""
+    """Return a request whose fields have these values, in order. Raises ValueError if there are too many values."""
     command = COMMANDS.get(service.name.rpartition("/")[2])
     names = ["data"] if service.type == SET_BOOL else [each.name for each in command.arguments] if command else []
     if len(values) > len(names):

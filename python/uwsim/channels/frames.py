@@ -17,7 +17,7 @@ from uwsim.instruments.cameras import Camera
 from uwsim.simulator.simulator import Simulator
 
 Tf = Literal["truth", "odom", "none"]
-"""The motion on /tf and /odom: the true one, the vehicle's estimate, or none, so that other nodes may publish it."""
+"""The motion on /tf and /odom: the true motion, the vehicle's estimate, or none, so that other nodes may publish it."""
 RATE_HZ = 50.0
 CLOCK_HZ = 100.0
 
@@ -31,7 +31,7 @@ def clock_channel() -> Channel:
 
 
 def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "") -> list[Channel]:
-    """Return the channels that all vehicles share. prefix: of the names of frames that belong to no vehicle."""
+    """Return the channels that all vehicles share. prefix: prefix of frames that belong to no vehicle."""
     return [
         clock_channel(),
         Channel(

@@ -1,4 +1,4 @@
-"""The panel's values as measured aboard: by the vehicle's instruments and its estimate, never the true world."""
+"""The panel's values as measured aboard, by the vehicle's instruments and its estimate, never from the true world."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ PORT = "proximity_port"
 
 @dataclass
 class Gauges:
-    """Measured fields of /telemetry, and the age [s] of each; NaN and an infinite age for what nothing measures."""
+    """Measured fields of /telemetry, and the age [s] of each; NaN and an infinite age if nothing measures a field."""
 
     values: dict[str, Any]
     ages_s: dict[str, float]
 
 
 def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges:
-    """Read the gauges. A failed sensor fails its gauge: stuck, it shows its last value, and off, it shows NaN."""
+    """Read the gauges. The gauge of a failed sensor fails too: if stuck, it shows its last value; if off, NaN."""
     sensors = source.of(sim).sensors
     found = Gauges({}, {})
 
@@ -57,7 +57,7 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
 
 
 def _estimated(found: Gauges, sim: Simulator, estimate: Navigator | None) -> None:
-    """Add what follows from the estimate."""
+    """Add the values derived from the estimate."""
     values: dict[str, float] = dict.fromkeys(("speed", "angular_speed", "distance_to_station", "link_delay"), NAN)
     age_s = math.inf
     if estimate is not None:

@@ -34,7 +34,7 @@ SOUND_SPEED_M_S = 1500.0
 class Look(NamedTuple):
     """The result of one reading. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port.
 
-    sound_speed_m_s: at the sonar, as its own probe would measure it; along the rays it varies.
+    sound_speed_m_s: at the sonar, as its own probe would measure it; it varies along the rays.
     """
 
     time_ns: int
@@ -139,7 +139,7 @@ class Across:
 
 
 def picture_geometry(model: Any) -> dict[str, Any]:
-    """Return the shape, range and angle of an imaging sonar's picture, for range rings and bearings over it."""
+    """Return the shape, range and angle of an imaging sonar's picture, for drawing range rings and bearings over it."""
     if isinstance(model, SideScan):
         return {"shape": "waterfall", "range_m": model.range_max_m, "fov_rad": 0.0}
     if isinstance(model, SingleBeam):

@@ -20,7 +20,7 @@ from uwsim.simulator.simulator import Simulator
 DEFAULT_HZ = 10.0  # for sensors without a rate
 BATTERY_HZ = 1.0
 ULTRASOUND = 0
-UNOBSERVED = 1e6  # variance of what a sensor does not measure, in the square of its unit
+UNOBSERVED = 1e6  # variance of quantities that a sensor does not measure, in their unit squared
 DVL_MODE_BOTTOM = 1
 
 
@@ -91,7 +91,7 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
 
 
 def _filter_input(source: Source, name: str, rate_hz: float, input_: FilterInput) -> Channel:
-    """Return the channel of a sensor's values as filters such as robot_localization take them."""
+    """Return the channel of a sensor's values in the form that filters such as robot_localization accept."""
     frame_id = source.frame(input_.frame or f"{name}_link")
     kind = Kind(input_.type, lambda value, header, errors: input_.write(value, header, errors, source.origin_m))
     return Channel(
@@ -306,7 +306,7 @@ KINDS: dict[str, Kind] = {
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }
-"""The message of each kind of sensor. Adding a kind takes one entry.
+"""The message for each kind of sensor. Adding a kind takes one entry.
 
 Kinds without an entry describe the true motion, which is published on /odom.
 """

@@ -14,7 +14,7 @@ PLACEHOLDER = [(EMPTY_PLACEHOLDER, (Nodetype.BASE, ("uint8", 0)))]
 
 
 def service_texts(name: str, request: str, response: str) -> dict[str, str]:
-    """Return the definitions of a service's message types, including the one that its hash is computed from."""
+    """Return the definitions of a service's message types, including the type from which its hash is computed."""
     asked, answered, event = f"{name}_Request", f"{name}_Response", f"{name}_Event"
     return {
         asked: request,
@@ -45,7 +45,7 @@ def action_texts(name: str, goal: str, result: str, feedback: str) -> dict[str, 
 
 def parsed(texts: Mapping[str, str]) -> dict[str, Any]:
     """Return message types by name, as rosbags stores them. The definitions may refer to each other."""
-    in_rosbags = {_as_message(name): name for name in texts}  # its parser takes "msg" alone in the middle of a name
+    in_rosbags = {_as_message(name): name for name in texts}  # its parser accepts only "msg" in the middle of a name
 
     def restored(kind: Any) -> Any:
         if isinstance(kind, str):

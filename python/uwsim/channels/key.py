@@ -12,7 +12,7 @@ POSE = "geometry_msgs/msg/Pose"
 
 
 class Function(IntEnum):
-    """The function that a message requests in orientation.w."""
+    """The function that a message requests, in orientation.w."""
 
     NONE = 0
     RELEASE = 1

@@ -31,7 +31,7 @@ WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps
 
 
 class _Late:
-    """A result computed every period_ns from the latest ping and published one ping later; the first is immediate."""
+    """A result computed every period_ns from the latest ping and published one ping later; the first at once."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
@@ -57,7 +57,7 @@ class _Late:
 
 
 class PingMap:
-    """A map, in the odom frame, of all pings since a server started to offer it, with or without subscribers.
+    """A map, in the odom frame, of all pings since a server began to offer it, with or without subscribers.
 
     For each ping, the simulation waits only for ray casting and the processing chain; insertion and serialisation run
     in order on a separate thread. Each map is published one ping later, except the first, which is published at once.

@@ -53,8 +53,8 @@ def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
 
     form "json": numbers may be NaN, and arrays are NumPy arrays; orjson writes them as null and lists. uint8[] is
     base64. form "literal": the same, but NaN and infinity are written as the words NaN, Infinity and -Infinity, as by
-    Python's json; rosbridge_server reads them, and refuses null in a number's place. form "cbor": arrays of numbers are
-    typed arrays of RFC 8746, uint8[] is bytes.
+    Python's json; rosbridge_server reads them, and rejects null in place of a number. form "cbor": arrays of numbers
+    are typed arrays of RFC 8746, uint8[] is bytes.
     """
     return _writer(message.__msgtype__, ros, form)(message)  # type: ignore[no-any-return]
 

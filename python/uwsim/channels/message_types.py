@@ -78,7 +78,7 @@ NEWEST_ONLY = frozenset(
 """Types with large messages: slow readers receive only the latest message instead of the last ten."""
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
-EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # the only field of a message without fields in ROS 2
+EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # the placeholder field of messages without fields in ROS 2
 _NAME = re.compile(r"([A-Za-z]\w*)/(?:(msg)/)?([A-Za-z]\w*)")
 
 

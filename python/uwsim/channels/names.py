@@ -1,4 +1,4 @@
-"""Names of topics and services in a graph that other programs share: a namespace, and names of earlier versions."""
+"""Names of topics and services in a graph shared with other programs: a namespace, and names from earlier versions."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from dataclasses import replace
 from uwsim.channels.channel import Channel, Service
 
 SHARED = frozenset({"clock", "tf", "tf_static", "diagnostics"})
-"""Topics that all programs of a graph share, in any namespace."""
+"""Topics that all programs in a graph share, whatever their namespace."""
 EARLIER = {"odometry/estimate": "odometry/filtered"}
-"""Names of earlier versions, by the present ones. Now robot_localization's output has this name."""
+"""Names from earlier versions, by current name. The earlier name now belongs to robot_localization's output."""
 _NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 
 def checked_namespace(namespace: str) -> str:
-    """Return a namespace without slashes at its ends. Raises ValueError for one that ROS does not allow."""
+    """Return a namespace without slashes at its ends. Raises ValueError for a namespace that ROS does not allow."""
     plain = namespace.strip("/")
     if plain and not _NAMESPACE.fullmatch(plain):
         raise ValueError(f"namespace = '{namespace}': must be letters, digits and _, beginning with a letter")
@@ -44,7 +44,7 @@ def services_in(namespace: str, services: Iterable[Service]) -> list[Service]:
 
 
 def with_earlier_names(channels: Iterable[Channel]) -> list[Channel]:
-    """Return channels, and copies under the names that earlier versions gave them, for a graph without ROS."""
+    """Return channels, plus copies under their names in earlier versions, for a graph without ROS."""
     found = list(channels)
     taken = {channel.name for channel in found}
     for channel in list(found):

@@ -30,7 +30,7 @@ def queue_of(type_name: str) -> int:
 class Line(Generic[T]):
     """One topic's queue. length: the maximum number of queued items.
 
-    written: the number of messages written. drops: counts the messages that were dropped for newer ones or not
+    written: the number of messages written. drops: counts the messages that were dropped in favour of newer ones or not
     accepted; by default, a new count.
     """
 

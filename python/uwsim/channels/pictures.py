@@ -54,7 +54,7 @@ class Stream:
 
 
 Part = Literal["image", "rectified", "rectified_depth"]
-"""The parts of a picture besides its JPEG. Each takes time to make, so it is made only for readers."""
+"""The parts of a picture besides its JPEG. Each takes time to make, so it is made only if it is read."""
 
 
 class Picture:
@@ -80,8 +80,8 @@ class Picture:
     def part(self, part: Part) -> NDArray[Any]:
         """Return a part, making it on first access.
 
-        image: (h, w, 3) uint8, at the size at which the picture is sent. rectified: the same through a pinhole.
-        rectified_depth: (H, W) float32 at full size, along the optical axis of the rectified camera [m].
+        image: (h, w, 3) uint8, at the size at which the picture is sent. rectified: the same, as seen through a
+        pinhole. rectified_depth: (H, W) float32 at full size, along the optical axis of the rectified camera [m].
         """
         if part not in self._parts:
             self._parts[part] = self._made(part)
@@ -151,8 +151,8 @@ class Pictures:
     def read(self, sim: Simulator, name: str, camera: Camera, part: Part | None = None) -> Picture | None:
         """Return the picture from the last period, or None if none was due.
 
-        part: a part that it must have. If it lacks it, because this is the part's first reading, it is made now if the
-        steps may wait, and otherwise None is returned.
+        part: a part that the picture must have. If the part is missing, because it has never been read before, it is
+        made now if the steps may wait; otherwise None is returned.
         """
         slot = _slot(sim)
         if part is not None:
@@ -187,7 +187,7 @@ class Pictures:
         waits, pause = self._may_wait(), stream.pause
         last, gap_before = self._last.get(name, (slot, 0))
         gap = slot - last
-        if not waits and gap > max(pause, 2 * gap_before):  # a rare reader, such as a modem's, gets its last picture
+        if not waits and gap > max(pause, 2 * gap_before):  # an infrequent reader, such as a modem, gets the last one
             jobs = []
         self._last[name] = slot, gap
         is_first = not jobs or slot - jobs[-1].slot > pause
@@ -205,7 +205,7 @@ class Pictures:
 
 
 def _is_read(job: _Job, slot: int, waits: bool) -> bool:
-    """Return whether readings in this period get the picture; usually those in the next period with any do."""
+    """Return whether readings in this period get the picture; usually, those in the next period with readings do."""
     if waits and job.is_first and job.slot == slot:
         return True
     if job.read_in is None and job.slot < slot and (waits or job.picture.done()):
@@ -226,7 +226,7 @@ def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
 
 
 def resized(rgb: NDArray[np.uint8], width: int) -> Any:
-    """Return a picture (height, width, 3) as a PIL image of another width; 0 for its own."""
+    """Return a picture (height, width, 3) as a PIL image of another width; 0 keeps its own."""
     from PIL import Image
 
     height, own_width = rgb.shape[:2]

@@ -30,7 +30,7 @@ SLOW_HZ = 1.0
 TEXT, JPEG = "std_msgs/msg/String", "sensor_msgs/msg/CompressedImage"
 CAMERA_FRAME = "camera"
 TRUE_TOPICS = ("propPos", "stateData")
-"""Name endings of topics that have the truth, as in the published simulator."""
+"""Name endings of topics that carry the truth, as in the published simulator."""
 TILT_LIMIT_RAD = 0.5 * math.pi
 
 
@@ -163,7 +163,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
 
 
 def station_picture(pictures: Pictures, sim: Simulator, frame_prefix: str = "") -> list[Channel]:
-    """Return the channel of the published picture, from the camera over the station's deck if any, else the first."""
+    """Return the channel of the published picture, from the camera above the station's deck, or else the first."""
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))

@@ -50,7 +50,7 @@ def value_of(value: Any) -> Any:
 
 
 def plain_value(value: Any) -> Request:
-    """Return a value as a rcl_interfaces/ParameterValue in plain values; what ROS has no type for is JSON in a text."""
+    """Return a value as a rcl_interfaces/ParameterValue in plain values; types unknown to ROS become JSON text."""
     kind = type_of(value)
     if kind == NOT_SET:
         return {"type": NOT_SET}
@@ -105,7 +105,7 @@ def _types(live: LiveSimulator, request: Request) -> Request:
 
 
 def _declared(one: Parameter) -> int:
-    """Return the type of a parameter, of one without a value the type that it would have."""
+    """Return the type of a parameter or, if it has no value, the type that its value would have."""
     return EXPECTED.get(one.type, NOT_SET) if one.value is None else type_of(one.value)
 
 
@@ -136,7 +136,7 @@ def _set_all(live: LiveSimulator, request: Request) -> Request:
 
 
 def _changed(live: LiveSimulator, parameters: Sequence[Any]) -> Request:
-    """Set parameters, messages of rcl_interfaces/Parameter, all or none; return a SetParametersResult."""
+    """Set all parameters (messages of type rcl_interfaces/Parameter) or none; return a SetParametersResult."""
     try:
         changes = {one.name: _wanted(live, one) for one in parameters}
         live.command("set_parameters", changes=changes).result()

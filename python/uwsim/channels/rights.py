@@ -3,9 +3,10 @@
 - All stop may be set by any client at any time.
 - While a pilot has the controls, all other commands of other clients to a vehicle are refused, on every bridge: its
   command topics (/key, /cmd_vel, ...), its command services (/release, /dock, ...), its lamps, and the release of all
-  stop. What was in effect when the pilot took the controls ends then.
+  stop. Any command in effect when the pilot takes the controls ends at that moment.
 - Services of the simulation stay open, since they do not drive: pace, parameters, pictures, maps.
-- Without a pilot, the last command has effect. The station shows whose it is, and no page takes the controls by itself.
+- Without a pilot, the last command takes effect. The station shows who issued it, and no page takes the controls by
+  itself.
 """
 
 from __future__ import annotations

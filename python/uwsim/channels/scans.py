@@ -34,7 +34,7 @@ class Head(Protocol):
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic with one message per ping: repeated at 50 Hz, as by the paper's node, maps would count each ping often.
+    """A topic with one message per ping: at 50 Hz, as in the paper's node, maps would count each several times.
 
     make: called with head, ping and frame; returns None for no message. packing: see Channel.
     """
@@ -54,7 +54,7 @@ class PingTopic:
 
         def read(sim: Simulator) -> Any:
             taken = pings.newest(sim)
-            # Parameters may have made the pings rarer than the channel's readings.
+            # Changed parameters may have made pings less frequent than the channel's readings.
             return make(taken) if sim.time_ns - taken.ping.time_ns < period_ns else None
 
         return Channel(

@@ -12,7 +12,7 @@ from uwsim.scenario import Scenario
 
 
 def default_origin(scenario: Scenario) -> str:
-    """Return the name of the origin that a server of a scenario uses unless it is given another."""
+    """Return the name of the origin that a scenario's server uses by default."""
     return "published" if scenario.wire == "published" else "world"
 
 

@@ -11,7 +11,7 @@ from uwsim.channels.service_types import request_type, response_type
 
 
 def request_values(service_type: str, message: Any) -> dict[str, Any]:
-    """Return a request's fields, without optional ones that are not given. Messages inside it are left as they are."""
+    """Return a request's fields, without optional ones that are not set. Nested messages are left as they are."""
     found: dict[str, Any] = {}
     for field in fields(request_type(service_type), 2):
         value, kind = getattr(message, field.name), field.kind

@@ -1,7 +1,7 @@
 """The service types in use, as .srv definitions: requests and responses for bridges whose peers have typed services.
 
 Each is also a message type, std_srvs/srv/Trigger_Request and std_srvs/srv/Trigger_Response. ROS 2 computes the hash of
-a service from the message type std_srvs/srv/Trigger, whose fields are both and an event; see
+a service from the message type std_srvs/srv/Trigger, whose fields are the request, the response and an event; see
 `load_service_types`.
 
 A field of at most one value, such as float64[<=1], is optional. A list of uwsim_msgs/NamedNumber stands for an object

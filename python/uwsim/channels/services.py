@@ -18,7 +18,7 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
 SET_STREAM = "set_stream"
-"""The name under which recordings store changes of picture streams."""
+"""The name under which recordings store changes to picture streams."""
 STEPS_MAX = 1_000_000
 
 

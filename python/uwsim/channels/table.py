@@ -51,7 +51,7 @@ class Table:
     /tf have the estimate, and the others are left out. Raises ValueError.
 
     published: names of the topics of the paper's simulator. channels, services: those visible to clients. A link
-    replaces them with those that cross it, a recorder with those that it listens to.
+    replaces them with those that cross it, a recorder with those that it records.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Table:
         return found
 
     def _vehicles(self, source: Source, channels: list[Channel]) -> list[Channel]:
-        """Return a vehicle's channels such that they respect its link, and who may command it."""
+        """Return a vehicle's channels, restricted by its link and by the right to command it."""
         return [
             replace(channel, rights=self.rights) if channel.direction == "in" else channel
             for channel in over_link(source, channels)
@@ -149,14 +149,14 @@ class Table:
 
 
 def _without_truth(tf: Tf, sources: Sequence[Source]) -> Tf:
-    """Return the motion on /tf where the truth is hidden: the estimate, or none if a vehicle cannot make one."""
+    """Return the motion on /tf when the truth is hidden: the estimate, or none if some vehicle has no estimate."""
     if tf != "truth":
         return tf
     return "odom" if all(map(has_estimate, sources)) else "none"
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels such that those that cross the link are silent while the vehicle is cut off."""
+    """Return a vehicle's channels, of which those that cross the link are silent while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
         return lambda sim: None if is_cut_off(sim, source.name) else read(sim)
@@ -188,7 +188,7 @@ def services(sim: Simulator) -> list[Service]:
 
 
 def check_tf(tf: str, sources: Sequence[Source]) -> None:
-    """Raise ValueError for an unknown source of /tf, or an estimate that a vehicle cannot make."""
+    """Raise ValueError for an unknown source of /tf, or for the estimate if a vehicle has none."""
     if tf not in get_args(Tf):
         raise ValueError(f"tf = {tf!r}: must be one of {', '.join(get_args(Tf))}")
     for source in sources:

@@ -35,7 +35,7 @@ class Watchdog:
 
     @property
     def driver(self) -> str:
-        """The kind of client whose command is in effect; "" if none is."""
+        """The kind of client whose command is in effect; "" if no command is."""
         return self._driver if self._since_ns else ""
 
     def commanded(self, live: LiveSimulator, channel: Channel, driver: str = "a client") -> None:
@@ -65,7 +65,7 @@ class Watchdog:
             self._since_ns = {}
 
     def _check(self, live: LiveSimulator, now_ns: int) -> None:
-        """End the commands of silent channels, on the simulator's thread. A future time dates from before a reset."""
+        """End the commands of silent channels, on the simulator's thread. A time in the future predates a reset."""
         timeout_ns = round(1e9 * self._timeout_s(live.simulator))
         with self._lock:
             timed = [entry for entry in self._since_ns.values() if entry[0].has_timeout]

@@ -43,7 +43,7 @@ def water_column_message(
 ) -> Any:
     """Return a ping's water column as a message, samples by beams as the type requires. The frame: x ahead, z up.
 
-    sound_speed_m_s: at the head.
+    sound_speed_m_s: speed of sound at the head.
     """
     level_db = np.asarray(ping.water_column, np.float32)
     return build.message(

@@ -1,4 +1,4 @@
-"""Course: an exercise under way in a simulator. It judges goals and limits, lets events happen, and keeps the score."""
+"""Course: an exercise in progress in a simulator. It judges goals and limits, triggers events, and keeps the score."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Command = Callable[[str, Mapping[str, Any]], Any]
 
 @dataclass
 class Happening:
-    """An entry of the course's log. time_s: since the beginning. kind: goal, limit, event or end."""
+    """An entry in the course's log. time_s: since the beginning. kind: goal, limit, event or end."""
 
     time_s: float
     kind: str
@@ -36,7 +36,7 @@ class Happening:
 
 @dataclass
 class _State:
-    """All that changes, so that a saved moment can be returned to."""
+    """Everything that changes, so that a saved moment can be restored."""
 
     progress: list[Progress]
     begun_tick: int
@@ -53,10 +53,11 @@ class _State:
 
 
 class Course:
-    """An exercise under way.
+    """An exercise in progress.
 
-    sim: of the exercise's scenario. command: issues the commands of events; by default directly, without a live
-    simulator. Call `attach` for a simulator stepped by a mission; with a LiveSimulator call `judge` every PERIOD_S.
+    sim: a simulator of the exercise's scenario. command: issues the commands of events; by default directly, without a
+    live simulator. Call `attach` for a simulator stepped by a mission; with a LiveSimulator call `judge` every
+    PERIOD_S.
     """
 
     def __init__(self, exercise: Exercise, sim: Simulator, command: Command | None = None) -> None:
@@ -72,7 +73,7 @@ class Course:
 
     @staticmethod
     def require_events(exercise: Exercise, sim: Simulator) -> None:
-        """Try all events on a simulator, and restore it. Raises ValueError if one cannot happen."""
+        """Try all events on a simulator, then restore its state. Raises ValueError if an event cannot happen."""
         for index, event in enumerate(exercise.events):
             if event.command == "end_fault":
                 continue  # the fault begins later
@@ -91,12 +92,12 @@ class Course:
         self._now.broken_s, self._now.is_broken = [-math.inf] * limits, [False] * limits
 
     def attach(self) -> Course:
-        """Judge whenever due while the simulator steps; return self."""
+        """Start judging whenever due while the simulator steps; return self."""
         self.sim.agenda.add(self, Rank.READING, lambda tick: self.judge(), jump=self._jump)
         return self
 
     def detach(self) -> None:
-        """Judge no more."""
+        """Stop judging."""
         self.sim.agenda.remove(self)
 
     def _jump(self, tick: int) -> None:
@@ -130,7 +131,7 @@ class Course:
 
     @property
     def has_passed(self) -> bool:
-        """True if the points suffice."""
+        """True if the score is high enough to pass."""
         return self.score >= self.exercise.pass_points
 
     def judge(self) -> None:
@@ -238,7 +239,7 @@ class Course:
         }
 
     def sheet(self) -> dict[str, Any]:
-        """Return the score sheet: the state, the log, and how large the errors were. All values are of JSON types."""
+        """Return the score sheet: the state, the log, and the size of the errors. All values are of JSON types."""
         goals = [
             {
                 "name": goal.name, "title": goal.title, "kind": goal.kind, "points": goal.points, "share": one.share,
@@ -259,7 +260,7 @@ class Course:
         return np.array(self._now.track, np.float64).reshape(-1, 6)
 
     def errors(self) -> dict[str, tuple[Any, Any]]:
-        """Return, by title of the goals that keep something, times [s] and distances [m], (n,) each."""
+        """Return times [s] and errors [m], (n,) each, by title of those goals that require something to be held."""
         goals = zip(self.exercise.goals, self._now.progress, strict=True)
         return {g.title: (np.array(p.times_s), np.array(p.errors_m)) for g, p in goals if len(p.errors_m) > 1}
 

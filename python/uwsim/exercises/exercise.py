@@ -1,4 +1,4 @@
-"""Exercise: the model of an exercise's YAML file, and the scenario that it is flown in."""
+"""Exercise: the model of an exercise's YAML file, and the scenario in which it is flown."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ EVENT_COMMANDS = (
 
 
 class Near(Model):
-    """A place whose approach triggers an event.
+    """A place that triggers an event when the vehicle approaches it.
 
-    position_m: in the world. within_m: how close.
+    position_m: in the world. within_m: distance at which it triggers.
     """
 
     position_m: Point3
@@ -36,10 +36,11 @@ class Near(Model):
 
 
 class Event(Model):
-    """Something that happens once, unannounced.
+    """An event that happens once, unannounced.
 
-    at_s: when, from the beginning; near: or where; after: or once a goal, by name, has been met. Exactly one of them.
-    command: a command of the simulator. arguments: its arguments. note: what the debriefing says about it.
+    at_s: the time since the beginning; near: instead, a place; after: instead, the name of a goal that has been met.
+    Exactly one of these is required. command: a command of the simulator. arguments: its arguments. note: its
+    description in the debriefing.
     """
 
     at_s: Annotated[float, InRange(0, 1e5, "s")] | None = None
@@ -65,10 +66,10 @@ class Event(Model):
 class Exercise(Model):
     """An exercise for a pilot.
 
-    title: a line. brief: the task. scenario: a packaged name, or the path of a YAML file. obstacles: added to the
+    title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. obstacles: added to the
     scenario's. hidden: names of obstacles that the station's 3D view and chart leave out. start: the pose of the first
-    vehicle, by default as in the scenario. seed: of all random draws. time_s: after which it ends. goals, limits,
-    events: see there. pass_points: needed to pass.
+    vehicle, by default as in the scenario. seed: for all random draws. time_s: time after which it ends. goals, limits,
+    events: see their models. pass_points: points needed to pass.
     """
 
     title: str = Field(min_length=1, max_length=120)
@@ -86,7 +87,7 @@ class Exercise(Model):
 
     @property
     def points(self) -> float:
-        """The most points that can be had."""
+        """The maximum score."""
         return sum(goal.points for goal in self.goals)
 
     @model_validator(mode="after")

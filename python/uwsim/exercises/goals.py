@@ -1,4 +1,4 @@
-"""The kinds of goals: each is a model with its YAML keys and a progress that judges moments, 0.1 s apart."""
+"""The kinds of goals: each is a model with its YAML keys, and a Progress that judges moments 0.1 s apart."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ Duration = Annotated[float, InRange(0.1, 1e5, "s")]
 Within = Annotated[float, InRange(0.01, 1000, "m")]
 Points = Annotated[float, InRange(0, 1000)]
 NoteCategory = Literal["observation", "defect", "leak", "debris", "growth"]
-STATIONS_M = 0.5  # interval of the points of a path that must be passed
-PASSED = 0.95  # share of a path or an area that counts as all of it
+STATIONS_M = 0.5  # spacing of the points of a path that must be passed
+PASSED = 0.95  # share of a path or an area that counts as complete
 
 
 class Progress(ABC):
-    """How far a goal has been met. share: in [0, 1]. errors_m: deviations from what was to be held, if any."""
+    """How much of a goal has been met. share: in [0, 1]. errors_m: deviations from the value to be held, if any."""
 
     def __init__(self) -> None:
         self.share = 0.0
@@ -32,15 +32,15 @@ class Progress(ABC):
 
     @property
     def is_met(self) -> bool:
-        """True once nothing is left to do."""
+        """True once the goal has been met in full."""
         return self.share >= 1.0
 
     @abstractmethod
     def judge(self, moment: Moment, period_s: float) -> None:
-        """Take the next moment, period_s after the last."""
+        """Judge the next moment, period_s after the last."""
 
     def note(self, time_s: float, error_m: float) -> None:
-        """Keep an error for the debriefing."""
+        """Record an error for the debriefing."""
         self.times_s.append(time_s)
         self.errors_m.append(error_m)
 
@@ -48,7 +48,7 @@ class Progress(ABC):
 class GoalModel(Model):
     """The keys that all goals share.
 
-    name: by which `after` names it. title: what the pilot reads. points: for meeting it. after: the name of a goal that
+    name: used in `after`. title: shown to the pilot. points: awarded for meeting it. after: the name of a goal that
     must be met before this one counts.
     """
 
@@ -96,8 +96,8 @@ class Pass(GoalModel):
 class Follow(GoalModel):
     """Follow a path from its first point to its last.
 
-    points_m: its corners. within_m: distance from it that is allowed. The share is that of its length passed in order:
-    a pilot who leaves it must return to where it was left.
+    points_m: its corners. within_m: allowed distance from the path. The goal's share is the share of the path's length
+    passed in order: a pilot who leaves the path must return to the point of departure.
     """
 
     kind: Literal["follow"]
@@ -112,8 +112,8 @@ class Follow(GoalModel):
 class LookAt(GoalModel):
     """Have a place in view of one of the vehicle's cameras.
 
-    position_m: in the world. within_m: distance from the camera. for_s: time without interruption. cameras: names, by
-    default all that move with the vehicle's body. clear_m: surfaces this close to the place do not hide it.
+    position_m: in the world. within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by default
+    all that move with the vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.
     """
 
     kind: Literal["look_at"]
@@ -129,7 +129,7 @@ class LookAt(GoalModel):
 
 
 class Hold(GoalModel):
-    """Keep a place, a depth or a heading for some time without interruption.
+    """Hold a position, a depth or a heading for some time without interruption.
 
     position_m: in the world; within_m: distance from it. depth_m: positive down; within_m applies. heading_deg:
     counter-clockwise from east; within_deg: difference from it. for_s: how long.
@@ -157,8 +157,8 @@ class Hold(GoalModel):
 class MapArea(GoalModel):
     """Sweep an area of the bed with the first multibeam sonar, which is read once per second.
 
-    area_m: a polygon, x and y. cell_m: edge of the cells that it is divided into. share: of the cells in which an echo
-    must have been received, for all points.
+    area_m: a polygon, x and y. cell_m: edge length of the cells into which it is divided. share: fraction of the cells
+    that must have returned an echo for full points.
     """
 
     kind: Literal["map"]
@@ -172,9 +172,9 @@ class MapArea(GoalModel):
 
 
 class Report(GoalModel):
-    """Report what is at a place by a note, as at the station or by the command `note`.
+    """Report what is at a place by writing a note, either at the station or with the command `note`.
 
-    position_m: in the world. within_m: how close to it the note must be placed. category: of the note.
+    position_m: in the world. within_m: how close to it the note must be placed. category: the note's category.
     """
 
     kind: Literal["report"]
@@ -249,7 +249,7 @@ class _Looking(Progress):
     def _is_in_view(self, moment: Moment) -> bool:
         goal, place = self._goal, np.array(self._goal.position_m)
         if moment.distance_m(goal.position_m) > goal.within_m + 5.0:
-            return False  # no camera is farther from the vehicle's middle
+            return False  # no camera is farther from the vehicle's centre
         names = goal.cameras or [name for name, one in moment.vehicle.cameras.items() if one.mount.follows == "body"]
         return any(self._sees(moment, moment.vehicle.cameras[name], place) for name in names)
 
@@ -343,7 +343,7 @@ class _Mapping(Progress):
 
 
 def _distance_m(point: Floats, corners: Floats) -> float:
-    """Return the distance of a point (3,) from straight legs through corners (n, 3)."""
+    """Return the distance from a point (3,) to straight legs through corners (n, 3)."""
     starts, legs = corners[:-1], np.diff(corners, axis=0)
     along = np.einsum("ij,ij->i", point - starts, legs) / np.maximum(np.einsum("ij,ij->i", legs, legs), 1e-12)
     nearest = starts + np.clip(along, 0.0, 1.0)[:, None] * legs

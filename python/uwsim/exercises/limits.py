@@ -11,7 +11,7 @@ from uwsim.exercises.goals import NoteCategory, Points, inside
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Point2
 
-AGAIN_S = 3.0  # a limit that is broken again within this time counts once
+AGAIN_S = 3.0  # a limit broken again within this time counts only once
 
 
 class LimitModel(Model):
@@ -24,12 +24,12 @@ class LimitModel(Model):
     ends: bool = False
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
-        """Return whether the limit is broken at a moment. collisions_before: their number at the moment before."""
+        """Return whether the limit is broken at a moment. collisions_before: the number up to the previous moment."""
         raise NotImplementedError
 
     @property
     def title(self) -> str:
-        """The pilot's text."""
+        """The text shown to the pilot."""
         raise NotImplementedError
 
 
@@ -126,9 +126,9 @@ class Area(LimitModel):
 
 
 class Reports(LimitModel):
-    """Not more notes of a category than this, so that a pilot does not report what is not there.
+    """No more notes of a category than this, so that pilots do not report what is not there.
 
-    category: of the notes. most: their number.
+    category: the notes' category. most: the largest number allowed.
     """
 
     kind: Literal["reports"]

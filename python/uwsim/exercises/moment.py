@@ -1,4 +1,4 @@
-"""The true state of a simulator at one moment, by which goals and limits are judged."""
+"""The true state of a simulator at one moment, against which goals and limits are judged."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Moment:
 
     @property
     def altitude_m(self) -> float:
-        """The height over the bed or over whatever stands below."""
+        """The height above the bed or above any object below the vehicle."""
         return float(self.vehicle.telemetry().distance_to_seabed_m)
 
     def notes(self, category: str) -> list[Event]:

@@ -29,7 +29,7 @@ def write_sheet(out: Path, course: Course) -> list[Path]:
 
 
 def sheet_html(folder: Path, course: Course) -> str:
-    """Return the page, self-contained; its figures are also kept in the folder. Raises OSError."""
+    """Return the self-contained page; its figures are also left in the folder. Raises OSError."""
     from uwsim.figures.exercise import draw_errors, draw_exercise_track  # here, since matplotlib takes a second
     from uwsim.figures.flight import draw_depth
     from uwsim.figures.html_page import data_uri, filled_page
@@ -53,7 +53,7 @@ def sheet_html(folder: Path, course: Course) -> str:
 
 
 def _places(course: Course) -> dict[str, list[tuple[float, ...]]]:
-    """Return the points of the goals that have a place, by name."""
+    """Return the points of those goals that have a position, keyed by the goal's name."""
     found: dict[str, list[tuple[float, ...]]] = {}
     for goal in course.exercise.goals:
         if (place := getattr(goal, "position_m", None)) is not None:
@@ -64,7 +64,7 @@ def _places(course: Course) -> dict[str, list[tuple[float, ...]]]:
 
 
 def _marks(sheet: dict[str, object]) -> list[tuple[str, float, float]]:
-    """Return the kind and place of what went wrong, or was made to."""
+    """Return the kind and place of each broken limit and each event."""
     log: list[dict[str, object]] = sheet["log"]  # type: ignore[assignment]
     placed = [entry for entry in log if entry["position_world_m"] and entry["kind"] in ("limit", "event")]
     return [(str(e["kind"]), *e["position_world_m"][:2]) for e in placed]  # type: ignore[index]

@@ -1,4 +1,4 @@
-"""view: the operator's station over a simulator of one's own, from a script, a Python prompt or a notebook."""
+"""view: the operator's station for your own simulator, from a script, a Python prompt or a notebook."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from uwsim.scenario import Scenario
 from uwsim.simulator.simulator import Simulator
 
 LOCAL_PAGES = "http://localhost:* http://127.0.0.1:*"
-"""Pages that may show the view in a frame: those of this machine, such as Jupyter's."""
+"""Pages that may show the view in a frame: those served from this machine, such as Jupyter's."""
 HEIGHT_PX = 600
 SCENE = "/?view=scene"
-"""The page with its 3D view as the large one."""
+"""The page, with the 3D view enlarged."""
 
 
 class Viewer:
-    """The station's page over a running simulator; see `view`.
+    """The station's page for a running simulator; see `view`.
 
     live: the LiveSimulator that steps it. url: the page. Close it with `close`, or use it as a context manager; the
-    simulator then stands where the viewer left it, and is stepped by its owner again.
+    simulator then remains in the state in which the viewer left it, to be stepped by its owner again.
     """
 
     live: LiveSimulator
@@ -86,7 +86,7 @@ def view(
     paused: bool = False,
     browser: bool | None = None,
 ) -> Viewer:
-    """Open the station's own page, with its 3D view, over a simulator; return the Viewer.
+    """Open the station's page, with its 3D view, for a simulator; return the Viewer.
 
         sim = uwsim.Simulator("lake")
         with uwsim.view(sim) as viewer:          # in a notebook, the last expression of a cell: uwsim.view(sim)
@@ -97,9 +97,9 @@ def view(
     While it is open, the simulator steps itself: command it through `viewer.rov` or `viewer.live`, and do not step or
     command `sim`. sim: a simulator, whose state is kept, a LiveSimulator, or the scenario to create one from. speed:
     simulated seconds per wall second, or "max"; paused: whether it waits for `viewer.live.step(n)` or
-    `viewer.live.resume()`; both without effect on a LiveSimulator. browser: whether to open a browser's window; by
-    default on a desktop outside notebooks. The server listens on 127.0.0.1, on a free port. Raises ScenarioError or
-    ValueError for invalid arguments, OSError without a free port.
+    `viewer.live.resume()`; neither has any effect on a LiveSimulator. browser: whether to open a browser window; by
+    default, only on a desktop and outside notebooks. The server listens on 127.0.0.1, on a free port. Raises
+    ScenarioError or ValueError for invalid arguments, OSError if no port is free.
     """
     live = sim if isinstance(sim, LiveSimulator) else LiveSimulator(sim, speed=speed, paused=paused)
     viewer = Viewer(live)

@@ -22,7 +22,7 @@ from uwsim.simulator.simulator import Simulator
 SUFFIX = "image_raw/compressed"
 LOOK_S = 0.05
 SMALL_S = 2.0
-"""Interval between pictures of a view that no pilot shows large, in simulated time."""
+"""Interval between pictures of a view that no pilot has enlarged, in simulated time."""
 
 
 class Arrivals:

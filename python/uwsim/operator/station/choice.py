@@ -70,7 +70,7 @@ def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
 
 
 def chosen_flight(choice: Values) -> tuple[str, Speed]:
-    """Return the flight that a choice replays, as given, and the speed. Raises ChoiceError."""
+    """Return the name of the flight that a choice replays, unchecked, and the speed. Raises ChoiceError."""
     errors = {name: "is as it was recorded" for name in FIELDS if name != "speed" and choice.get(name) is not None}
     speed = _try(errors, "speed", lambda: _speed(choice.get("speed")))
     if errors:
@@ -79,7 +79,7 @@ def chosen_flight(choice: Values) -> tuple[str, Speed]:
 
 
 def chosen_rosbridge(choice: Values) -> UserRosbridge | None:
-    """Return the user's rosbridge of a choice, which was reachable just now; None without one. Raises ChoiceError."""
+    """Return the user's rosbridge in a choice, after checking that it can be reached, or None. Raises ChoiceError."""
     errors: dict[str, str] = {}
     rosbridge = _rosbridge(errors, choice)
     if rosbridge is not None:

@@ -84,7 +84,7 @@ def _helm(station: Station, request: Values) -> str:
 
 
 def new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:
-    """Return a new path in the station's folder for the requested name. Raises ValueError, also if it exists."""
+    """Return a new path in the station's folder for the requested name. Raises ValueError if invalid or existing."""
     name = request.get("name", default)
     if not isinstance(name, str) or not NAME.fullmatch(name):
         raise ValueError(f"name = {str(name)[:40]!r}: must have 1 to 64 of A-Z a-z 0-9 _ . -")

@@ -1,4 +1,4 @@
-"""Flights: recordings that the station makes of every flight, without being asked, within bounds, and finds again."""
+"""Flights: recordings that the station makes of every flight automatically, within bounds, and can find again."""
 
 from __future__ import annotations
 
@@ -33,22 +33,22 @@ COUNT, MEGABYTES = 50, 2000
 """The default bounds: flights, and MB (10^6 bytes) of all of them."""
 COUNT_MAX, MEGABYTES_MAX = 10_000, 1_000_000
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.mcap")
-CHECK_S = 2.0  # between checks of the bounds while a flight is recorded
-OPEN_MAX = 3  # time lines that are kept for the next request
-SAMPLES_MAX = 4000  # of a track that the page draws
+CHECK_S = 2.0  # between checks of the bounds while a flight is being recorded
+OPEN_MAX = 3  # time lines kept for later requests
+SAMPLES_MAX = 4000  # in a track that the page draws
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bounds of the flights that are kept, and of their bytes; the oldest are deleted first."""
+    """Limits on the number of flights kept, and on their total size; the oldest are deleted first."""
 
     count: int = COUNT
     size_bytes: int = MEGABYTES * 1_000_000
 
     @classmethod
     def of(cls, text: str) -> Bounds:
-        """Return the bounds in a text such as "50,2000", flights and MB. Raises ValueError."""
+        """Parse the bounds from text such as "50,2000", flights and MB. Raises ValueError."""
         found = re.fullmatch(r"(\d{1,6}),(\d{1,8})", text)
         if found is None:
             raise ValueError(f"{text!r}: must be a number of flights and of MB, such as {COUNT},{MEGABYTES}")
@@ -60,7 +60,7 @@ class Bounds:
 
 @dataclass
 class Flights:
-    """The flights in a folder, by file name, which begins with the time of the start, so that names sort by age.
+    """The flights in a folder, by file name; names begin with the start time, and so sort by age.
 
     refused: by name, why a flight could not be replayed. Methods may be called on any thread.
     """
@@ -103,7 +103,7 @@ class Flights:
                 LOGGER.info("flight %s deleted: more would exceed the bounds", oldest.name)
 
     def timeline(self, name: object) -> Timeline:
-        """Return a flight's time line, simulating it unless that was done before. Raises ValueError or OSError."""
+        """Return a flight's time line, simulating it unless that was done earlier. Raises ValueError or OSError."""
         path = self._path(name)
         with self._opening:
             stat = path.stat()
@@ -120,9 +120,9 @@ class Flights:
             return self._open[key]
 
     def ghost(self, shown: Timeline, name: str, origin_m: NDArray[np.float64]) -> Values:
-        """Return another flight's track, and how far it is from the one shown. Raises ValueError or OSError.
+        """Return another flight's track, and its distance from the one shown. Raises ValueError or OSError.
 
-        origin_m: of the odom frame, in which positions are returned.
+        origin_m: origin of the odom frame, in which positions are returned.
         """
         other = self.timeline(name)
         one, two = (line.recording.start.scenario for line in (shown, other))
@@ -139,11 +139,11 @@ class Flights:
 
     def hull(self, name: str) -> bytes:
         """Return the hull of a flight's first vehicle as GLB, in body axes. Raises ValueError or OSError."""
-        sim = self.timeline(name).simulator()  # kept until the mesh is read, since its files end with it
+        sim = self.timeline(name).simulator()  # kept until the mesh is read: its files vanish with it
         return glb(vehicle_hull(sim.scenario.vehicles[0].model), np.zeros(3))
 
     def close(self) -> None:
-        """Give up what is being opened."""
+        """Abandon the flight that is being opened."""
         self.is_closing = True
 
     def _path(self, name: object) -> Path:
@@ -198,9 +198,9 @@ def track(line: Timeline, origin_m: NDArray[np.float64]) -> Values:
 
 
 class FlightRecording:
-    """Records a running simulator, unasked. A flight in which nothing was commanded is not kept.
+    """Records a running simulator automatically. A flight without any commands is not kept.
 
-    notes: for the recording, such as where it branched from. trouble: why nothing is recorded, or "".
+    notes: metadata for the recording, such as where it branched from. trouble: why nothing is being recorded, or "".
     """
 
     def __init__(self, running: Running, flights: Flights, notes: Mapping[str, Any] | None = None) -> None:
@@ -213,12 +213,12 @@ class FlightRecording:
 
     @property
     def name(self) -> str:
-        """The name of the file that is being written, or ""."""
+        """The name of the file being written, or ""."""
         recorder = self._recorder
         return "" if recorder is None else recorder.path.name
 
     def start(self) -> None:
-        """Begin a recording, unless no flights are kept. An error is logged and kept in `trouble`."""
+        """Begin a recording, unless no flights are to be kept. Errors are logged and stored in `trouble`."""
         running, flights = self._running, self._flights
         if flights.bounds.count == 0:
             return
@@ -239,13 +239,13 @@ class FlightRecording:
                 self._complain(error)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Note that the vehicle is flown."""
+        """Record that the vehicle has been commanded."""
         moves = any(value for key, value in arguments.items() if key != "vehicle")
         if (name == EFFORT and moves) or name not in UNSEEN:
             self._is_flown = True
 
     def _watch(self, over: threading.Event) -> None:
-        """Keep the bounds while a flight is recorded; end its recording if it alone exceeds them."""
+        """Enforce the bounds while a flight is being recorded; end its recording if it alone exceeds them."""
         while not over.wait(CHECK_S):
             recorder = self._recorder
             if recorder is None:
@@ -263,7 +263,7 @@ class FlightRecording:
                 LOGGER.warning("%s", self.trouble)
 
     def stop(self) -> None:
-        """Finish the recording; an error is logged and kept in `trouble`."""
+        """Finish the recording; errors are logged and stored in `trouble`."""
         with self._lock:
             recorder, self._recorder = self._recorder, None
             self._over.set()

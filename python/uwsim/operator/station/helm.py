@@ -18,7 +18,7 @@ from uwsim.live import LiveSimulator, NotRunningError
 SILENCE_S = 0.5
 """The age beyond which a command is rejected, and the time without a command after which efforts are set to zero."""
 CRUISE_S = 1.5
-"""The same for a speed hold, which a pause of a browser must not end, since it does not begin again by itself."""
+"""The same for a speed hold, which must survive a pause in the browser, since it does not resume by itself."""
 RETRY_S = 0.05  # delay before setting efforts to zero is attempted again
 WINDOW_S = 30.0
 ZERO = dict.fromkeys(AXES, 0.0)
@@ -66,7 +66,7 @@ class Helm:
         self._lock = threading.Lock()
         self._delay = LeastDelay()
         self._efforts = dict.fromkeys(steering, ZERO)  # as last set by this helm
-        self._cruising: dict[str, dict[str, bool]] = {}  # by vehicle with a speed hold: its other holds
+        self._cruising: dict[str, dict[str, bool]] = {}  # the other holds of each vehicle with a speed hold
         self._heard_s = -math.inf
 
     def drive(self, request: Values) -> Future[Values]:
@@ -91,7 +91,7 @@ class Helm:
         return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
 
     def note_holds(self, vehicle: str, arguments: Mapping[str, Any]) -> None:
-        """Note which holds the pilot has requested: a speed hold drives on by itself, so it lasts as efforts do."""
+        """Note which holds the pilot has requested: a speed hold keeps driving, so it expires as efforts do."""
         with self._lock:
             self._cruising.pop(vehicle, None)
             if arguments.get("speed") is True:

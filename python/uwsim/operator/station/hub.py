@@ -51,12 +51,12 @@ class Station:
         with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
             ...
 
-    offered, link: scenario preselected on the start screen, and its modem, if different from the scenario's. is_fixed:
-    run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
-    position. wire, origin: see uwsim.channels; invalid values raise ValueError; origin None is the world's, or the
-    scenario's for a session that joins the user's rosbridge. threads: for simulators. folder: where `save` writes.
-    instructor_token: of a second page, whose user alone changes the world; see `instructor`. keep_flights: how many
-    flights are recorded, unasked, in `folder`/flights; None: none, and none are listed.
+    offered, link: the scenario preselected on the start screen, and the modem, if different from the scenario's.
+    is_fixed: run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the
+    vehicle's true position. wire, origin: see uwsim.channels; invalid values raise ValueError; origin None means the
+    world's, or the scenario's for a session that joins the user's rosbridge. threads: for simulators. folder: where
+    `save` writes. instructor_token: token of a second page, whose user alone may change the world; see `instructor`.
+    keep_flights: how many flights are recorded automatically in `folder`/flights; None: none are recorded or listed.
 
     phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
     simulator and each restart.
@@ -168,7 +168,7 @@ class Station:
             raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
 
     def _go_on(self, choice: Values) -> None:
-        """Continue a saved session, with only the speed newly chosen."""
+        """Continue a saved session; only the speed is taken from the choice."""
         name, speed = chosen_save(choice, saved_names(self.folder))
         rosbridge = chosen_rosbridge(choice)
         self.prepared.forget()
@@ -183,7 +183,7 @@ class Station:
             raise ChoiceError({"saved": " ".join(str(error).split())}) from None
 
     def _replay(self, choice: Values) -> None:
-        """Replay a flight, with only the speed newly chosen."""
+        """Replay a flight; only the speed is taken from the choice."""
         name, speed = chosen_flight(choice)
         flights = self._kept_flights()
         self.prepared.forget()
@@ -195,9 +195,9 @@ class Station:
             raise ChoiceError({"flight": " ".join(str(error).split())}) from None
 
     def take_helm(self) -> str:
-        """Fly on from the present moment of a replay, in a session and a recording of its own; return where it began.
+        """Start flying from the current moment of a replay, in a new session and recording; return where it began.
 
-        Efforts are zero at first; time goes on, or stands still, as before. Raises ValueError.
+        Efforts are zero at first; time continues or remains paused, as before. Raises ValueError.
         """
         replay = self.present().replay
         if replay is None:
@@ -237,8 +237,8 @@ class Station:
         """Run the simulator returned by `make`, replacing the current one, which keeps running until then.
 
         prepare: called when the new simulator's channels exist and before its map is built. feed: shared with other
-        sinks. rosbridge: the user's, which the simulator joins. replay: which it follows. notes: for the recording that
-        is made of the flight.
+        sinks. rosbridge: the user's server, which the simulator joins. replay: the replay that it follows. notes:
+        metadata for the recording of the flight.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
@@ -274,7 +274,7 @@ class Station:
             if running is not None and self.running is not running:  # something failed
                 running.stop()
             self.phase = before
-            self._starting.release()  # first, since a page that sees the phase may start the next at once
+            self._starting.release()  # first, since a page that sees the phase may start the next one at once
             self.tell()
 
     def run_exercise(self, exercise: Exercise) -> None:
@@ -308,9 +308,9 @@ class Station:
         self.tell()
 
     def rewind(self, state: bytes | None = None) -> None:
-        """Go to a saved state, by default the initial one, in another session, so that pages request everything again.
+        """Go to a saved state, by default the initial one, in a new session, so that pages request everything again.
 
-        The recording of the flight ends before, and another begins. Raises ValueError.
+        The recording of the flight ends, and another begins. Raises ValueError.
         """
         running = self.present()
         if running.flight is not None:

@@ -30,31 +30,31 @@ if TYPE_CHECKING:
 
 PLACES = ("view", "vehicle")
 TIMEOUT_S = 10.0
-FAR_M = 20.0  # from the vehicle; farther away, the bed may be much higher or lower than below it
+FAR_M = 20.0  # from the vehicle; farther away, the bed may be much higher or lower than below the vehicle
 STEEP = math.sin(math.radians(10.0))  # the least angle at which a camera's axis must meet the bed
 COLUMNS = (
     "number", "time_s", "vehicle", "category", "text", "east_m", "north_m", "depth_m", "longitude_deg", "latitude_deg",
     "picture",
 )  # fmt: skip
 PICTURE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.png")
-FORMULA = ("=", "+", "-", "@")  # with which a spreadsheet would begin a formula
+FORMULA = ("=", "+", "-", "@")  # characters with which a formula begins in a spreadsheet
 
 
 class Inspection:
     """The notes of a running simulator. folder: where their files are written.
 
     Their files are NAME-notes.csv, NAME-notes.geojson and NAME-note-1.png and so on, where NAME is that of the
-    recording that is being written, or else the scenario's. They contain all notes since, also those that a restart has
-    removed from the run.
+    recording being written, or otherwise the scenario's. They contain all notes since then, including those that a
+    restart has removed from the run.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._lock = threading.Lock()
-        self._kept: dict[str, tuple[str, list[Event]]] = {}  # by recording: NAME, and the notes of its files
+        self._kept: dict[str, tuple[str, list[Event]]] = {}  # by recording: NAME, and the notes in its files
 
     def listed(self, running: Running) -> list[Values]:
-        """Return the notes in the page's terms: positions in odom; comments are left out."""
+        """Return the notes as the page expects them, with positions in odom; comments are left out."""
         origin_m = running.table.sources[0].origin_m
         found = [event for event in notes_of(running.live.simulator.events) if event.values["category"] != COMMENT]
         return [
@@ -68,7 +68,7 @@ class Inspection:
         ]  # fmt: skip
 
     def set_comment(self, running: Running, request: Values) -> str:
-        """Let another comment stand in pictures from now on. Raises ValueError."""
+        """Show another comment in pictures from now on. Raises ValueError."""
         text, category = _text(request), COMMENT
         require_note(text, category, "")
         with self._lock:
@@ -76,7 +76,7 @@ class Inspection:
         return ""
 
     def add(self, running: Running, request: Values) -> str:
-        """Write a note, with a picture if a camera's view is named; return where it is placed. Raises ValueError."""
+        """Add a note, with a picture if a camera's view is named; return its position. Raises ValueError."""
         text, category = _text(request), str(request.get("category"))
         require_note(text, category, "")
         if category == COMMENT:
@@ -146,7 +146,7 @@ class Inspection:
 
 
 def notes_csv(sim: Simulator, notes: list[Event]) -> bytes:
-    """Return notes as CSV: positions in the world frame, degrees of WGS 84 for a world with a place on Earth."""
+    """Return notes as CSV: positions in the world frame, and WGS 84 degrees if the world is located on Earth."""
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
@@ -158,7 +158,7 @@ def notes_csv(sim: Simulator, notes: list[Event]) -> bytes:
 
 
 def notes_geojson(sim: Simulator, notes: list[Event]) -> bytes:
-    """Return notes as GeoJSON (RFC 7946): points of WGS 84, or no geometry in a world without a place on Earth."""
+    """Return notes as GeoJSON (RFC 7946): points in WGS 84, or no geometry if the world has no location on Earth."""
     features = [
         {
             "type": "Feature",
@@ -196,7 +196,7 @@ def _rows(sim: Simulator, notes: list[Event]) -> list[dict[str, Any]]:
 
 
 def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, float | None]]:
-    """Return the WGS 84 longitude and latitude of each place, both None if it has none."""
+    """Return each place's longitude and latitude (WGS 84), or None for both if it has no position on Earth."""
     earth = georeference(sim.scenario)
     found: list[tuple[float | None, float | None]] = [(None, None)] * len(places)
     known = [k for k, place in enumerate(places) if place is not None]
@@ -213,7 +213,7 @@ def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, floa
 
 
 def _seen(running: Running, vehicle: str, view: object) -> tuple[NDArray[np.uint8] | None, Values]:
-    """Return a picture of a view, None if there is none, and the panel. Raises ValueError for an unknown view."""
+    """Return a picture of a view, or None if unavailable, and the panel. Raises ValueError for an unknown view."""
     if view:
         shown = running.views.view(view)
         if running.arrivals is None or shown.name not in running.arrivals or running.arrivals.has_come(shown.name):
@@ -224,7 +224,7 @@ def _seen(running: Running, vehicle: str, view: object) -> tuple[NDArray[np.uint
 def _placed(
     running: Running, vehicle: str, view: str, panel: Values, wants_view: bool
 ) -> tuple[NDArray[np.float64] | None, str]:
-    """Return the place of a note in the world (3,), None if unknown, and a sentence about it."""
+    """Return a note's position in the world (3,), None if unknown, and a sentence about it."""
     own_m = np.asarray(panel["position"], np.float64) - running.table.sources[0].origin_m
     if not np.isfinite(own_m).all():
         return None, "Noted without a place: the vehicle does not know its own"
@@ -245,10 +245,11 @@ def _placed(
 def looked_at(
     world_from_body_xyzw: Any, body_from_camera_xyzw: Any, mount_m: Any, altitude_m: float
 ) -> NDArray[np.float64] | None:
-    """Return where a camera's axis meets the bed, relative to the vehicle (3,), world axes.
+    """Return where a camera's axis meets the bed, relative to the vehicle, (3,), in world axes.
 
-    mount_m: (3,), of the camera on the body. altitude_m: over the bed, which is taken as flat and level. Returns None
-    if the altitude is unknown, or the axis is flatter than 10 degrees or meets the bed farther than 20 m away.
+    mount_m: (3,), position of the camera on the body. altitude_m: height above the bed, which is assumed flat and
+    level. Returns None if the altitude is unknown, or the axis is less than 10 degrees below the horizontal or meets
+    the bed more than 20 m away.
     """
     axis = matrix(product(world_from_body_xyzw, body_from_camera_xyzw))[:, 0]
     mount = matrix(world_from_body_xyzw) @ np.asarray(mount_m, np.float64)

@@ -1,7 +1,7 @@
-"""The instructor: changes the trainee's world, and returns to saved moments; only for who knows the instructor's token.
+"""The instructor: changes the trainee's world, and returns to saved moments; requires the instructor's token.
 
-While a station has an instructor, the pilot commands the vehicle and nothing else, and no client is offered the
-services of the simulation, which would show and change parameters.
+While a station has an instructor, the pilot commands only the vehicle, and no client is offered the services of the
+simulation, which could show and change parameters.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TOKEN_MIN = 8
 
 @dataclass
 class Moment:
-    """A moment to return to. course: the state of the exercise, if there is one."""
+    """A saved moment. course: the state of the exercise, if there is one."""
 
     name: str
     time_s: float
@@ -41,7 +41,7 @@ class Moment:
 
 @dataclass
 class Instructor:
-    """The instructor of a station. clients: connections that have shown the token. folder: of the log."""
+    """The instructor of a station. clients: connections that have presented the token. folder: the log's."""
 
     token: str
     folder: Path
@@ -60,16 +60,16 @@ class Instructor:
         self.clients.add(client)
 
     def require(self, client: str) -> None:
-        """Raise ValueError unless a connection has shown the token."""
+        """Raise ValueError unless a connection has presented the token."""
         if client not in self.clients:
             raise ValueError("for the instructor only")
 
     def begin(self) -> None:
-        """Forget the moments of another simulator."""
+        """Forget the moments saved for the previous simulator."""
         self.moments.clear()
 
     def act(self, station: Station, request: Values) -> str:
-        """Do what the instructor asks, and log it; return a sentence. Raises ValueError."""
+        """Carry out the instructor's request, and log it; return a sentence about the result. Raises ValueError."""
         action, arguments = request.get("action"), request.get("args") or {}
         if not isinstance(action, str) or action not in ACTIONS or not isinstance(arguments, dict):
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
@@ -88,7 +88,7 @@ class Instructor:
             file.write(json.dumps(entry) + "\n")
 
     def overview(self, running: Running) -> Values:
-        """Return what the instructor sees, the truth included."""
+        """Return what the instructor sees, including the truth."""
         seen: Values = running.live.read(_truth).result(TIMEOUT_S)
         exercise = None if running.judged is None else running.judged.state()
         moments = [{"name": moment.name, "time_s": moment.time_s} for moment in self.moments]

@@ -1,4 +1,4 @@
-"""An exercise that a person flies at the station: judged while the simulator runs, with the sheet at its end."""
+"""An exercise flown by a person at the station: judged while the simulator runs, with a score sheet at the end."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 
 
 class Judged:
-    """Judges a live simulator. folder: for the sheets, each in a folder of its own, sheet-1, sheet-2 and so on."""
+    """Judges a live simulator. folder: where the sheets go, each in its own subfolder: sheet-1, sheet-2 and so on."""
 
     def __init__(self, live: LiveSimulator, exercise: Exercise, folder: Path) -> None:
         self.live, self._folder = live, folder
@@ -31,18 +31,18 @@ class Judged:
         self.live.every(PERIOD_S, lambda sim: None, lambda nothing: self._judge())
 
     def stop(self) -> None:
-        """Wait for a sheet that is being written."""
+        """Wait for any sheet still being written."""
         if self._writing is not None:
             self._writing.join()
 
     def state(self) -> Values:
-        """Return what the pilot may see; sheet: whether it has been written, and error: why not."""
+        """Return what the pilot may see; sheet: whether it has been written; error: why not."""
         state: Values = self.live.read(lambda sim: self.course.state()).result()
         is_written = self.course.is_over and self._sheet is not None
         return {**state, "has_sheet": is_written, "error": self._error}
 
     def sheet(self, name: str) -> bytes:
-        """Return a file of the latest sheet. Raises ValueError before the end."""
+        """Return a file from the latest score sheet. Raises ValueError before the exercise has ended."""
         if self._sheet is None or name not in (SHEET, SCORE):
             raise ValueError("the score sheet is written when the exercise ends")
         return (self._sheet / name).read_bytes()

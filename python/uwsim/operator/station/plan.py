@@ -1,4 +1,4 @@
-"""Plans drawn on the chart: saved as a mission's file for `uwsim run`, or flown here by the same mission."""
+"""Plans drawn on the chart: saved as a mission file for `uwsim run`, or flown here by the same mission."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Plan:
 
     @classmethod
     def of(cls, request: Values, origin_m: Sequence[float]) -> Plan:
-        """Return the plan of a request, whose points are in the odom frame at origin_m. Raises ValueError."""
+        """Return the plan in a request, whose points are in the odom frame at origin_m. Raises ValueError."""
         points, speed = request.get("points_m"), request.get("speed_m_s", 0.5)
         if not isinstance(points, list) or not 1 <= len(points) <= POINTS_MAX:
             raise ValueError(f"points_m: must be a list of 1 to {POINTS_MAX} points")
@@ -65,7 +65,7 @@ class Plan:
 
 
 class _Clock:
-    """A mission's clock that ends the mission when asked to."""
+    """A mission clock that ends the mission on request."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._clock: LiveClock = live.clock
@@ -84,7 +84,7 @@ class _Clock:
 
 
 class PlanFlight:
-    """Flies a plan on a thread of its own, by the vehicle's own estimate, until it ends or `stop` is called."""
+    """Flies a plan on a separate thread, using the vehicle's own estimate, until it ends or `stop` is called."""
 
     def __init__(self, live: LiveSimulator, vehicle: str, plan: Plan) -> None:
         self.plan, self.reached, self.ended_because = plan, 0, ""
@@ -97,15 +97,15 @@ class PlanFlight:
 
     @property
     def is_on(self) -> bool:
-        """True while it flies."""
+        """True while the plan is being flown."""
         return not self.ended_because
 
     def stop(self, because: str) -> None:
-        """End it at the next period of control."""
+        """End the flight at the next control period."""
         self._clock.stopped_because = self._clock.stopped_because or because
 
     def report(self) -> Values:
-        """Return the state as fields of a response."""
+        """Return the flight's state as fields of a response."""
         return {"is_flying": self.is_on, "reached": self.reached, "ended_because": self.ended_because}
 
     def _note(self, event: Event) -> None:
@@ -131,7 +131,7 @@ class PlanFlight:
 
 
 def mission_of(plan: Plan) -> Any:
-    """Return the mission of a plan."""
+    """Return the mission that flies a plan."""
 
     def mission(vehicle: OwnVehicle) -> Any:
         return (yield from visit(vehicle, plan.points_world_m, plan.speed_m_s))

@@ -1,4 +1,4 @@
-"""The station's heartbeat: zeroes efforts that no pilot keeps up, starts due pictures and publishes the state."""
+"""The station's heartbeat: zeroes efforts that no pilot renews, starts due pictures and publishes the state."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 STATE = "station/state"
 STATE_S = 0.5  # even if nothing has changed: a page that receives nothing for 1.5 s suspects its network
-SILENT_S = 1.5  # silence of the pilot, who is pinged every second, from which it is reported
+SILENT_S = 1.5  # silence of the pilot, who is pinged every second, after which it is reported
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 

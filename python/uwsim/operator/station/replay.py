@@ -1,4 +1,4 @@
-"""A flight that is replayed at the station: a live simulator that follows a recording instead of a pilot."""
+"""A flight replayed at the station: a live simulator that follows a recording instead of a pilot."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ REFUSAL = "this is a replay: take the helm to command the vehicle"
 
 
 class Replay:
-    """Issues a recording's commands in a live simulator, which all others may only watch, and sets its time.
+    """Issues a recording's commands to a live simulator, which everyone else may only watch, and sets its time.
 
     Every position on the time line is simulated from the nearest saved state, so it does not depend on how it was
-    reached. At the end of the recording, time stands still. flight: its name, among flights.
+    reached. At the end of the recording, time stops. flight: the flight's name, as in `Flights`.
     """
 
     def __init__(self, live: LiveSimulator, timeline: Timeline, flight: str, flights: Flights) -> None:
@@ -42,7 +42,7 @@ class Replay:
         return self.live.follow(lambda sim: self._seek(sim, tick))
 
     def resume(self) -> None:
-        """Let time go on, from the start if it is at the end."""
+        """Let time continue, or restart from the beginning if at the end."""
         if self.live.tick >= self.timeline.end_tick:
             self.seek(self.timeline.start_tick * self.timeline.step_s).result()
         self.live.resume()

@@ -1,4 +1,4 @@
-"""Files that the page draws in a replay: the track of its flight, and another flight's track and hull."""
+"""Files that the page draws in a replay: the track of the flight, and another flight's track and hull."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.operator.station.running import Running
 
 
 def track_json(running: Running) -> bytes:
-    """Return the track of the flight that is replayed: `{times_s, poses}`, in odom. Raises ValueError."""
+    """Return the track of the flight being replayed: `{times_s, poses}`, in odom. Raises ValueError."""
     return json.dumps(track(_replay(running).timeline, running.table.origin_m)).encode()
 
 

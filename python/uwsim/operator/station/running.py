@@ -33,7 +33,7 @@ from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
-"""Name endings of the channels that the page shows: by default a modem, with its low capacity, carries only these."""
+"""Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
 SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
 
 
@@ -47,9 +47,9 @@ class Running:
 
     Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
     whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
-    parameter, and thus the result of `describe`, changes; see `notice_changes`. replay: of a flight, if the simulator
-    follows one; the truth is then shown, and all values are those aboard, without a link. branched_from: where the helm
-    of a replay was taken, or "".
+    parameter, and thus the result of `describe`, changes; see `notice_changes`. replay: the replay of a flight that the
+    simulator follows, if any; the truth is then shown, and all values are those aboard, without a link. branched_from:
+    the point in a replay at which a pilot took the helm, or "".
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Running:
         self.truth = truth = truth or replay is not None
         self.table = table = served_table(live, wire=wire, origin=origin, truth=truth)
         over_modem = sim.link is not None and sim.link.modem.kind == "modem"
-        has_carrier = sim.link is not None and replay is None  # a replay shows what is aboard, and sends nothing
+        has_carrier = sim.link is not None and replay is None  # a replay shows the values aboard, and sends nothing
         self.carrier = Carrier(live, table, only=SHOWN if over_modem else None) if has_carrier else None
         self.maps = self.table.maps  # over a link, those built ashore
         self.far = live if self.carrier is None else self.carrier.remote()  # the simulator as commanded by pilots
@@ -97,7 +97,7 @@ class Running:
 
     @property
     def driver(self) -> str:
-        """The kind of client, other than the pilot, whose command is in effect; "" for none."""
+        """The kind of client, other than the pilot, whose command is in effect; "" if none."""
         return next((name for each in self.table.steering.values() if (name := each.watch.driver)), "")
 
     def start(self) -> None:
@@ -123,7 +123,7 @@ class Running:
             self.flight.start()
 
     def hide_the_simulation(self) -> None:
-        """Offer clients nothing that shows or changes the world: its services, and commands of the simulator."""
+        """Withhold from clients all that shows or changes the world: its services, and commands to the simulator."""
         self.table.services = [each for each in self.table.services if not each.name.startswith("simulation/")]
         self.is_supervised = True
 
@@ -194,7 +194,7 @@ class Running:
         }
 
     def end_plan(self, because: str) -> None:
-        """End the plan that is flown, if any."""
+        """End the plan being flown, if any."""
         if self.plan is not None:
             self.plan.stop(because)
 

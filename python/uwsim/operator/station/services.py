@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
 
 SUPERVISED = ("record", "stop_recording")  # controls of a pilot who has an instructor
-DEAD_S = 3.0  # others may take the controls if a pilot sends nothing for this long, not even answers to pings
+DEAD_S = 3.0  # others may take the controls if a pilot sends nothing for this long, not even replies to pings
 
 
 class Services:

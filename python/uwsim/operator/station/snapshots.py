@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from uwsim.operator.station.running import Running
 
 OF_THE_TRUTH = ("true_position", "is_truth")
-"""Fields of /telemetry that no picture carries."""
+"""Fields of /telemetry that are not stored in pictures."""
 
 
 def snapshot_png(running: Running, view: str) -> bytes:
     """Return a lossless picture of a camera's view. Raises ValueError.
 
-    For a view received over a link, these are the last picture and the last panel that arrived.
+    For a view received over a link, this is the last picture that arrived, with the last panel.
     """
     rgb, panel = taken(running, view)
     return encode_png(rgb, text=described(running, view, panel, comment_of(running.live.simulator.events)))
@@ -67,7 +67,7 @@ def described(running: Running, view: str, panel: Values, comment: str, *, note:
 
 
 def instruments(panel: Values) -> Values:
-    """Return what stands in pictures, in SI units and degrees: None for what no instrument aboard measures.
+    """Return the values shown in pictures, in SI units and degrees; None if no instrument aboard measures a value.
 
     position_m: east, north and up in odom, by the vehicle's own estimate, like heading_deg, clockwise from north.
     """
@@ -90,7 +90,7 @@ def _known(value: Any, digits: int) -> float | None:
 
 
 def _json(value: Any) -> Any:
-    """Return a panel's value as JSON has it, where what is unknown is null."""
+    """Return a panel's value in JSON types, with null for unknown values."""
     if isinstance(value, dict):
         return {key: _json(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):

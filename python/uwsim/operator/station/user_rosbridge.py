@@ -20,7 +20,7 @@ STATION_ANSWERS_S = 1.0
 
 @dataclass(frozen=True)
 class UserRosbridge:
-    """The address of a rosbridge server, and the generation of its ROS."""
+    """The address of a rosbridge server, and its ROS generation."""
 
     url: str
     ros: Ros
@@ -51,7 +51,7 @@ def checked_host(value: object) -> str:
 
 
 def checked_port(value: object) -> int:
-    """Return the port; None is rosbridge_server's own. Raises ValueError."""
+    """Return the port; None means rosbridge_server's default. Raises ValueError."""
     if value is None:
         return PORT
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 or not 1 <= value <= 65535:
@@ -60,14 +60,14 @@ def checked_port(value: object) -> int:
 
 
 def checked_ros(value: object) -> Ros:
-    """Return the generation of ROS; None is 1, as in the paper. Raises ValueError."""
+    """Return the generation of ROS; None means 1, as in the paper. Raises ValueError."""
     if value is not None and (isinstance(value, bool) or value not in (1, 2)):
         raise ValueError(f"rosbridge_ros = {str(value)[:40]}: must be 1 or 2")
     return 2 if value == 2 else 1
 
 
 def _is_station(socket: WebSocket) -> bool:
-    """Return whether a server answers a service that only stations of uwsim have."""
+    """Return whether a server answers a service that only uwsim stations offer."""
     request: Values = {"op": "call_service", "service": "/station/catalog", "id": "uwsim"}
     socket.send(json.dumps(request))
     try:

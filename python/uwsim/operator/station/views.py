@@ -23,7 +23,7 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
-UNAWAITED_PERIOD_S = 0.5  # extra delay of pictures that no viewer awaits, or in which nothing can have changed
+UNAWAITED_PERIOD_S = 0.5  # extra delay of pictures that no viewer is waiting for, or in which nothing can have changed
 SMALL_PATIENCE_S = 1.0  # longest time that a small picture waits for large ones
 POLL_S = 0.03  # interval between checks whether a due picture can be rendered
 JPEG = "sensor_msgs/msg/CompressedImage"

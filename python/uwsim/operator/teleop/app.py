@@ -103,7 +103,7 @@ class TeleopApp(App[None]):
         self.exit(return_code=INTERRUPTED)
 
     def tell(self, text: str) -> None:
-        """Show a line to the pilot; may be called on any thread."""
+        """Show the pilot a line of text; may be called on any thread."""
         if text == self._last_said:
             return
         self._last_said = text
