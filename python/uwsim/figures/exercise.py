@@ -1,4 +1,4 @@
-"""Figures for an exercise: the track with its goals, and the deviations from what was to be held."""
+"""Figures for an exercise: the track with its goals, and the deviations from the values to be held."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def draw_exercise_track(
     places_world_m: Mapping[str, Sequence[tuple[float, ...]]],
     marks: Sequence[tuple[str, float, float]],
 ) -> None:
-    """Draw a track (n, 3) with the goals' points by name, and marks of a kind at x, y. Raises OSError."""
+    """Draw a track (n, 3) with the goals' points by name, and marks (kind, x, y). Raises OSError."""
     draw_track(
         path, world, {"vehicle": track_world_m}, {}, {},
         places_world_m={name: np.array(points, np.float64)[:, :2] for name, points in places_world_m.items()},

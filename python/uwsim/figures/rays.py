@@ -1,4 +1,4 @@
-"""Figure of the rays between two points, beside the profile of the speed of sound."""
+"""Figure of the rays between two points, next to the sound-speed profile."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEVELS = matplotlib.colormaps["viridis"]
 
 
 def draw_rays(found: RaysBetween, path: Path) -> None:
-    """Draw the rays as a PNG or an SVG, by the name's ending. Raises OSError, ValueError."""
+    """Draw the rays as a PNG or an SVG, depending on the file suffix. Raises OSError, ValueError."""
     if path.suffix.lower() not in (".png", ".svg"):
         raise ValueError(f"{path}: must end in .png or .svg")
     figure = new_figure(11.0, 5.2)

@@ -105,7 +105,7 @@ def _label(axes: Axes, text: str, at: Sequence[float] | NDArray[np.float64], col
 
 
 def _draw_aside(axes: Axes, scenario: Scenario, world: _core.World, solids: Solids) -> None:
-    """Draw the deepest bed at each x, from west to east, and everything in the water."""
+    """Draw the deepest point of the bed at each x, from west to east, and everything in the water."""
     west, south, east, north = world.terrain_extent_m
     x, y = np.linspace(west, east, CELLS), np.linspace(south, north, CELLS)
     bed = world.height_at(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(CELLS, CELLS)

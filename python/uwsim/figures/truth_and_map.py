@@ -174,7 +174,8 @@ def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevatio
     ground = _ground_heights(comparison.world, area_m)
     levels = np.concatenate([ground, mapped[:, 2]]) if len(ground) + len(mapped) else np.zeros(1)
     floor_m = float(levels.min()) - CUT_DEPTH_M
-    # The top is a percentile, lest a few voxels far above all others, such as the station's, compress the rest.
+    # The top is a percentile, so that a few voxels far above all others, such as the station's, do not compress the
+    # rest.
     top_m = max(float(np.percentile(levels, 99.7)), float(ground.max(initial=floor_m)))
     low, high = np.append(area_m.min(axis=0), floor_m), np.append(area_m.max(axis=0), top_m)
     view = view_of_box(low, high, AZIMUTH_RAD, elevation_rad, PANEL_PIXELS)

@@ -102,7 +102,7 @@ def _draw_fields(
         points = np.vstack([position_m, position_m + length_m * rays])[:, pair]
         try:
             outline = points[ConvexHull(points).vertices]
-        except (QhullError, ValueError):  # the rays lie in one line of this view
+        except (QhullError, ValueError):  # the rays coincide with a line in this view
             far = points[np.argmax(np.linalg.norm(points - points[0], axis=1))]
             axes.plot(*np.array([points[0], far]).T, color=colour, linewidth=1.2, alpha=0.7)
             continue

@@ -1,4 +1,4 @@
-"""fly_exercise: a mission flies an exercise as its pilot, headless; the score sheet is written beside the results."""
+"""fly_exercise: a mission flies an exercise as its pilot, headless; the score sheet is written next to the results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 class FlownExercise(NamedTuple):
-    """A judged flight. course: with score and sheet. record: of the mission."""
+    """A judged flight. course: the course, with score and sheet. record: the mission's flight record."""
 
     course: Course
     record: FlightRecord
@@ -30,11 +30,11 @@ def fly_exercise(
     screen: Silent | None = None,
     **options: Any,
 ) -> FlownExercise:
-    """Fly a mission as the pilot of an exercise, and judge it by the truth.
+    """Fly a mission as the pilot of an exercise, and judge it against the truth.
 
     exercise: a packaged name, a path or an Exercise. mission: see uwsim.fly. out: folder for sheet.html, score.json and
-    the flight's files. options: others of uwsim.fly, such as `function`, `estimate` or `record`. The flight ends with
-    the mission, or with the exercise's time. Raises ValueError, ScenarioError or OSError.
+    the flight's files. options: other arguments of uwsim.fly, such as `function`, `estimate` or `record`. The flight
+    ends when the mission does, or when the exercise's time is up. Raises ValueError, ScenarioError or OSError.
     """
     found = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
     sim = Simulator(found.made_scenario(), threads=threads)

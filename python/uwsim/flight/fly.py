@@ -235,7 +235,7 @@ def _map_setup(
 def _recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
 ) -> FlightRecorder:
-    """Return a recorder, which has written nothing yet. Raises ValueError if its arguments are invalid."""
+    """Return a recorder that has not yet written anything. Raises ValueError if its arguments are invalid."""
     from uwsim.flight.flight_recorder import flight_recorder  # imported here, since recording formats take long
 
     return flight_recorder(sim, path, topics, request if mission.make is not None else None)

@@ -11,7 +11,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.simulator.simulator import Simulator
 
 FIRST_S, FACTOR = 5.0, 1.25  # measured at FIRST_S x FACTOR^k, about 30 times in an hour
-MOST_VOXELS = 20_000  # most voxels whose distance is measured; of more, every n-th is taken
+MOST_VOXELS = 20_000  # largest number of voxels whose distance is measured; if there are more, every n-th is taken
 
 
 class GrowthRow(NamedTuple):

@@ -47,7 +47,7 @@ class Begun:
     def resumable(self) -> ResumableMission | None:
         """The mission, if it can be saved and restored, else None.
 
-        A mission with several parts cannot be saved, since some would still be waiting when another is saved.
+        A mission with several parts cannot be saved, since some parts would still be waiting when another is saved.
         """
         only = self.parts[0] if len(self.parts) == 1 else None
         return only if isinstance(only, ResumableMission) else None

@@ -168,7 +168,7 @@ class FlightRecord:
             return None
         return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario)
 
-    # Names from the former survey record, kept for one version.
+    # Names from the former survey record, retained for one version.
 
     @property
     def stopped_because(self) -> str:

@@ -28,7 +28,7 @@ class FlightRequest:
     vehicles: by default the scenario's first, or all if the mission takes `vehicles`. link: a modem that replaces the
     scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated
     time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if
-    one is built. sample_sensors: whether `samples` have the sensors.
+    one is built. sample_sensors: whether `samples` include the sensors' readings.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")

@@ -37,9 +37,9 @@ COLUMNS = (
     "surge_m_s", "sway_m_s", "heave_m_s", "roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s",
 )  # fmt: skip
 COMMANDS = ("thruster ", "effort ")
-"""Beginnings of the names of columns with commands."""
+"""Prefixes of the names of columns with commands."""
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
-"""Commands that are too frequent to log, as is set_effort."""
+"""Commands that, like set_effort, are too frequent to log."""
 _FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
 AT = {name: k for k, name in enumerate(COLUMNS)}
 LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
@@ -124,7 +124,7 @@ class Sampler:
 
     vehicles: by name, as seen by the mission. hear: receives the events. timer: times the sampling. saved: by vehicle,
     the rows (n, columns) of the flight being resumed; that flight began at begun_tick. with_sensors: whether the
-    samples have the sensors' readings, which take longer than all else.
+    samples include the sensors' readings, which take longer than everything else.
     """
 
     def __init__(

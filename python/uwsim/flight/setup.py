@@ -24,7 +24,7 @@ class Setup:
     """The parts of a flight, already validated; see fly() for their meaning.
 
     request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
-    FlownMission.planned. saved: the flight to resume. sample_sensors: whether `samples` have the sensors.
+    FlownMission.planned. saved: the flight to resume. sample_sensors: whether `samples` include the sensors' readings.
     """
 
     sim: Simulator

@@ -225,7 +225,7 @@ def coverage_shortfall(flown: FlightRecord, min_coverage_percent: float | None =
     why = f"it ended early: {flown.ended_because}" if flown.ended_early else "its mission is complete"
     if flown.coverage is None:
         return f"the survey is incomplete: its coverage is unknown, since the map was not scored; {why}"
-    shown = math.floor(10.0 * coverage) / 10.0  # rounded down, lest it seem to reach the minimum
+    shown = math.floor(10.0 * coverage) / 10.0  # rounded down, so that it does not seem to reach the minimum
     return f"the survey is incomplete: coverage is {shown:.1f} %, must be at least {least:g} %; {why}"
 
 

@@ -90,6 +90,6 @@ def default_voxel_m(sim: Simulator) -> float:
 
 
 def require_sonar(scenario: Scenario, vehicle: str) -> None:
-    """Raise ValueError unless the vehicle has a sonar to map with."""
+    """Raise ValueError unless the vehicle has a sonar for mapping."""
     if any(entry.name == vehicle and entry.model.sonar is None for entry in scenario.vehicles):
         raise ValueError(f"vehicle '{vehicle}': carries no sonar to map with")

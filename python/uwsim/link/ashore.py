@@ -28,8 +28,8 @@ LookedFor = Callable[[str, Simulator], object]
 class MapAshore(PingMap):
     """A map in the odom frame, built from the pings that have arrived at the station.
 
-    Over a modem, where the next ping may be a long time coming, the changes made by a ping are published immediately;
-    over other links, they are published on the same schedule as on board.
+    Over a modem, where the next ping may take a long time to arrive, the changes made by a ping are published
+    immediately; over other links, they are published on the same schedule as on board.
     """
 
     def __init__(

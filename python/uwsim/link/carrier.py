@@ -55,7 +55,7 @@ class Carrier:
         self, simulator: LiveSimulator | Simulator, table: Table, *, only: Iterable[str] | None = None
     ) -> None:
         live = Offline(simulator) if isinstance(simulator, Simulator) else simulator
-        self._live: LiveSimulator = live  # type: ignore[assignment]  # Offline has all that is used here
+        self._live: LiveSimulator = live  # type: ignore[assignment]  # Offline provides everything that is used here
         sim = live.simulator
         given = _chosen(table.channels, sim, only)
         network = sim.link

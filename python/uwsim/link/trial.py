@@ -1,4 +1,4 @@
-"""A link trial: a vehicle moves away from the station and back while its modem sends as much as it can."""
+"""A link trial: a vehicle moves away from the station and back while its modem sends as much as possible."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ Floats = NDArray[np.float64]
 class Leg:
     """The result at one place: its range from the station's transducer, and how many messages arrived from there.
 
-    delay_s: travel time of the sound, NaN if there is no path. uneven: whether reflections from the bed count that are
-    not those of a flat bottom (Reception.bed_is_uneven). waited_s: mean time from `send` to arrival.
-    goodput_bit_s: rate at which payloads arrived.
+    delay_s: travel time of the sound, NaN if there is no path. uneven: whether reflections other than those of a flat
+    bottom contribute (Reception.bed_is_uneven). waited_s: mean time from `send` to arrival. goodput_bit_s: rate at
+    which payloads arrived.
     """
 
     time_s: float

@@ -34,8 +34,7 @@ class CommandLog:
     """The entries of a live run, in the order in which they took effect, and its initial state.
 
     Commands that raised an error changed nothing and are not included. The log keeps the newest ENTRIES_MAX entries,
-    and at most PAYLOAD_BYTES_MAX of link messages and of an autopilot's frames. forgotten: the number of
-    entries dropped.
+    and at most PAYLOAD_BYTES_MAX of link messages and autopilot frames. forgotten: the number of entries dropped.
     """
 
     def __init__(self, start_state: bytes, start_tick: int) -> None:

@@ -39,7 +39,7 @@ class LiveSimulator:
             live.every(0.1, lambda sim: sim.rov.pose, poses.append)
 
     simulator: a Simulator, which this object takes over, or the scenario to create one from. speed: simulated seconds
-    per wall second, or "max". paused: whether it starts paused.
+    per wall second, or "max". paused: whether the simulator starts paused.
 
     Commands from all threads form one queue in order of arrival; they take effect between two steps, or immediately
     while paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` reproduces the same
@@ -47,7 +47,7 @@ class LiveSimulator:
     longer delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the
     reason, and `reset` continues.
 
-    refusal: if not empty, why commands, calls and resets are refused with a ValueError, as during a replay.
+    refusal: if not empty, the reason for which commands, calls and resets raise ValueError, as during a replay.
 
     The attribute simulator is for fixed properties and single readings; do not step or command it directly. vehicles,
     rov: accept commands from any thread. log: the CommandLog.
@@ -169,7 +169,7 @@ class LiveSimulator:
 
     @property
     def lateness(self) -> float:
-        """The largest delay of a step behind schedule, in seconds, since the start or `forget_delays`."""
+        """The largest delay of a step relative to the schedule, in seconds, since the start or `forget_delays`."""
         return self._pace.lateness_s
 
     @property
@@ -259,7 +259,7 @@ class LiveSimulator:
         """Take a reading now, after each jump in time, and at all multiples of period_s, and pass it to the sink.
 
         Readings are taken after the first step at or after each multiple, in simulated time. Both functions run on the
-        stepping thread and must be brief; the sink must not block. Their errors are logged and kept in the
+        stepping thread and must be brief; the sink must not block. Their errors are logged and stored in the
         subscription. leads: whether these readings precede all others at the same tick, as time and transforms do.
         Raises ValueError if the period is invalid, NotRunningError if the simulator is not running.
         """

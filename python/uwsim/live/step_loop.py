@@ -21,8 +21,8 @@ from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 
-REQUESTS_MAX = 10_000  # limit of the queue; more are refused, so that a flood cannot fill the memory
-REQUESTS_PER_STEP = 1_000  # answered between two steps, so that a flood cannot stop time
+REQUESTS_MAX = 10_000  # limit of the queue; further requests are refused, so that a flood cannot fill the memory
+REQUESTS_PER_STEP = 1_000  # requests answered between two steps, so that a flood cannot stop time
 START_NAVIGATION = "start_navigation"
 # Items of the agenda that others wait for: they must be on time, so steps are not batched across them.
 AWAITED = (Rank.FRAME, Rank.READING, Rank.DELIVERY, Rank.REPLAY)
@@ -34,7 +34,7 @@ class StepLoop:
     """The state shared by the stepping thread and other threads, guarded by `lock`.
 
     An alarm is a future that resolves when the loop has made a given number of steps. steps_made keeps increasing even
-    when a reset takes simulated time back. holds: by holder, the value of steps_made beyond which no step may be made.
+    when a reset moves simulated time back. holds: by holder, the value of steps_made beyond which no step may be made.
     error: why the simulation stopped, if it did.
     """
 
@@ -227,7 +227,7 @@ class StepLoop:
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log what no request asked for: the start of navigation, as on reading an estimate, and autopilots' frames."""
+        """Log commands without a request: the start of navigation, on reading an estimate, and autopilots' frames."""
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
         elif name == SERVO_FRAMES:
@@ -287,7 +287,7 @@ class StepLoop:
     def _steps_left(self, awaited: int) -> int:
         """Return the number of steps until something is due.
 
-        That is a reading or delivery (`awaited` steps away), an alarm, or the begin of a hold.
+        That is a reading or delivery (`awaited` steps away), an alarm, or the start of a hold.
         """
         for until, _ in self._alarms:
             awaited = min(awaited, until - self.steps_made)

@@ -62,7 +62,7 @@ class LiveVehicle(Placeable):
 
     @property
     def released(self) -> bool:
-        """Whether the vehicle is free of the station."""
+        """Whether the vehicle has left the station."""
         return self._vehicle.released
 
     @property

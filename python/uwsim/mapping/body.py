@@ -1,11 +1,11 @@
-"""A body as points, and the poses along a path: what `OccupancyMap.bodies_blocked` takes to check a path."""
+"""A body as points, and the poses along a path: the input with which `OccupancyMap.bodies_blocked` checks a path."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-TILT = 1e-7  # of the lattice, so that its lines pass no vertex or edge
+TILT = 1e-7  # tilt of the lattice, so that its lines pass through no vertex or edge
 
 
 def body_points(
@@ -13,9 +13,9 @@ def body_points(
 ) -> NDArray[np.float64]:
     """Return points (k, 3) that fill a closed mesh: a lattice of spacing_m inside it, and points on its surface.
 
-    No point of the body is farther than spacing_m from one of them. vertices_m: (n, 3), as from
-    `uwsim.scenario.vehicle_hull`. triangles: (m, 3). Raises ValueError for a spacing that is not positive, or which
-    would give more than ten million points.
+    No point of the body is farther than spacing_m from the nearest of these. vertices_m: (n, 3), as from
+    `uwsim.scenario.vehicle_hull`. triangles: (m, 3). Raises ValueError for a spacing that is not positive or that would
+    give more than ten million points.
     """
     if not spacing_m > 0:
         raise ValueError(f"spacing_m = {spacing_m} m: must be positive")
@@ -53,7 +53,7 @@ def _cross(p: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def _on_triangles(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
-    """Return points on triangles (m, 3, 3), so dense that each triangle's are at most spacing_m apart."""
+    """Return points on triangles (m, 3, 3), at most spacing_m apart on each triangle."""
     edges_m = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     parts = np.maximum(1, np.ceil(edges_m / spacing_m)).astype(int)
     found = []
@@ -68,10 +68,11 @@ def _on_triangles(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.
 def poses_along(
     positions_world_m: ArrayLike, orientations_xyzw: ArrayLike, reach_m: float, step_m: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return positions (n, 3) and orientations (n, 4) along a path, between which no point of a body moves farther.
+    """Return positions (n, 3) and orientations (n, 4) along a path, a body's points moving at most step_m each time.
 
     positions_world_m: (m, 3), m >= 2, joined by straight lines. orientations_xyzw: (m, 4), joined by turns about a
-    fixed axis. reach_m: distance of the body's farthest point from its origin. step_m: how far a point may move.
+    fixed axis. reach_m: distance of the body's farthest point from its origin. step_m: how far a point may move between
+    poses.
     """
     from scipy.spatial.transform import Rotation, Slerp  # takes a while to import
 

@@ -18,7 +18,7 @@ class DistanceField(Sealed):
     exceed the exact one by a fraction of a voxel (docs/guides/maps.md).
 
     low_world_m, high_world_m: (3,), corners of the box; the field covers the voxels whose centres lie in it. There may
-    be up to 32 million, of 32 bytes each. max_distance_m: from one to 1,000 voxels. unknown_is_occupied: whether
+    be up to 32 million voxels, of 32 bytes each. max_distance_m: from one to 1,000 voxels. unknown_is_occupied: whether
     unknown voxels are obstacles, too. Raises ValueError. Calls release the GIL.
     """
 

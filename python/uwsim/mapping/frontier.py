@@ -1,4 +1,4 @@
-"""Frontiers of a map: free voxels that border on unknown ones, in connected clusters.
+"""Frontiers of a map: connected clusters of free voxels that border on unknown voxels.
 
 Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997, in three dimensions.
 """

@@ -279,18 +279,18 @@ class OccupancyMap(Sealed):
     def changed_voxels(self) -> MapChanges:
         """Return the voxels whose state (unknown, free, occupied) has changed since the last call. For live views.
 
-        The first call returns all known voxels. Voxels that changed back, or of which only the probability changed, are
-        not returned. From the first call on, the map keeps a copy of the states, two bits per voxel in mixed areas.
-        Raises ValueError if there are more than 100 million; the next call then returns them.
+        The first call returns all known voxels. Voxels that changed back, or whose probability alone changed, are not
+        returned. From the first call on, the map keeps a copy of the states, two bits per voxel in mixed areas. Raises
+        ValueError if there are more than 100 million; the next call then returns them.
         """
         return MapChanges(*self._map.changed_voxels())
 
     def changed_occupancy(self) -> OccupancyChanges:
         """Return the voxels that have become occupied, or ceased to be, since the last call. For live views.
 
-        The first call returns all occupied voxels. It is much faster than `changed_voxels` and independent of it: each
-        reports the changes since its own last call. Raises ValueError if there are more than 100 million; the next call
-        then returns them.
+        The first call returns all occupied voxels. This is much faster than `changed_voxels` and independent of it:
+        each reports the changes since its own last call. Raises ValueError if there are more than 100 million; the next
+        call then returns them.
         """
         cells, occupied = self._map.changed_occupancy()
         return OccupancyChanges(cells, occupied.view(np.bool_))

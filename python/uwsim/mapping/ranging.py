@@ -38,7 +38,7 @@ CONFIDENCE = 1.96
 """Half-width of the 95 % interval of a normal distribution, in standard deviations."""
 
 REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
-"""Settings of `reject_outliers`, assumed; in the valley they keep 99.7 % of a gate's echoes in physics mode."""
+"""Settings of `reject_outliers` (assumed); in the valley, they retain 99.7 % of a gate's echoes in physics mode."""
 
 
 NO_INTENSITIES = np.empty(0, dtype=np.float32)
@@ -132,7 +132,7 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
 def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float32] | None:
     """Return the standard deviation of each echo's place, vertical and horizontal together, (beams,).
 
-    None in geometry mode, where it is unknown.
+    Returns None in geometry mode, where it is unknown.
     """
     if not isinstance(ping, _core.PhysicsPing):
         return None

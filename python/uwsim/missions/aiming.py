@@ -8,7 +8,7 @@ from uwsim.missions.steps import Steps, until
 from uwsim.missions.stopped import StoppedError
 
 TIMEOUT_S = 120.0
-"""Longer than any packaged head needs for half a turn; a slower one needs a longer timeout_s."""
+"""Longer than any packaged head needs for half a turn; a slower head needs a longer timeout_s."""
 
 
 def aim_to(
@@ -22,7 +22,7 @@ def aim_to(
     """Turn a multibeam's head to an elevation, or a camera to pan and tilt, and wait until it points there.
 
     head: such as vehicle.sonar or vehicle.cameras["front"]. elevation_rad: of a sonar, positive up. pan_rad: of a
-    camera, positive to port. tilt_rad: of a camera, positive down; None leaves an axis as it is. Raises ValueError for
+    camera, positive to port. tilt_rad: of a camera, positive down; None leaves an axis unchanged. Raises ValueError for
     angles that the head does not have or cannot reach, and StoppedError if it has not arrived after timeout_s.
     """
     if elevation_rad is not None and (pan_rad is not None or tilt_rad is not None):

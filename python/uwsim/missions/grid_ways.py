@@ -68,7 +68,7 @@ class GridWays:
             min_only=True,
         )
         self.costs: Floats = costs.reshape(cost.shape)
-        """The cost of the path to each cell; inf if there is none."""
+        """The cost of the path to each cell; inf if there is no path."""
 
     def to(self, cell: Cells) -> Cells | None:
         """Return the cells (n, d) of the path to a cell (d,), including both ends, or None if there is no path."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from uwsim.missions.lanes import Lane
 
-TRANSIT_VIEW_S = 20.0  # on transits the fan hits a flat bed this many seconds ahead, early enough to see a rise
+TRANSIT_VIEW_S = 20.0  # on transits, the fan hits a flat bed this many seconds ahead, early enough to see a rise
 
 
 @dataclass(frozen=True)

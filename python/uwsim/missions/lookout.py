@@ -16,7 +16,7 @@ from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
 """The lookout never makes the vehicle climb above this height."""
-CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # more remaining climb reduces the speed, to zero at the second value
+CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a larger remaining climb reduces the speed, to zero at the second value
 SLOWEST = 0.1  # lowest fraction of the commanded speed
 
 

@@ -28,7 +28,7 @@ FACE_FROM_M = 1.0  # the vehicle faces the direction of travel while farther tha
 TURN_FIRST_RAD = math.radians(45.0)
 BACK_PER_S = 0.5  # speed back to a point or a line, per metre of offset
 CAPSIZED_COSINE = 0.3  # cosine of the tilt from upright below which the vehicle counts as capsized
-CLIMB_M = 1.0  # limit on the height error used for steering: fast dives under way make slender vehicles pitch over
+CLIMB_M = 1.0  # limit on the height error used for steering: fast dives underway make slender vehicles pitch over
 
 
 def goto(

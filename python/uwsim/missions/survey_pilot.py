@@ -16,7 +16,7 @@ def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
 
     Thrusters that push below the centre of mass pitch the vehicle and saturate together. An Autopilot, which does not
     model this, made a BlueROV2 Heavy pitch over after 15 s of the lake survey at 1.4 m/s; a Controller models it. A
-    vehicle without thrusters receives exactly the commanded wrench; there the Autopilot, which does not plan
+    vehicle without thrusters receives exactly the commanded wrench; for it, the Autopilot, which does not plan
     accelerations, is 2 % faster and covers 2 % more.
     """
     settings = getattr(vehicle, "control", None)

@@ -66,10 +66,10 @@ class CameraLike(Protocol):
 
     @property
     def is_aimed(self) -> bool:
-        """True once the camera has reached the pan and tilt it was last turned to, and without a motor."""
+        """True once the camera has reached its target pan and tilt; always True without a motor."""
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn to a pan, positive to port, and a tilt, positive down; None leaves an axis as it is."""
+        """Turn to a pan, positive to port, and a tilt, positive down; None leaves an axis unchanged."""
 
     def capture(self) -> PictureLike:
         """Capture a picture; see uwsim.instruments.cameras.Camera."""

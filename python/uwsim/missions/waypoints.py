@@ -1,4 +1,4 @@
-"""Waypoints: places visited one after the other, as drawn on the chart of the operator's station."""
+"""Waypoints: places visited one after another, as drawn on the chart of the operator's station."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.missions.steps import Steps
 
 
 def visit(vehicle: OwnVehicle, points_world_m: Sequence[Point], speed_m_s: float = 0.5) -> Steps[int]:
-    """Undock if needed, and go to each point (3,) in turn; log `waypoint` with its number at each. Return how many."""
+    """Undock if needed, then visit each point (3,) in turn and log `waypoint` with its number. Return their count."""
     if not vehicle.released:
         vehicle.undock()
     for number, point in enumerate(points_world_m, 1):

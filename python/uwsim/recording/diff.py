@@ -70,7 +70,7 @@ def diff(first: Recording, second: Recording) -> Comparison:
 
 
 def _in_turn(first: Recording, second: Recording) -> Iterator[tuple[int, Recorded]]:
-    """Yield the messages of both with the recording's number (0 or 1), so that neither gets far ahead of the other."""
+    """Yield both recordings' messages, each with the recording's number (0 or 1), so that neither gets far ahead."""
     sides = [iter(first.messages()), iter(second.messages())]
     open_sides = {0, 1}
     while open_sides:

@@ -11,14 +11,14 @@ from mcap.reader import SeekingReader
 from uwsim.recording.mcap_sink import END, START, VERSION
 from uwsim.recording.metadata import End, Start, checked
 
-RECORD_BYTES_MAX = 1 << 24  # no record that is read here is as long
+RECORD_BYTES_MAX = 1 << 24  # larger than any record that is read here
 _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, KeyError, EOFError, OverflowError, MemoryError)
 
 
 def glance(path: Path) -> tuple[Start, End]:
-    """Return the metadata at the start and at the end. Nothing else is verified: see Recording.
+    """Return the metadata at the start and at the end. Nothing else is verified; for that, see Recording.
 
-    Raises ValueError if the file is no recording, was cut off, or has another version, or OSError.
+    Raises ValueError if the file is not a recording, was cut off, or has another version, or OSError.
     """
     with path.open("rb") as file:
         try:

@@ -266,7 +266,7 @@ def _appended(recorded: str, ours: str) -> list[bytes] | None:
 
 
 def _unset(line: str) -> bytes | None:
-    """Return the CDR of a field of a message definition without a value; None for other types than ours append."""
+    """Return the CDR of a field of a message definition without a value; None for types that we never append."""
     if floats := re.fullmatch(r"float32\[(\d+)\] \w+", line):
         return int(floats[1]) * struct.pack("<f", math.nan)
     if re.fullmatch(r"(string|float32)\[\] \w+", line):

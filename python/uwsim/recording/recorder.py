@@ -310,7 +310,7 @@ class Recorder:
 
 
 def _is_heavy(channel: Channel) -> bool:
-    """Return whether a channel carries pictures, also of sonars, or maps, which take most of the time and space."""
+    """Return whether a channel carries pictures (including sonars') or maps, which take most of the time and space."""
     return channel.late or channel.type in (MAP_TYPE, MAP_CHANGES)
 
 

@@ -92,7 +92,7 @@ def replay(
 
 
 def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[Channel]]:
-    """Return a table with a recording's options, and its channels as the recorder could choose from them."""
+    """Return a table with a recording's options, and the channels from which the recorder could choose."""
     start = recording.start
     table = Table(sim, origin=start.origin, truth=start.truth, tf=start.tf, frame_prefix=start.frame_prefix)
     known = seen_channels(sim, table) if start.through_link else table.channels
@@ -106,7 +106,7 @@ def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[
 def give(sim: Simulator, table: Table | None, command: Command) -> None:
     """Apply a recorded command to a simulator at its current tick. Raises ValueError.
 
-    table: of the pictures that were recorded, if they matter.
+    table: the table whose pictures were recorded, if they matter.
     """
     try:
         if command.name in JUMPS:

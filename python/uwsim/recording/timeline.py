@@ -1,4 +1,4 @@
-"""Timeline: a recorded run simulated once more, with saved states from which any of its moments is reached quickly."""
+"""Timeline: a recorded run simulated once more, with saved states from which any moment can be reached quickly."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from uwsim.simulator.simulator import Simulator
 
 SPACING_S = 1.0  # simulated time between saved states, doubled whenever they exceed KEPT_BYTES
 KEPT_BYTES = 64 << 20
-SAMPLE_S = 0.2  # between samples of the track
+SAMPLE_S = 0.2  # interval between samples of the track
 LONGEST_S = 12 * 3600.0
 EVENTS_MAX = 500
 MERGED_S = 2.0  # repeats of a command within this time are one event
 UNSEEN = frozenset({EFFORT, SET_STREAM, "start_navigation", "link_send"})
-"""Commands that are no events: they are issued in every period, or by programs."""
+"""Commands that do not count as events: they are issued in every period, or by programs."""
 
 
 class SavedMoment(NamedTuple):
-    """A state at a tick, before the commands of that tick. place: index of the first of these, or later, commands."""
+    """A state at a tick, before the commands of that tick. place: index of the first command at or after that tick."""
 
     tick: int
     state: bytes
@@ -63,8 +63,9 @@ class Timeline:
     """The moments of a recorded run, from its first tick to its last or, if time was ever reset, to the first reset.
 
     Creating one simulates the whole run and compares its final state with the recorded one, so that a run that cannot
-    be repeated to the bit is refused. go_on: called now and then; returning False gives up, which raises RuntimeError.
-    Raises ValueError if the recording was cut off, edited, or made by another build or for another purpose, or OSError.
+    be repeated bit for bit is refused. go_on: called from time to time; if it returns False, creation is abandoned with
+    a RuntimeError. Raises ValueError if the recording was cut off, edited, or made by another build or for another
+    purpose, or OSError.
 
     commands: in order. events: at most EVENTS_MAX. track: sampled every SAMPLE_S.
     """
@@ -122,7 +123,7 @@ class Timeline:
         """Bring a simulator to a tick, before its commands; return the index of the first of these. Raises ValueError.
 
         place: index of the first command that the simulator has not received yet, if it has followed this recording so
-        far; it then goes on without a jump in time where that is shorter.
+        far; it then continues without a jump in time if that is quicker.
         """
         tick = min(max(tick, self.start_tick), self.end_tick)
         saved = self.saved_before(tick)
@@ -206,7 +207,7 @@ class Timeline:
         self._compare_end(sim, place)
 
     def _compare_end(self, sim: Simulator, place: int) -> None:
-        """Go on after a reset, if any, to the end of the recording, and compare the states."""
+        """Continue after a reset, if any, to the end of the recording, and compare the states."""
         end = self.recording.end
         assert end is not None
         for index in range(place, len(self.commands)):
@@ -240,7 +241,7 @@ class Timeline:
         self._note(command.tick, "command", f"{name} {vehicle}".strip() + (f": {', '.join(values)}" if values else ""))
 
     def _note(self, tick: int, kind: str, text: str) -> None:
-        """Add an event, unless it repeats the last one: a head that is turned is one event, not one in 0.2 s."""
+        """Add an event, unless it repeats the last one: turning a head is one event, not one every 0.2 s."""
         event = Happening(round(tick * self.step_s, 9), kind, text)
         last = self.events[-1] if self.events else None
         head = text.partition(":")[0]
@@ -262,7 +263,7 @@ def _happening(event: Event) -> Happening:
 def distances(one: Timeline, other: Timeline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return how far apart two runs' first vehicles were: simulated times (n,) [s], and distances (n,) [m] at them.
 
-    Only times that belong to both runs count; n may be 0.
+    Only times covered by both runs count; n may be 0.
     """
     times_s, poses = one.track.arrays()
     others_s, other_poses = other.track.arrays()

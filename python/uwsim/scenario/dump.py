@@ -1,8 +1,8 @@
 """Writes a scenario as plain values, or as a YAML file that reads back as an equal scenario.
 
-Only values that were set explicitly are written, since setting a key may matter even to its default value: gains of an
-axis without actuators are rejected (`control.sway`), as is a density together with `water.profile`, and each value of
-`sonar.noise` overrides the model's.
+Only values that were set explicitly are written, since setting a key, even to its default value, may matter: gains of
+an axis without actuators are rejected (`control.sway`), as is a density together with `water.profile`, and each value
+of `sonar.noise` overrides the model's.
 """
 
 from __future__ import annotations

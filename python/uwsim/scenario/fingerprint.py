@@ -27,7 +27,7 @@ fingerprint."""
 
 
 WITHOUT_EFFECT = ("wire",)
-"""Fields of a scenario that no result depends on."""
+"""Fields of a scenario on which no result depends."""
 
 
 def scenario_fingerprint(scenario: Scenario) -> str:

@@ -14,9 +14,9 @@ from uwsim.scenario.spec.fields import NAME
 def new_scenario(name: str, out: Path | None = None, like: str | None = None, overwrite: bool = False) -> Path:
     """Write NAME.yaml into the working folder, or to `out`, and return its path.
 
-    like: a packaged scenario to start from, instead of the template. The first line of the file refers to the schema,
-    so that editors can complete and check keys. Raises ValueError for a bad name, FileExistsError, and ScenarioError
-    for an unknown `like`.
+    like: a packaged scenario to use as a starting point, instead of the template. The first line of the file refers to
+    the schema, so that editors can complete and check keys. Raises ValueError for a bad name, FileExistsError, and
+    ScenarioError for an unknown `like`.
     """
     if not NAME.fullmatch(name):
         raise ValueError(f"name '{name}': must be a letter followed by at most 39 letters, digits, '-' or '_'")

@@ -52,7 +52,7 @@ def score_map_file(
     flown = _read_track(track or path.parent / TRACK, truth, area) if path_known else _track_without_path(truth, area)
     if box_world_m is not None:
         flown = replace(flown, area_world_m=area)
-        edge_m = occupancy.resolution_m  # keeps the neighbours of voxels at the edge
+        edge_m = occupancy.resolution_m  # retains the neighbours of voxels at the edge
         inside = (occupied[:, :2] >= area[0] - edge_m) & (occupied[:, :2] <= area[2] + edge_m)
         occupied = occupied[inside.all(axis=1)]
     score = score_map(

@@ -87,8 +87,9 @@ class Camera(Sealed):
         effects: "on", "off" (the plain scene, dry and under the open sky), or the names of the effects to apply.
         without: names of effects to omit. geometry_only: whether to omit colour and return only depth, normals, labels
         and classes. radiance: whether to include the radiance. measure: whether to fill in task_s. A camera that is off
-        returns a black picture in which nothing is hit, as does one below the ground if dark_below_ground; otherwise
-        that raises ValueError, as unknown effects do. A camera inside another solid shows the inside of that solid.
+        returns a black picture in which nothing is hit, as does a camera below the ground if dark_below_ground is set;
+        otherwise, a camera below the ground raises ValueError, as do unknown effects. A camera inside another solid
+        shows the inside of that solid.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
@@ -153,12 +154,12 @@ class Camera(Sealed):
 
     @property
     def target_rad(self) -> tuple[float, float]:
-        """The pan and tilt to which the camera turns, as last passed to `aim`; 0 without a motor."""
+        """The target pan and tilt, as last passed to `aim`; 0 without a motor."""
         return (0.0, 0.0) if self._head is None else self._head.target_rad
 
     @property
     def is_aimed(self) -> bool:
-        """True once the camera has reached its target pan and tilt, and without a motor."""
+        """True once the camera has reached its target pan and tilt; always True without a motor."""
         return self.aim_rad == self.target_rad
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:

@@ -23,7 +23,7 @@ def check_suffix(name: str, path: Path) -> None:
 def encode_png(rgb: NDArray[np.uint8], *, optimize: bool = False, text: Mapping[str, str] | None = None) -> bytes:
     """Return a PNG file. rgb: (H, W, 3). optimize: whether to take longer for a smaller file.
 
-    text: by keyword, for the file's iTXt chunks (UTF-8).
+    text: the text of the file's iTXt chunks (UTF-8), by keyword.
     """
     from PIL import Image, PngImagePlugin
 

@@ -30,7 +30,7 @@ class Lens:
 
     @cached_property
     def info(self) -> CameraInfo:
-        """The intrinsics. Those of a flat port are fitted, because no lens without one has them exactly."""
+        """The intrinsics. Those of a flat port are fitted, because no lens without a port matches exactly."""
         k, d = intrinsic_matrix(self.mount), np.array(self.mount.distortion)
         if self.mount.port is not None:
             k, d = _calibrated(k, self.core.ray_table())

@@ -13,12 +13,12 @@ from uwsim.scenario.spec.camera import PanTilt
 MOTORS = ("pan", "tilt")
 Angles = tuple[FiniteFloat, FiniteFloat]
 Motion = tuple[Nanoseconds, Angles, Angles]
-"""A time [ns], the angles of the axes at that time, and the angles that they turn to."""
+"""A time [ns], the angles of the axes at that time, and their target angles."""
 TOLERANCE_RAD = 1e-9  # allows for rounding in limits converted from degrees
 
 
 class PanTiltHead:
-    """A pan-tilt motor. Its state consists of the axis angles at some time and the angles to which the axes turn."""
+    """A pan-tilt motor. Its state consists of the axis angles at some time and the target angles of the axes."""
 
     def __init__(self, camera: str, spec: PanTilt) -> None:
         self._camera = camera
@@ -39,7 +39,7 @@ class PanTiltHead:
 
     @property
     def target_rad(self) -> Angles:
-        """Pan and tilt to which the axes turn."""
+        """The target pan and tilt."""
         return self._motion[2]
 
     def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:

@@ -1,4 +1,4 @@
-"""Rectification: the picture that a pinhole camera would have taken, from a distorted one."""
+"""Rectification: the picture that a pinhole camera would have taken, computed from a distorted picture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 
 
 def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[np.uint8]:
-    """Return a picture (h, w, 3) through the pinhole with the projection matrix p (3, 4).
+    """Return a picture (h, w, 3) as seen through the pinhole with the projection matrix p (3, 4).
 
     As ROS's image_proc and OpenCV's initUndistortRectifyMap do: each pixel of the result is interpolated linearly at
     the place to which k (3, 3) and d (k1 k2 p1 p2 k3, Brown and Conrady) project its ray; black beyond the picture.
@@ -20,7 +20,7 @@ def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[
     u, v = project(*np.meshgrid(np.arange(width), np.arange(height)), k, d, p)
     left, top = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
     right_share, lower_share = (u - left)[..., None], (v - top)[..., None]
-    # A border of one black pixel stands for everything beyond the picture.
+    # A border of one black pixel represents everything beyond the picture.
     padded = np.pad(rgb.astype(np.float32), ((1, 1), (1, 1), (0, 0)))
 
     def at(column: NDArray[np.int32], row: NDArray[np.int32]) -> NDArray[np.float32]:

@@ -63,7 +63,7 @@ class SharedScene:
 
     optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps, keyed by switch name. heads: the
     cameras' motors, keyed by camera name. The native scene is built for the first picture, so that simulators that take
-    no pictures do not pay for it.
+    no pictures avoid its cost.
     """
 
     def __init__(

@@ -14,12 +14,12 @@ from uwsim.instruments.sonars.imaging.pixels import polar_pixels
 
 SIZE_IN = (6.0, 4.0)
 PIXELS = 700  # height of the picture of a water column
-NEAREST_SHARE = 0.1  # of the range, below which levels do not count as noise
+NEAREST_SHARE = 0.1  # share of the range below which levels do not count as noise
 SPAN_DB = 40.0  # from the noise to the brightest colour
 
 
 def plot(ping: _core.Ping) -> Figure:
-    """Return a figure of the echoes in the sonar's plane, coloured by intensity, with ahead up and port on the left.
+    """Return a figure of the echoes in the sonar's plane, coloured by intensity; up is ahead, and port is on the left.
 
     A ping with a water column shows that instead, with the detections as dots.
     """
@@ -47,7 +47,7 @@ def plot(ping: _core.Ping) -> Figure:
 
 
 def draw_water_column(axes: Axes, ping: _core.PhysicsPing) -> float:
-    """Draw a ping's water column in the sonar's plane, with ahead up and port on the left, from the noise up.
+    """Draw a ping's water column in the sonar's plane, from the noise level up; up is ahead, and port is on the left.
 
     Return the drawing's ratio of height to width. Raises ValueError for a ping without a water column.
     """

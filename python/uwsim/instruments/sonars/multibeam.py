@@ -74,7 +74,7 @@ class Sonar(Sealed):
 
     @property
     def target_elevation_rad(self) -> float:
-        """The elevation to which the head turns, as last passed to `aim`."""
+        """The head's target elevation, as last passed to `aim`."""
         return self._simulation.sonar_target_elevation_rad(self._vehicle, self._index)
 
     @property

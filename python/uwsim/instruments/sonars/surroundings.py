@@ -13,7 +13,7 @@ class Surroundings:
     """A snapshot from `Simulator.around`, for imaging sonars and depth maps.
 
     scene: the world and the other vehicles. strengths_db: Lambert strength of each surface's material, by
-    Simulator.label_names. materials: how each surface scatters by angle and reflects, by the same names.
+    Simulator.label_names. materials: how each surface scatters by angle and how it reflects, by the same names.
     """
 
     scene: _core.RayScene

@@ -14,7 +14,7 @@ from uwsim.mapping.closure.track import PingTrack
 
 Array = NDArray[np.float64]
 CANDIDATES = 2
-LEAST_COMMON = 0.25  # least share of the plan that a candidate must have in common
+LEAST_COMMON = 0.25  # least share of the plan area that a candidate must have in common
 GATE = 4.0  # in standard deviations: a match that moves a submap farther is rejected
 
 

@@ -1,4 +1,4 @@
-"""AreaChart: where in an area a vehicle may go, as far as its sonar has shown, and the paths there.
+"""AreaChart: where in an area a vehicle may go, as far as its sonar has shown, and the paths to those places.
 
 The chart is a raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from
 everything too high to pass over; unknown water is open. Paths are found with Dijkstra's algorithm over open cells, and

@@ -1,4 +1,4 @@
-"""fly_lanes: flies an area's lanes without leaving the area, around everything that the sonar shows to be too high.
+"""fly_lanes: flies an area's lanes without leaving the area, avoiding everything that the sonar shows to be too high.
 
 A lane is a row of points. The part covered by a shoal is trimmed. The part behind a shoal is flown immediately if the
 detour is short, and otherwise after the other lanes, using everything charted by then. Points that the sonar has seen

@@ -1,4 +1,4 @@
-"""Inspection notes and the comment in pictures: written as commands into the run, and exported beside its recording."""
+"""Inspection notes and the comment in pictures: issued as commands in the run, and exported next to its recording."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 Floats = NDArray[np.float64]
 
 CHASE_LENGTHS = np.array([2.0, 0.8])
-"""Distances of a chase camera behind and above the hull's centre, in hull diagonals."""
+"""Distances by which a chase camera is behind and above the hull's centre, in hull diagonals."""
 
 
 def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:

@@ -17,7 +17,7 @@ UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "feet": 0.3
 LENGTHS_M = (0.2, 15.0)
 """Lengths of typical vehicles, used to guess a mesh's unit."""
 HUGE_M = 50.0
-"""Few vehicles are longer; a greater length suggests another unit."""
+"""Few vehicles are longer than this; a greater length suggests another unit."""
 HUGE_OBSTACLE_M = 1000.0
 TERRAINS_ACROSS = 10.0
 """Maximum length of an obstacle relative to the terrain: a quay may extend beyond a test basin."""
@@ -31,7 +31,7 @@ def size_text(size_m: Floats) -> str:
 
 
 def question_of_factor(factor: float, mesh_scale: float) -> str:
-    """Return a question about the mesh unit if a unit explains this factor on lengths; otherwise an empty string."""
+    """Return a question about the mesh unit if a unit explains this factor in lengths; otherwise an empty string."""
     unit = next((unit for unit, metres in UNITS.items() if 0.9 <= factor / metres <= 1.1), None)
     return "" if unit is None else _question([unit], mesh_scale)
 

@@ -15,7 +15,7 @@ Ints = NDArray[np.int32]
 PRIME_X, PRIME_Y = np.int32(501125321), np.int32(1136930381)
 HASH_FACTOR = np.int32(0x27D4EB2D)
 SKEW = np.float32(0.5) * (np.float32(np.sqrt(3)) - np.float32(1))
-"""Turns triangles of equal sides into halves of squares: x and y each gain (x + y) times this."""
+"""Turns equilateral triangles into halves of squares: x and y each gain (x + y) times this."""
 UNSKEW = (np.float32(3) - np.float32(np.sqrt(3))) / np.float32(6)
 SCALE = np.float32(99.83685446303647)
 """Makes the largest value of one octave 1."""
@@ -31,8 +31,8 @@ GRADIENT_X, GRADIENT_Y = np.cos(_ANGLES).astype(np.float32), np.sin(_ANGLES).ast
 def fractal_noise(x: Floats, y: Floats, *, seed: int, frequency: float, octaves: int, gain: float) -> Floats:
     """Return fractal noise in [-1, 1] at points, as a float32 array of their shape.
 
-    x, y: float32 arrays of the same shape. frequency: of the first octave, in cycles per unit of x; each further octave
-    doubles it. gain: ratio of amplitudes between successive octaves. seed: in [0, 2^31).
+    x, y: float32 arrays of the same shape. frequency: that of the first octave, in cycles per unit of x; each further
+    octave doubles it. gain: ratio of amplitudes between successive octaves. seed: in [0, 2^31).
     """
     values = np.empty(x.size, np.float32)
     flat_x, flat_y = x.ravel(), y.ravel()
@@ -59,7 +59,7 @@ def _fractal(x: Floats, y: Floats, seed: int, frequency: np.float32, octaves: in
 
 
 def _octave(x: Floats, y: Floats, seed: np.int32) -> Floats:
-    """Return the sum of three corners' gradients, each faded out at the distance sqrt(0.5) from its corner."""
+    """Return the sum of three corners' gradients, each fading out at a distance of sqrt(0.5) from its corner."""
     column, row = _floor(x), _floor(y)
     x, y = x - column.astype(np.float32), y - row.astype(np.float32)
     unskew = (x + y) * UNSKEW
@@ -86,7 +86,7 @@ def _octave(x: Floats, y: Floats, seed: np.int32) -> Floats:
 
 
 def _floor(values: Floats) -> Ints:
-    """Return the next whole number below; for negative whole numbers, the one below them, as FastNoiseLite does."""
+    """Return the floor or, for negative whole numbers, one less, as FastNoiseLite does."""
     return values.astype(np.int32) - (values < 0)
 
 

@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 
 
 def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
-    """Return the water. bottom_depth_m: greatest depth of the terrain, a default depth. Raises ScenarioError."""
+    """Return the water. bottom_depth_m: greatest depth of the terrain, used as a default. Raises ScenarioError."""
     native = _core.Water()
     state = water.state(bottom_depth_m)
     native.density_kg_m3 = state.density

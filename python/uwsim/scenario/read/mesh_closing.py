@@ -1,9 +1,9 @@
-"""Closes meshes made for pictures: open, inside-out, of many parts that overlap or share edges.
+"""Closes meshes made for rendering: open or inside-out meshes, and those of many parts that overlap or share edges.
 
 Each connected part is made a solid: its winding is made consistent, each hole is capped by a fan around the middle of
-its rim, and it is turned outward. A part that crosses itself in many places is wrapped: its capped surface is thickened
-by a cell, filled, and thinned again, on a grid of WRAP_CELLS cells along its longest side. The union of these solids is
-the hull.
+its rim, and it is turned outward. A part that intersects itself in many places is wrapped: its capped surface is
+thickened by a cell, filled, and thinned again, on a grid of WRAP_CELLS cells along its longest side. The union of these
+solids is the hull.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ WRAP_CELLS = 48
 SHEET = 1e-4
 """Volume of a capped part, as a fraction of its area to the power of 3/2, below which it is a sheet without inside."""
 FEW_CROSSINGS = 0.01
-"""Pierced edges per triangle up to which a part is accepted; its volume counts the overlaps twice."""
+"""Largest number of pierced edges per triangle with which a part is accepted; its volume counts overlaps twice."""
 
 
 def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
-    """Return a closed mesh and what was done. Raises ValueError if it encloses nothing."""
+    """Return a closed mesh and a description of the changes. Raises ValueError if it encloses nothing."""
     import manifold3d
     import trimesh
 
@@ -53,7 +53,7 @@ def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
 
 
 def _capped_parts(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], list[str]]:
-    """Return the connected parts that enclose a volume, capped and turned outward, and what was done to them."""
+    """Return the connected parts that enclose a volume, capped and turned outward, and a description of the changes."""
     import trimesh
 
     parts, holes, turned, sheets = [], 0, 0, 0
@@ -79,7 +79,7 @@ def _capped_parts(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], list[st
 
 
 def _solid(part: trimesh.Trimesh) -> manifold3d.Manifold | None:
-    """Return a closed part as a solid, or None if it is none or crosses itself in many places."""
+    """Return a closed part as a solid, or None if it is not a solid or intersects itself in many places."""
     import manifold3d
 
     vertices, faces = np.ascontiguousarray(part.vertices), np.ascontiguousarray(part.faces, np.uint64)
@@ -111,7 +111,7 @@ def _capped(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[tr
 def _simple_cycles(onward: dict[int, list[int]]) -> list[list[int]]:
     """Return cycles without repeated vertices that use each directed edge once.
 
-    onward: the ends of the edges from each vertex, with as many edges to it as from it.
+    onward: the ends of the edges from each vertex, which has as many incoming as outgoing edges.
     """
     cycles = []
     for start in sorted(onward):

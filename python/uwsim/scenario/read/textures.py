@@ -13,7 +13,7 @@ from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, load_mesh
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
 MAX_SIDE = 4096
 PATCH = 4
-"""Side of a colour patch in pixels."""
+"""Width and height of a colour patch in pixels."""
 UNCOLOURED = np.array([1.0, 1.0, 1.0])
 """The default base colour of a glTF material: white, as in the specification."""
 

@@ -61,8 +61,8 @@ class Acoustics:
     by Simulator.label_names. range_max_m is divided into range_bins, each of which is one resolution cell. The
     time-varied gain is gain_db_decade log10 R + 2 alpha R, where alpha is the absorption of the water at the head
     (Francois and Garrison); if time_varied_gain is False, levels remain as received. looks: number of independent looks
-    averaged in a cell; 1 gives full speckle (Rayleigh amplitude), 0 gives none. multipath: whether echoes by more than
-    one bounce are received: second echoes of the bed, and images in the water's surface.
+    averaged in a cell; 1 gives full speckle (Rayleigh amplitude), 0 gives none. multipath: whether echoes with more
+    than one bounce are received: second echoes of the bed, and images in the water's surface.
     """
 
     kind: ClassVar[str] = ""
@@ -146,7 +146,7 @@ def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: f
 
 
 def level_span(level_db: Levels) -> str:
-    """Return the range of some levels, such as "20 to 95 dB"; levels that are not finite are left out."""
+    """Return the range of some levels as text, such as "20 to 95 dB"; levels that are not finite are left out."""
     known = level_db[np.isfinite(level_db)]
     return f"{known.min():.0f} to {known.max():.0f} dB" if known.size else "no levels"
 
@@ -172,9 +172,9 @@ def _number(name: str, value: Any, type_name: str) -> float:
 
 
 def _strengths_by_label(sim: Place, model: Acoustics) -> tuple[list[float], list[_core.BottomMaterial]]:
-    """Return each surface's strength: the model's for that surface or else for its class, or else its material's.
+    """Return each surface's strength: the model's for that surface or its class, or else its material's.
 
-    Also return its material, which scatters by angle only where the model has no strength for it.
+    Also return each surface's material, which scatters by angle only if the model has no strength for the surface.
     """
     given_db, material_db = model.strengths_db, sim.strengths_db
     fixed = sim.world.label_names

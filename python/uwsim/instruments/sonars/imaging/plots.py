@@ -1,4 +1,4 @@
-"""Plots of imaging sonars' results, for notebooks and `plot()`, with ahead up and port on the left."""
+"""Plots of imaging sonars' results, for notebooks and `plot()`; up is ahead, and port is on the left."""
 
 from __future__ import annotations
 
