@@ -22,7 +22,7 @@ MARGIN_M = 2.0
 SHORTEST_M = 10.0
 """Length below which a part of a lane is left out."""
 LEAST_SHARE = 0.5
-"""The smallest flyable share of a survey's lanes; below this, it is refused, since its area must be a mistake."""
+"""The smallest flyable share of lanes with which a survey is accepted; with less, its area must be a mistake."""
 
 Points = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-TILT = 1e-7  # tilt of the lattice, so that its lines pass through no vertex or edge
+TILT = 1e-7  # offset of the lattice, in spacings, so that its lines pass through no vertex or edge
 
 
 def body_points(
@@ -68,7 +68,7 @@ def _on_triangles(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.
 def poses_along(
     positions_world_m: ArrayLike, orientations_xyzw: ArrayLike, reach_m: float, step_m: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return positions (n, 3) and orientations (n, 4) along a path, a body's points moving at most step_m each time.
+    """Return positions (n, 3) and orientations (n, 4) along a path, so close that points of a body move little.
 
     positions_world_m: (m, 3), m >= 2, joined by straight lines. orientations_xyzw: (m, 4), joined by turns about a
     fixed axis. reach_m: distance of the body's farthest point from its origin. step_m: how far a point may move between

@@ -135,7 +135,7 @@ class Vehicle(CommandedVehicle):
 
     @property
     def authority(self) -> Vector:
-        """The acceleration (6,) from rest at full effort on each axis alone, in deep, still water [m/s2, rad/s2].
+        """The acceleration (6,) from rest at full effort on each axis alone, deep in still water [m/s2, rad/s2].
 
         Computed from the smaller of the ahead and astern wrenches, and the total mass, including added mass.
         """

@@ -29,7 +29,7 @@ class ControlSettings:
 
     @property
     def net_buoyancy_n(self) -> float:
-        """The net vertical force in deep, still water with thrusters off; positive if the vehicle rises."""
+        """The net vertical force deep in still water with thrusters off; positive if the vehicle rises."""
         return -float(self.model.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))[2])
 
     def __repr__(self) -> str:

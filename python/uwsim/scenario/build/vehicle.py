@@ -78,7 +78,7 @@ def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
 
 
 def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:
-    """Return the acceleration from rest at full effort on each axis alone, in deep, still water, (6,) [m/s2, rad/s2].
+    """Return the acceleration from rest at full effort on each axis alone, deep in still water, (6,) [m/s2, rad/s2].
 
     full_wrench_body: ahead and astern wrenches, (6,) each; the smaller magnitude is used.
     """

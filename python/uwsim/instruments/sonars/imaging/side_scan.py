@@ -34,7 +34,7 @@ class SideScan(Acoustics):
     [SF] starfishsonar.com, "What is a side scan sonar": beams 30 deg below the horizontal, most of the energy within 60
     deg. That page gives an along-track width of 2 deg; the default here is that of a longer array. Values without a
     source are assumed. planes: number of planes of rays across the track, spread over the beam's width. detection_db:
-    level above the noise that marks the first bottom return.
+    level, relative to the noise, at which the first bottom return is taken to begin.
     """
 
     kind: ClassVar[str] = "side_scan"
