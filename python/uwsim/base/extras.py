@@ -57,7 +57,7 @@ def need_extra(module: str, extra: str, what: str) -> None:
 
 
 def explained(error: ImportError) -> str:
-    """Return the error's text, or if another package's import of an optional package failed, the command to run."""
+    """Return the error's text or, if another package failed to import an optional package, the command to run."""
     if isinstance(error, MissingExtraError) or error.name not in EXTRA_OF:
         return str(error)
     return f"'{error.name}' is needed and not installed: pip install 'uwsim[{EXTRA_OF[error.name]}]'"

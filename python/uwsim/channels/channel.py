@@ -47,21 +47,21 @@ class Channel:
     readings in simulated time; None: one reading when the first subscriber connects. latched: whether later subscribers
     receive the latest message immediately. leads: whether it is read before the other channels at a tick, because their
     messages refer to its readings. over_link: whether the channel crosses the acoustic link. priority: on the link,
-    COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into few bytes for the link, a
+    COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into a few bytes for the link, a
     name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real time,
     messages are published as soon as they are ready, and some are skipped, as with pictures; their timing, but not
     their content, then depends on the machine. pieced: whether a late picture is assembled from earlier ones, so that
-    its content also depends on the machine. on_request: whether it is sent and recorded only for those who name it,
-    because its messages are large. catch_up: for a channel whose messages build on each other: returns one
-    message with everything since a cursor (None: since the beginning), and the next cursor; called on any thread.
-    keep_up: called between two steps at rate_hz as soon as a server offers the channel, with or without subscribers,
-    since the content of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the
-    simulator's thread; returns a message of `messages.typestore()` stamped with simulated time, or None if there is
-    none. apply: for "in": called on any thread; must not block; raises ValueError for impossible commands. abandoned:
-    for "in": called like `apply` when the last publisher has gone. idle: for "in": the message that stands for no
-    command; `abandoned` applies it, and a channel with one is also abandoned after a time without a command. watch: the
-    vehicle's watchdog, for channels that steer. rights: for channels that command a vehicle; bridges apply only what
-    they admit. drops: counted by the sinks; /diagnostics reports it.
+    its content also depends on the machine. on_request: whether it is sent and recorded only when requested by name,
+    because its messages are large. catch_up: for a channel whose messages build on each other: returns one message with
+    everything since a cursor (None: since the beginning), and the next cursor; called on any thread. keep_up: called
+    between two steps at rate_hz as soon as a server offers the channel, with or without subscribers, since the content
+    of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the simulator's thread;
+    returns a message of `messages.typestore()` stamped with simulated time, or None if there is none. apply: for "in":
+    called on any thread; must not block; raises ValueError for impossible commands. abandoned: for "in": called like
+    `apply` when the last publisher has left. idle: for "in": the message that means "no command"; `abandoned` applies
+    it, and a channel with such a message is also abandoned after some time without a command. watch: the vehicle's
+    watchdog, for channels that steer. rights: for channels that command a vehicle; bridges apply only commands that
+    these admit. drops: counted by the sinks; /diagnostics reports it.
     """
 
     name: str
@@ -90,7 +90,7 @@ class Channel:
 
     @property
     def has_timeout(self) -> bool:
-        """Whether its command ends after a time without a further command."""
+        """Whether its command ends after some time without another command."""
         return self.idle is not None
 
 
@@ -100,7 +100,7 @@ class Service:
 
     call: receives the request as a dict of plain values and returns the response; may wait for steps. Raises
     ValueError, whose text is sent to the caller. is_vital: whether it must not wait for calls of other services.
-    rights: for services that command a vehicle; bridges make only the calls that they admit.
+    rights: for services that command a vehicle; bridges make only calls that these admit.
     """
 
     name: str

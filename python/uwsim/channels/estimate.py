@@ -25,7 +25,7 @@ def has_estimate(source: Source) -> bool:
 
 
 def estimate_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
-    """Return the channels of a vehicle's estimate, also /odom if /tf has it; none without an IMU."""
+    """Return the channels of a vehicle's estimate, including /odom if /tf carries the estimate; none without an IMU."""
     if not has_estimate(source):
         return []
     return [

@@ -21,7 +21,7 @@ from uwsim.channels.message_types import Kind, fields
 SLICE_OBJECTS = 500
 """The number of objects built before other tasks get a turn."""
 SLICE_NUMBERS = 16_384
-"""The number of a list's numbers converted before other tasks get a turn."""
+"""The number of list elements converted before other tasks get a turn."""
 SLOT_BYTES = 8
 OBJECT_BYTES = 72
 FEW_FIELDS = 16  # with more fields, each object has a dict
@@ -85,7 +85,7 @@ def element_cost(kind: Kind) -> Cost:
     if kind.base == "bool":
         return Cost(0, 9, 2 * 6)
     if kind.base in NUMBERS:
-        # during conversion, an array of NumPy's choice also exists
+        # during conversion, an array of a type chosen by NumPy also exists
         return Cost(0, SLOT_BYTES + numpy_type(kind.base).itemsize, 2 * _digits(kind.base))
     return Cost(0, SLOT_BYTES, SLOT_BYTES + 6)
 

@@ -29,8 +29,8 @@ class Steering:
     """Applies the last effort, wrench or thruster command to a vehicle, or holds a velocity until the next command.
 
     Commands do not wait for the step at which they take effect; failures are logged. by_keys: whether the current
-    efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent. rights: of clients
-    other than the station's pilot, shared by all vehicles.
+    efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent. rights: the rights
+    of clients other than the station's pilot, shared by all vehicles.
     """
 
     def __init__(self, source: Source, rights: Rights) -> None:

@@ -110,7 +110,7 @@ class Follow(GoalModel):
 
 
 class LookAt(GoalModel):
-    """Have a place in view of one of the vehicle's cameras.
+    """Keep a place in view of one of the vehicle's cameras.
 
     position_m: in the world. within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by default
     all that move with the vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.

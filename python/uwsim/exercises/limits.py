@@ -49,7 +49,7 @@ class Collisions(LimitModel):
 
 
 class Deepest(LimitModel):
-    """Not deeper than this.
+    """No deeper than this.
 
     most_m: depth, positive down.
     """
@@ -68,7 +68,7 @@ class Deepest(LimitModel):
 
 
 class Lowest(LimitModel):
-    """Not closer to the bed than this.
+    """No closer to the bed than this.
 
     least_m: altitude.
     """
@@ -87,7 +87,7 @@ class Lowest(LimitModel):
 
 
 class Fastest(LimitModel):
-    """Not faster than this, over ground.
+    """No faster than this, over ground.
 
     most_m_s: speed.
     """

@@ -83,11 +83,11 @@ def fly(
     map use: "truth", or "filter" (Vehicle.estimate). mission_time_s: battery life. time_limit_s: limit in simulated
     time; by default the battery life. link: a modem, by name or file, that replaces the scenario's; the map built
     ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
-    send over the link; by default all that it can carry. record: path of a new recording (.mcap). record_topics: the
-    channels to record; by default all but pictures and maps. sample_sensors: whether the record's samples have the
-    readings of all sensors. autosave_s: wall time between saves, from which `resume`
-    can continue; 0 disables saving. screen: displays the flight; by default nothing is displayed. With a Terminal,
-    Ctrl-C ends the flight and keeps its results.
+    send over the link; by default all that the link can carry. record: path of a new recording (.mcap). record_topics:
+    the channels to record; by default all but pictures and maps. sample_sensors: whether the record's samples have the
+    readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0 disables saving.
+    screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
+    results.
 
     Map options: engine is "bricks" by default. verify_map also inserts every scan into a stock OctoMap and compares the
     two maps byte for byte. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map

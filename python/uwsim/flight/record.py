@@ -163,7 +163,7 @@ class FlightRecord:
 
     @property
     def track(self) -> SurveyTrack | None:
-        """The part of the record that the map's score depends on; None without a scored area."""
+        """The part of the record on which the map's score depends; None without a scored area."""
         if self.area_world_m is None:
             return None
         return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario)

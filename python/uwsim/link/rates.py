@@ -35,7 +35,7 @@ def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
 
 
 def sharers(relays: Mapping[str, str], vehicle: str, vehicles: Iterable[str]) -> int:
-    """Return the number of vehicles whose messages pass the last relay on a vehicle's way, or the vehicle itself."""
+    """Return the number of vehicles whose messages pass the last relay on a vehicle's route, or the vehicle itself."""
 
     def last(name: str) -> str:
         while name in relays:

@@ -48,7 +48,7 @@ class LiveClock:
 
 
 class MissionClock(LiveClock):
-    """A LiveClock that holds the simulator between the waits of a mission; see LiveSimulator.mission_clock."""
+    """A LiveClock that pauses the simulator between a mission's waits; see LiveSimulator.mission_clock."""
 
     def __init__(self, loop: StepLoop) -> None:
         super().__init__(loop)

@@ -190,7 +190,7 @@ class StepLoop:
             return False
 
     def _time_to_step_s(self, now_s: float, awaited: int) -> float | None:
-        """Return how long to wait before the next step; None: until something changes. awaited: as `_steps_left`."""
+        """Return how long to wait before the next step; None: until something changes. awaited: as in `_steps_left`."""
         if self.holds and min(self.holds.values()) <= self.steps_made:
             return None
         if self.paused:

@@ -31,7 +31,7 @@ MODELS: Mapping[int, _core.MultibeamModel] = MappingProxyType({n: _core.multibea
 
 Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two ranges: range_max_m (95 or 55), which
 stands for a beam without echo, and range_limit_m (94.9 or 54.9), which is the LaserScan's range_max and above which the
-decoder takes a value as no echo.
+decoder interprets a value as no echo.
 """
 
 CONFIDENCE = 1.96
@@ -141,7 +141,7 @@ def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float3
 
 
 def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
-    """Replace ranges by inf where the echo place is uncertain by more than max_uncertainty_m at 95 % confidence.
+    """Replace ranges with inf where an echo's place is uncertain by more than max_uncertainty_m at 95 % confidence.
 
     ranges_m, deviation_m: (beams,), as in a ping in physics mode and as `place_deviation_m` returns; the uncertainty is
     CONFIDENCE standard deviations, as in IHO S-44. The sonar head applies this before it sends ranges, as real
@@ -156,7 +156,7 @@ def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertaint
 
 
 def reject_outliers(scan: LaserScan) -> LaserScan:
-    """Replace outliers along the swath, such as false detections, by inf. An outlier agrees with too few neighbours.
+    """Replace outliers along the swath, such as false detections, with inf. An outlier agrees with too few neighbours.
 
     A neighbour k beams away agrees if the two ranges differ by at most NOISE_M plus the difference that a plane at
     STEEPEST_RAD causes: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range is kept if

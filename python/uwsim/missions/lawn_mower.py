@@ -285,8 +285,8 @@ class AdaptiveLawnMower(Sealed):
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
         """Travel to a point, going around shoals; return False if there is no path.
 
-        On a long transit the sonar looks farther ahead. If heading_rad is set, the vehicle holds it as long as the path
-        is straight; otherwise it faces the direction of travel.
+        On a long transit the sonar looks farther ahead. If heading_rad is set, the vehicle holds that heading as long
+        as the path is straight; otherwise it faces the direction of travel.
         """
         to_x, to_y = point_m.tolist()
         total_m = math.dist((to_x, to_y), start.position_world_m[:2])

@@ -1,4 +1,4 @@
-"""Reads what a finished recording states about itself at both ends, without reading its messages."""
+"""Reads the metadata at both ends of a finished recording, without reading its messages."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """A recording as MCAP in rosbag2 format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
 
 Written with the `mcap` library. The writer in `rosbags` cannot end a chunk before it is full, has neither checksums nor
-attachments, and creates a folder: a killed process would lose up to a megabyte, which is minutes of a run with few
-messages.
+attachments, and creates a folder: if the process were killed, up to a megabyte would be lost, which is minutes of a run
+with few messages.
 """
 
 from __future__ import annotations

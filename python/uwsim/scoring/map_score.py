@@ -24,12 +24,12 @@ class MapScore:
 
     Truth voxels are the voxels on the map's grid through which the true surface passes. coverage: fraction, in [0, 1],
     of the visible truth voxels with an occupied voxel at most one voxel away; 0 if none was visible. recall: fraction
-    of them that are themselves occupied. precision: fraction of the occupied voxels through which the true surface
-    passes. Distances are from the centres of the occupied voxels to the nearest point on the true surface. For an empty
-    map, distances and precision are NaN. visible_voxels: (v,), packed keys of the truth voxels that the sonar could
-    have seen. covered: mask (v,) of those that count as covered. false_centres_m: (f, 3), centres of occupied voxels
-    without true surface. seabed: the depths of the occupied voxels, in cells as wide as a voxel, compared with the
-    terrain; None for an empty map.
+    of these voxels that are themselves occupied. precision: fraction of the occupied voxels through which the true
+    surface passes. Distances are from the centres of the occupied voxels to the nearest point on the true surface. For
+    an empty map, distances and precision are NaN. visible_voxels: (v,), packed keys of the truth voxels that the sonar
+    could have seen. covered: mask (v,) of those that count as covered. false_centres_m: (f, 3), centres of occupied
+    voxels without true surface. seabed: the depths of the occupied voxels, in cells as wide as a voxel, compared with
+    the terrain; None for an empty map.
     """
 
     coverage: float

@@ -67,10 +67,10 @@ class HoldsLike(Protocol):
         """True while any hold is active."""
 
     def set(self, **on: bool) -> None:
-        """Let these holds be active, and no others."""
+        """Activate exactly these holds."""
 
     def take(self, efforts: tuple[float, ...]) -> None:
-        """Let a stick set efforts."""
+        """Apply a stick's efforts."""
 
     def end(self, why: str) -> None:
         """End all holds."""

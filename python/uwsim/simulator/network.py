@@ -32,8 +32,8 @@ class Counts(NamedTuple):
     """Message counts for one topic and sender; `lost` counts messages sent but not received, by reason.
 
     replaced: superseded by a newer message while queued. refused: the queue was full. late: expired before it could be
-    sent. bytes_sent, bytes_delivered: payload bytes. delay_s: mean time from `send` to arrival. resent:
-    retransmissions after a missing acknowledgement, by all nodes on the way.
+    sent. bytes_sent, bytes_delivered: payload bytes. delay_s: mean time from `send` to arrival. resent: retransmissions
+    after a missing acknowledgement, by all nodes along the route.
     """
 
     topic: str
@@ -57,7 +57,7 @@ class Network:
     modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message is delivered whole with
     its last packet, or not at all; it may be sent several times, either unconditionally (`repeats`) or because it was
     not acknowledged (the modem's `retransmissions`). Topics that begin with `ranging/` are pings and fixes of a USBL
-    that shares the modem; `acknowledgement` counts those.
+    that shares the modem; the topic `acknowledgement` counts acknowledgements.
     """
 
     def __init__(self, core: _core.Simulation, scenario: Scenario, modem: ModemModel, journal: Journal) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 KEPT_SAMPLES_S = 10.0  # longest interval between updates, which bounds the number of stored samples
 ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
-"""Assumed accuracy of the initial position and velocity, as of a surveyed dock."""
+"""Assumed accuracy of the initial position and velocity, as at a surveyed dock."""
 MOVES = ("place", "dock", "undock")
 
 

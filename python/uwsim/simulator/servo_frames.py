@@ -52,7 +52,7 @@ FRAMES: Mapping[str, tuple[Factors, ...]] = {
 """ArduSub's frames (libraries/AP_Motors/AP_Motors6DOF.cpp): the factors of each motor, by servo output."""
 
 ACROSS = 0.2
-"""Share of a thrust that may act along an axis for which a motor's factor is 0."""
+"""The largest share of a thrust that may act along an axis for which a motor's factor is 0."""
 
 
 def frame_of(thrusters: Mapping[str, ThrusterMount], vehicle: str) -> str:

@@ -19,7 +19,7 @@ POINTS = 600  # points taken from the second cloud, evenly sampled
 REACHES_M, ITERATIONS = (4.0, 1.5), 8  # points farther apart are ignored; steps for each reach
 STILL_M = 1e-3
 LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # least share of points within reach; largest RMS distance from the planes
-POINTS_PER_LOOK = 10.0  # points that share one error (assumed): those in a beam's footprint over some pings
+POINTS_PER_LOOK = 10.0  # points that share one error (assumed): those in a beam's footprint over several pings
 LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # smallest uncertainty of a match, assumed: about the distortion of a submap
 
 

@@ -13,7 +13,7 @@ from uwsim.mapping.closure.track import PingTrack
 from uwsim.mapping.clouds import voxel_grid
 
 Array = NDArray[np.float64]
-LENGTH_S = 25.0  # assumed: the vehicle moves tens of metres in this time, and its estimate drifts by some centimetres
+LENGTH_S = 25.0  # assumed: the vehicle moves tens of metres in this time, and its estimate drifts by a few centimetres
 CELL_M = 2.0  # cells of the plan in which overlaps are found
 FINE_M = 0.6  # voxels of the point clouds that are matched
 NEIGHBOURS = 12  # points to which each plane is fitted

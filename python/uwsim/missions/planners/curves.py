@@ -27,7 +27,7 @@ from uwsim.missions.stopped import StoppedError
 Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
 LOOK_PERIOD_S = 0.2
-UNDER_WAY_M_S = 0.1  # at lower speeds it is turning on the spot, and objects ahead are not in its way
+UNDER_WAY_M_S = 0.1  # at lower speeds the vehicle is turning on the spot, and objects ahead are not in its way
 
 
 def fly_through(

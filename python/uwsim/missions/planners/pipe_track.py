@@ -91,7 +91,7 @@ class PipeTrack:
         return bool(self.places)
 
     def _aside_m(self, points: Floats) -> Floats:
-        """Return the distances (n,) of the points (n, 2) to the side of the extrapolated track."""
+        """Return the lateral distances (n,) of the points (n, 2) from the extrapolated track."""
         return np.asarray(np.abs((points - self._end) @ (-self._direction[1], self._direction[0])))
 
     def _fits(self, place: Floats) -> bool:

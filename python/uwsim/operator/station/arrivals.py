@@ -28,7 +28,7 @@ SMALL_S = 2.0
 class Arrivals:
     """Arriving pictures for the views of vehicle cameras.
 
-    A view's pictures are sent while any page shows it large; the newest is kept for later viewers and as the small
+    A view's pictures are sent while any page shows it enlarged; the newest is kept for later viewers and as the small
     picture. A cable and the ideal link also carry pictures of small views, one every SMALL_S; a modem does not have the
     capacity.
     """

@@ -1,4 +1,4 @@
-"""Chooses the largest picture size at which a stream keeps up its rate under the machine's current load."""
+"""Chooses the largest picture size at which a stream maintains its rate under the machine's current load."""
 
 from __future__ import annotations
 

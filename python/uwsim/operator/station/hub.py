@@ -58,8 +58,8 @@ class Station:
     `save` writes. instructor_token: token of a second page, whose user alone may change the world; see `instructor`.
     keep_flights: how many flights are recorded automatically in `folder`/flights; None: none are recorded or listed.
 
-    phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
-    simulator and each restart.
+    phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each simulator and
+    each restart.
     """
 
     name = "/station"
@@ -236,9 +236,9 @@ class Station:
     ) -> None:
         """Run the simulator returned by `make`, replacing the current one, which keeps running until then.
 
-        prepare: called when the new simulator's channels exist and before its map is built. feed: shared with other
-        sinks. rosbridge: the user's server, which the simulator joins. replay: the replay that it follows. notes:
-        metadata for the recording of the flight.
+        prepare: called once the new simulator's channels exist, before its map is built. feed: shared with other sinks.
+        rosbridge: the user's server, which the simulator joins. replay: the replay that it follows. notes: metadata for
+        the recording of the flight.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")

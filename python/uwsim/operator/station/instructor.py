@@ -1,6 +1,6 @@
 """The instructor: changes the trainee's world, and returns to saved moments; requires the instructor's token.
 
-While a station has an instructor, the pilot commands only the vehicle, and no client is offered the services of the
+While a station has an instructor, the pilot can command only the vehicle, and no client is offered the services of the
 simulation, which could show and change parameters.
 """
 

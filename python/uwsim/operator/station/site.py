@@ -67,7 +67,7 @@ class Site:
         """Return the response to a GET request."""
         response = await self._response(request)
         policy = response.headers[POLICY].replace(FRAMES + NO_PAGES, FRAMES + self._framed_by)
-        del response.headers[POLICY]  # an assignment would add a second one
+        del response.headers[POLICY]  # a mere assignment would add a second header
         response.headers[POLICY] = policy
         return response
 

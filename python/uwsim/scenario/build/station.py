@@ -11,7 +11,7 @@ from uwsim.base.quaternions import about_z, turned
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
 from uwsim.scenario.spec.station import Station
 
-EXIT_M = 3.0  # default distance of the exit ahead of the dock
+EXIT_M = 3.0  # default distance from the dock forward to the exit
 
 
 def dock_position(station: Station) -> NDArray[np.float64]:

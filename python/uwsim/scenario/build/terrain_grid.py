@@ -12,7 +12,7 @@ FloatGrid = NDArray[np.float64]
 PixelAt = Callable[[FloatGrid, FloatGrid], tuple[FloatGrid, FloatGrid]]
 
 BLOCK_NODES = 1 << 20
-NODE_TOLERANCE = 1e-6  # of a cell; rounding moves a node by less
+NODE_TOLERANCE = 1e-6  # fraction of a cell; rounding moves a node by less
 SPLINE_MARGIN = 12  # number of copies of the edge values, as SciPy pads
 
 

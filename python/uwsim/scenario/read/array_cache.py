@@ -38,7 +38,7 @@ _unchecked_bytes: dict[Path, int] = {}
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
     """Return make(), or the arrays stored by an earlier call with the same inputs.
 
-    kind: a name for this kind of arrays. Results computed with warnings are not stored, so that the warnings are issued
+    kind: a name for this kind of array. Results computed with warnings are not stored, so that the warnings are issued
     every time.
     """
     folder = _folder()
@@ -61,7 +61,7 @@ def _folder() -> Path | None:
     if chosen is not None:
         return Path(chosen) if chosen else None
     base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    with contextlib.suppress(RuntimeError):  # no home
+    with contextlib.suppress(RuntimeError):  # no home directory
         return Path(base).expanduser() / "uwsim"
     return None
 

@@ -17,7 +17,7 @@ from uwsim.base.extras import need_extra
 READER = Path(__file__).with_name("assimp_process.py")
 MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
 CPU_S, CPU_S_PER_BYTE = 8, 1e-6
-"""Limits for a small file, and the allowance per byte of a larger one. A BlueROV2 of 5 MB takes a second."""
+"""Limits for a small file, and the allowance per byte of a larger one. A BlueROV2 mesh of 5 MB takes a second."""
 
 
 def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:

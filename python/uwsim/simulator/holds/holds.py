@@ -32,8 +32,9 @@ HEAVE_INTEGRAL, YAW_INTEGRAL, VELOCITY, TURN = 2, 5, 6, 9  # indices into Contro
 class Holds:
     """The holds of one vehicle; docs/guides/holds.md states their rules. They act only while the vehicle is released.
 
-    targets: by active hold: yaw [rad], z of the depth [m], altitude [m], x and y [m], speed ahead [m/s]; None while the
-    stick moves the vehicle or the vehicle comes to rest. note: why the last hold was lost or changed; "" if none was.
+    targets: by active hold: yaw [rad], z for the depth [m], altitude [m], x and y [m], speed ahead [m/s]; None while
+    the stick moves the vehicle or the vehicle comes to rest. note: why the last hold was lost or changed; "" if none
+    was.
     """
 
     def __init__(self, vehicle: Vehicle, *, agenda: Agenda, events: EventLog, step_s: float) -> None:
@@ -69,7 +70,7 @@ class Holds:
         return bool(self.targets)
 
     def set(self, **on: bool) -> None:
-        """Let these holds be active, and no others; those that were active keep their targets. Raises ValueError."""
+        """Activate exactly these holds; those already active keep their targets. Raises ValueError."""
         names = [name for name in HOLDS if on.get(name)]
         self._require(names)
         if self._vehicle.failsafe is not None:
@@ -115,7 +116,7 @@ class Holds:
                     raise ValueError(f"{where}: {name}: its sensor of kind {kind} has no valid reading")
 
     def take(self, efforts: tuple[float, ...]) -> None:
-        """Let a stick set efforts: it overrides the holds on the axes where it is not at rest."""
+        """Apply a stick's efforts, which override the holds on the axes where the stick is not at rest."""
         self._aided.stick = efforts
         self._aided.insist()
 

@@ -45,7 +45,7 @@ class Parameters(Mapping[str, Any]):
 
     The changed scenario is validated as a whole: an invalid change raises ValueError with parameter, value, unit and
     rule, and changes nothing. A change applies from the next step on, as if it were in the scenario; motion, commands
-    and samples in transit are kept. Parameters may be read on any thread, but changed only on the stepping thread.
+    and samples in transit are preserved. Parameters may be read on any thread, but changed only on the stepping thread.
     """
 
     STATE: ClassVar[Any] = dict[str, Any]
