@@ -9,7 +9,7 @@ from uwsim.base.did_you_mean import did_you_mean
 
 
 class Sealed:
-    """Base of classes whose public attributes cannot be changed once an object has been created.
+    """Base for classes whose public attributes cannot be changed once an object has been created.
 
     A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter can be assigned. Any
     other assignment raises AttributeError, which names the closest attribute or the method that changes the value.

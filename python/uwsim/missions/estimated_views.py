@@ -54,7 +54,7 @@ class EstimatedImagingSonar:
         return believed(self._sonar.world_from_sonar, self._hull.pose, self._estimate.pose)
 
     def ping(self, *arguments: Any, **options: Any) -> Any:
-        """Ping once; see uwsim.instruments.sonars.mounted.ImagingSonar. So do `look`, `line` and `profile`."""
+        """Ping once; see uwsim.instruments.sonars.mounted.ImagingSonar. `look`, `line` and `profile` ping, too."""
         return self._placed(self._sonar.ping(*arguments, **options))
 
     def look(self, **options: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Decides whether a vehicle's commands take effect: all stop overrides the failsafe, and both override all else."""
+"""Decides whether a vehicle's commands take effect: all stop overrides the failsafe, and both override the rest."""
 
 from __future__ import annotations
 

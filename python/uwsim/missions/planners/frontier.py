@@ -92,7 +92,7 @@ class _Search:
         return top_m < PASSABLE_Z_M and cell not in self._closed and self.inside(cell)
 
     def way(self) -> list[Cell] | None:
-        """Return the path over open columns to the nearest unknown one."""
+        """Return the path over open columns to the nearest unknown column."""
         return nearest(self._here, self._unknown, [cell for cell in self._live.tops_m if self._open(cell)])
 
     def go(self, way: list[Cell]) -> Steps[None]:

@@ -1,8 +1,8 @@
-"""Paths through an OctoMap: the shortest over voxels known to be free and far enough from all others.
+"""Paths through an OctoMap: the shortest over voxels known to be free and far enough from all other voxels.
 
-Unknown water counts as an obstacle. The clearance of a voxel is its distance from the nearest one that is not free (an
-exact Euclidean distance transform). Paths are found with Dijkstra's algorithm over the 26 neighbours of voxels with
-enough clearance, and straightened wherever a straight line keeps the clearance.
+Unknown water counts as an obstacle. The clearance of a voxel is its distance from the nearest voxel that is not free
+(an exact Euclidean distance transform). Paths are found with Dijkstra's algorithm over the 26 neighbours of voxels with
+enough clearance, and straightened wherever a straight line maintains the clearance.
 """
 
 from __future__ import annotations

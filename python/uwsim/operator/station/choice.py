@@ -90,7 +90,7 @@ def chosen_rosbridge(choice: Values) -> UserRosbridge | None:
 
 
 def _rosbridge(errors: dict[str, str], choice: Values) -> UserRosbridge | None:
-    """Return the user's rosbridge; None if the address is empty, or a field is invalid, which is added to errors."""
+    """Return the user's rosbridge; None if the address is empty or a field is invalid, which adds to `errors`."""
     if choice.get("rosbridge_host") is None:
         return None
     checks: dict[str, Callable[[object], Any]] = {

@@ -74,11 +74,11 @@ class Flights:
         self._lock = threading.Lock()
         self._opening = threading.Lock()
         self._open: OrderedDict[tuple[str, int, int], Timeline] = OrderedDict()
-        self.growing: Path | None = None  # the one that is being recorded
+        self.growing: Path | None = None  # the flight being recorded
         self.is_closing = False
 
     def listed(self) -> list[Values]:
-        """Return the flights as entries of the catalog, newest first, without the one that is being recorded."""
+        """Return the flights as entries of the catalog, newest first, except the flight being recorded."""
         return [self._described(path) for path in reversed(self._paths()) if path != self.growing]
 
     def new_path(self, scenario: str) -> Path:
@@ -90,7 +90,7 @@ class Flights:
         return self.folder / f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{what}.mcap"
 
     def make_room(self, more: int = 0) -> None:
-        """Delete the oldest flights beyond the bounds, never the one that is being recorded."""
+        """Delete the oldest flights beyond the bounds, but never the flight being recorded."""
         with self._lock:
             paths = self._paths()
             sizes = {path: path.stat().st_size for path in paths}

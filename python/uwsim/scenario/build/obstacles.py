@@ -1,4 +1,4 @@
-"""Obstacles in the world frame: closed triangle meshes, and exact shapes for round ones except rings.
+"""Obstacles in the world frame: closed triangle meshes, and exact shapes for round obstacles except rings.
 
 Rays hit the exact shapes. Contacts, and the ground truth for map scores, use the mesh: its vertices lie on the round
 surface, and its facets at most 0.5 % of the radius inside it.

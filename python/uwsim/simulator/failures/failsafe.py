@@ -143,7 +143,7 @@ class Failsafe(Sealed):
         self._steered.insist()
 
     def override(self) -> None:
-        """Return control to the pilot; its current cause will not trigger another reaction in this run."""
+        """Return control to the pilot; the current cause will not trigger a reaction again in this run."""
         if self._cause and self._cause != SILENCE:
             self._overridden.add(self._cause)
         self._end()

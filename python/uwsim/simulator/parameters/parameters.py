@@ -230,7 +230,7 @@ class Parameters(Mapping[str, Any]):
             raise ScenarioError.of([self._renamed(text) for text in error.mistakes]) from None
 
     def _spread(self, name: str, value: Any, into: dict[str, Any]) -> None:
-        """Add a change to `into`; a change of a group is split into changes of its values."""
+        """Add a change to `into`; a change to a group is split into changes to its values."""
         node = find(self._running, name)
         if isinstance(value, Mapping) and node is not None and node.type is None and node.place not in table.WHOLE:
             for key, item in value.items():
