@@ -54,7 +54,7 @@ class Stream:
 
 
 Part = Literal["image", "rectified", "rectified_depth"]
-"""The parts of a picture besides its JPEG. Each takes time to make, so it is made only if it is read."""
+"""The parts of a picture other than its JPEG. Each takes time to make, so it is made only if it is read."""
 
 
 class Picture:

@@ -93,7 +93,7 @@ class FlownMission:
 
 
 def _completed(mission: Mission) -> str:
-    """Run a planned mission; return the reason it ended. Raises StoppedError with it if lanes remain unflown."""
+    """Run a planned mission; return the reason it ended. Raises StoppedError, stating it, if lanes remain unflown."""
     ended = mission.run()
     if ended != COVERED:
         raise StoppedError(ended)

@@ -137,7 +137,7 @@ class FlightRecord:
 
     @property
     def path_world_m(self) -> Array:
-        """The true sonar positions (n, 3) at the pings, vehicle by vehicle; the estimated ones if these are unknown."""
+        """The true sonar positions (n, 3) at the pings, vehicle by vehicle, or the estimated ones if unknown."""
         return np.concatenate([*(self.true_pings_world_m or self.pings_world_m).values(), np.empty((0, 3))])
 
     @property

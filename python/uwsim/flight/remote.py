@@ -57,7 +57,7 @@ def fly_remote(
     report: str = "full",
     screen: Silent | None = None,
 ) -> FlightRecord:
-    """Fly a mission with vehicles at a rosbridge server; return its record. The results are those of `fly`.
+    """Fly a mission with vehicles at a rosbridge server; return its record. The results are as for `fly`.
 
     url: such as "ws://127.0.0.1:9090". vehicles: by default all if the mission takes `vehicles`, else the first.
     odometry: topic of the poses used for map and samples, since the true poses are unknown here. truth: the server's

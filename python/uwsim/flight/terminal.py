@@ -111,7 +111,7 @@ def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
 
 
 def _notebook_bar(activity: str) -> Show:
-    """Return a function that shows a progress bar in a notebook; the one from rich would need ipywidgets."""
+    """Return a function that shows a progress bar in a notebook; rich's own bar would need ipywidgets."""
     from IPython.display import DisplayHandle
 
     bar: Any = DisplayHandle()  # type: ignore[no-untyped-call]

@@ -16,7 +16,7 @@ FREE, UNKNOWN = 0, -1
 
 
 class Frontier(NamedTuple):
-    """A cluster of frontier voxels. voxels_world_m: (n, 3), their centres. centre_world_m: (3,), the mean of those."""
+    """A cluster of frontier voxels. voxels_world_m: (n, 3), their centres. centre_world_m: (3,), the mean of these."""
 
     centre_world_m: NDArray[np.float64]
     voxels_world_m: NDArray[np.float64]

@@ -92,7 +92,7 @@ def view(
         with uwsim.view(sim) as viewer:          # in a notebook, the last expression of a cell: uwsim.view(sim)
             viewer.rov.set_effort(surge=0.5)     # or fly it on the page
             viewer.live.clock.wait(10.0)         # simulated seconds
-        sim.advance(1.0)                         # it goes on from there
+        sim.advance(1.0)                         # continues from there
 
     While it is open, the simulator steps itself: command it through `viewer.rov` or `viewer.live`, and do not step or
     command `sim`. sim: a simulator, whose state is kept, a LiveSimulator, or the scenario to create one from. speed:

@@ -151,7 +151,7 @@ class Timeline:
         assert self.recording.end is not None
         jumps = (k for k, command in enumerate(self.commands) if command.name in JUMPS)
         end = self.recording.end.tick
-        if (first := next(jumps, None)) is not None:  # its tick is the one that it led to
+        if (first := next(jumps, None)) is not None:  # its tick is the one to which it led
             end = self._last_ns_before_jump() // self.recording.step_ns
             self._ticks = self._ticks[:first]
         duration_s = (end - self.start_tick) * self.step_s

@@ -96,7 +96,7 @@ class _Search:
         return nearest(self._here, self._unknown, [cell for cell in self._live.tops_m if self._open(cell)])
 
     def go(self, way: list[Cell]) -> Steps[None]:
-        """Follow a path until its last column is known; otherwise give up that column, or close the one in the way."""
+        """Follow a path until its last column is known; otherwise give up that column or close the blocking one."""
         vehicle, frontier = self._vehicle, way[-1]
         vehicle.log("frontier", position_m=list(self._cells.middle_m(frontier)), cells_away=len(way) - 1)
         end_s = vehicle.time_s + STUCK_S + 4.0 * len(way) * self._cells.edge_m / self._lookout.speed_m_s

@@ -124,7 +124,7 @@ class _LaneFlight:
         return nearest
 
     def _first(self, k: int, here: Floats, *, in_order: bool) -> tuple[Floats, float]:
-        """Return the point of a lane to start at (the next or the nearest remaining one) and the path length to it."""
+        """Return the point of a lane to start at (the next or the nearest one remaining) and the path length to it."""
         lengths_m = np.where(self._left[k], self._chart.ways_from(here).lengths_m(self._points[k]), np.inf)
         at = self._next[k] + int(np.argmax(self._left[k][self._next[k] :])) if in_order else int(np.argmin(lengths_m))
         return self._points[k][at], float(lengths_m[at])

@@ -1,7 +1,8 @@
 """A digital twin: map an area while mowing it, revisit places where the map is thin or uncertain, return and dock.
 
-A column of the map is thin if no voxel in it is occupied. It is uncertain if none is occupied with a probability of at
-least `certain`, either because observations contradict each other or because only one or two were made, from afar.
+A column of the map is thin if no voxel in it is occupied. It is uncertain if no voxel in it is occupied with a
+probability of at least `certain`, either because observations contradict each other or because only one or two were
+made, from afar.
 """
 
 from __future__ import annotations

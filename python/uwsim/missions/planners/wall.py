@@ -23,7 +23,7 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 
 Floats = NDArray[np.float64]
-MIDDLE_SHARE = 0.5  # fraction of the fan's beams that count as the middle ones
+MIDDLE_SHARE = 0.5  # fraction of the fan's beams that count as the middle beams
 FEWEST_ECHOES = 10
 FARTHEST = 2.5  # in multiples of the distance to maintain; anything farther away is not the wall
 TO_WALL_PER_S, TO_WALL_M_S = 0.5, 0.3

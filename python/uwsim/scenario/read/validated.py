@@ -48,7 +48,7 @@ class Holding(Generic[M]):
 def what_holds(
     model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None
 ) -> Holding[M]:
-    """Return all mistakes, one line each: at most MAX_MISTAKES, followed by the number of further ones."""
+    """Return all mistakes, one line each: at most MAX_MISTAKES, followed by the number of further mistakes."""
     left = Remainder(values)
     found: dict[str, tuple[bool, int]] = {}  # a dict, since each absent item of a list repeats the error
     made: M | None = None

@@ -17,7 +17,7 @@ NO_FORCES = (0.0,) * 6
 
 
 def effective(owner: Model, field: str, scenario: Scenario) -> Any:
-    """Return a field's effective value: the one set or, if it is omitted, the one that applies instead."""
+    """Return a field's effective value: the value set or, if omitted, the value that applies instead."""
     own = getattr(owner, field)
     if isinstance(owner, SonarSetup):
         return _of_sonar(owner, field, own)
