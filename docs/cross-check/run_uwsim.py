@@ -19,7 +19,7 @@ import trimesh
 from ruamel.yaml import YAML
 
 from uwsim import Simulator, _core
-from uwsim.acoustics import arrivals
+from uwsim.instruments.acoustics import arrivals
 from uwsim.evidence.validate.camera import Light, wall_at
 from uwsim.evidence.validate.closed_forms import simulator_with_body
 from uwsim.evidence.validate.flights import BED_DEPTH_M

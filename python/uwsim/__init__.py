@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from uwsim.batch import Batch
     from uwsim.campaigns.datasets import make_dataset
     from uwsim.campaigns.datasets.sequences import make_sequence
+    from uwsim.evidence.identification import identify
     from uwsim.flight.fly import fly
     from uwsim.flight.survey import run_survey
-    from uwsim.identification import identify
     from uwsim.mapping import OccupancyMap
     from uwsim.operator.view import view
     from uwsim.scenario import Scenario, ScenarioError
@@ -52,7 +52,7 @@ _MODULE_OF = {
     "ScenarioError": "uwsim.scenario",
     "Simulator": "uwsim.simulator.simulator",
     "fly": "uwsim.flight.fly",
-    "identify": "uwsim.identification",
+    "identify": "uwsim.evidence.identification",
     "make_dataset": "uwsim.campaigns.datasets",
     "make_sequence": "uwsim.campaigns.datasets.sequences",
     "run_survey": "uwsim.flight.survey",

@@ -11,13 +11,16 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 
 MOVED = {
+    "uwsim.acoustics": "uwsim.instruments.acoustics",
     "uwsim.cameras": "uwsim.instruments.cameras",
     "uwsim.closure": "uwsim.mapping.closure",
+    "uwsim.commands": "uwsim.base.commands",
     "uwsim.control": "uwsim.navigation.control",
     "uwsim.datasets": "uwsim.campaigns.datasets",
     "uwsim.estimation": "uwsim.navigation.estimation",
     "uwsim.failures": "uwsim.simulator.failures",
     "uwsim.fleet": "uwsim.campaigns.fleet",
+    "uwsim.identification": "uwsim.evidence.identification",
     "uwsim.motion": "uwsim.base.motion",
     "uwsim.network": "uwsim.simulator.network",
     "uwsim.parameters": "uwsim.simulator.parameters",

@@ -44,7 +44,7 @@ PUBLIC = {
         "uwsim.instruments.sonars.imaging",
         "uwsim.mapping.ranging",
     ],
-    "Sound in water": ["uwsim.acoustics.arrivals()", "uwsim.acoustics.Arrivals"],
+    "Sound in water": ["uwsim.instruments.acoustics.arrivals()", "uwsim.instruments.acoustics.Arrivals"],
     "Cameras": [
         "uwsim.instruments.cameras.camera.Camera",
         "uwsim.instruments.cameras.frame.Frame",

@@ -10,9 +10,9 @@ from types import TracebackType
 from typing import Self
 
 from uwsim import _core
+from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.bridges.admission import warn_beyond_loopback
 from uwsim.bridges.rare_log import RareLog
-from uwsim.commands.table import SERVO_FRAMES
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import Entry
 from uwsim.scenario import Scenario

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from uwsim.base.arguments import plain
+from uwsim.base.commands import COMMANDS, SET_BOOL, Command
 from uwsim.channels.channel import Service
 from uwsim.channels.request import Request, answered, field
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering, require_link
-from uwsim.commands import COMMANDS, SET_BOOL, Command
 from uwsim.live import LiveSimulator
 
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.commands import COMMANDS, Argument
 from uwsim.channels import build
 from uwsim.channels.channel import COMMAND, Channel
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
-from uwsim.commands import COMMANDS, Argument
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from uwsim.commands import ALL_STOP
+from uwsim.base.commands import ALL_STOP
 
 
 class Rights:

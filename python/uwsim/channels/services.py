@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 
+from uwsim.base.commands import SET_BOOL, TRIGGER
 from uwsim.channels.channel import Service
 from uwsim.channels.command_services import command_services
 from uwsim.channels.map import PingMap
@@ -13,7 +14,6 @@ from uwsim.channels.pictures import RATE_HZ, Pictures, Stream
 from uwsim.channels.request import Request, answered, field
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering, require_link
-from uwsim.commands import SET_BOOL, TRIGGER
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 

@@ -49,10 +49,10 @@ def identify(
     Mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, and the current,
     with 95 % intervals; the report states what the log does not determine. The log must be from well below the surface.
     """
-    from uwsim.identification import identify as identified
-    from uwsim.identification import read_log
-    from uwsim.identification.motion_log import read_mapping
-    from uwsim.identification.report import table, undetermined_lines, write_report
+    from uwsim.evidence.identification import identify as identified
+    from uwsim.evidence.identification import read_log
+    from uwsim.evidence.identification.motion_log import read_mapping
+    from uwsim.evidence.identification.report import table, undetermined_lines, write_report
     from uwsim.scenario import load_vehicle
 
     found = identified(

@@ -30,7 +30,7 @@ def rays(
     speed of sound. The bottom is flat, of the scenario's bottom (silt without a link) and at the depth of the bed
     half-way; a warning says how far the bed between the points is from that.
     """
-    from uwsim.acoustics.rays_between import rays_between, text_table
+    from uwsim.instruments.acoustics.rays_between import rays_between, text_table
     from uwsim.scenario import load
 
     found = rays_between(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.agenda import Rank, next_tick
-from uwsim.commands import bound_command
+from uwsim.base.commands import bound_command
 from uwsim.exercises.exercise import Event, Exercise
 from uwsim.exercises.goals import Progress
 from uwsim.exercises.limits import AGAIN_S

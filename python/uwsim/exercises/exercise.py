@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from uwsim.commands import COMMANDS
+from uwsim.base.commands import COMMANDS
 from uwsim.exercises.goals import Goal, Points
 from uwsim.exercises.limits import Limit
 from uwsim.scenario.load import load

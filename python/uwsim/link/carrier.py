@@ -11,9 +11,9 @@ from types import TracebackType
 from typing import Any, Self
 
 from uwsim.base.agenda import NEVER, Rank
+from uwsim.base.commands import COMMANDS
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels import Channel, Service, Table
-from uwsim.commands import COMMANDS
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline
@@ -147,7 +147,7 @@ class Carrier:
         return one.packing.unpack(found[-1].payload, one.channel) if one is not None and found else None
 
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
-        """Send one of uwsim.commands to a vehicle; the future resolves when it is queued."""
+        """Send one of uwsim.base.commands to a vehicle; the future resolves when it is queued."""
         topic, payload = remote.packed(name, arguments)
         is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # its release may be lost
         return self._send(vehicle, topic, payload, replaces=COMMANDS[name].replaces, is_vital=is_vital)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from uwsim.commands import bound_command
+from uwsim.base.commands import bound_command
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")

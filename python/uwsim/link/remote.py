@@ -9,7 +9,7 @@ from concurrent.futures import Future
 from typing import Any
 
 from uwsim.base.arguments import plain
-from uwsim.commands import COMMANDS, bound_command
+from uwsim.base.commands import COMMANDS, bound_command
 from uwsim.live import LiveSimulator
 
 TOPIC = "command/"

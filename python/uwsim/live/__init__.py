@@ -1,6 +1,6 @@
 """A simulator paced by the wall clock: one thread steps it; commands come from any thread and are logged by tick."""
 
-from uwsim.commands import COMMANDS
+from uwsim.base.commands import COMMANDS
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CommandLog, Entry, replay
 from uwsim.live.live_simulator import LiveSimulator

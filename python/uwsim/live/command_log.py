@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from uwsim.commands import bound_command
-from uwsim.commands.table import SERVO_FRAMES
+from uwsim.base.commands import bound_command
+from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.scenario import Scenario
 from uwsim.simulator.simulator import Simulator
 

@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from uwsim.base.arguments import plain
-from uwsim.commands import COMMANDS, bound_command
+from uwsim.base.commands import COMMANDS, bound_command
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
 from uwsim.live.pace import Pace, Speed

@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from uwsim.base.agenda import Rank, act, due_tick
-from uwsim.commands.table import SERVO_FRAMES
+from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request

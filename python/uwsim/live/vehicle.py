@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from uwsim.base.commands import Placeable, command_named
 from uwsim.base.motion import Pose, Velocity
-from uwsim.commands import Placeable, command_named
 from uwsim.instruments.cameras import Camera, Lamp
 from uwsim.instruments.sensors import Sensor
 from uwsim.instruments.sonars.multibeam import Sonar
@@ -80,7 +80,7 @@ class LiveVehicle(Placeable):
         return self._vehicle.telemetry()
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue one of uwsim.commands by name; return once it has taken effect. Raises ValueError if it is rejected."""
+        """Issue one of uwsim.base.commands; return once it has taken effect. Raises ValueError if it is rejected."""
         return self._live.command(name, **command_named(name).named(self.name, arguments)).result()
 
 

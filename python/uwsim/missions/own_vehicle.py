@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from uwsim.base.arguments import plain
 from uwsim.base.axes import AXES
+from uwsim.base.commands import Commandable, command_named
 from uwsim.base.named import Named
 from uwsim.base.sealed import Sealed
-from uwsim.commands import Commandable, command_named
 from uwsim.missions.estimated_views import EstimatedCamera, EstimatedImagingSonar, EstimatedSonar
 from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel
 from uwsim.navigation.control.autopilot import Autopilot

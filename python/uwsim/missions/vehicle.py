@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.commands import Commandable
+from uwsim.base.commands import Commandable
 from uwsim.navigation.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
 
 

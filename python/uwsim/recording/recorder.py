@@ -17,10 +17,10 @@ from types import TracebackType
 from typing import Any, Self
 
 from uwsim.base.arguments import plain
+from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.own_types import MAP_CHANGES
-from uwsim.commands.table import SERVO_FRAMES
 from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.commands import bound_command
 from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel, Table
 from uwsim.channels.cdr import encode
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pictures import Stream
 from uwsim.channels.services import SET_STREAM
-from uwsim.commands import bound_command
 from uwsim.link import seen_channels
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of

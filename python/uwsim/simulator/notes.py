@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from uwsim.base.agenda import Agenda
-from uwsim.commands import COMMENT, NOTE, NOTES_MAX, require_note
+from uwsim.base.commands import COMMENT, NOTE, NOTES_MAX, require_note
 from uwsim.simulator.failures.events import Event, EventLog
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.commands.table import SERVO_FRAMES
+from uwsim.base.commands.table import SERVO_FRAMES
 
 if TYPE_CHECKING:
     from uwsim.scenario.spec.actuator import ThrusterMount

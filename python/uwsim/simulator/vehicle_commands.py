@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.arguments import number, numbers_by_name
 from uwsim.base.axes import AXES
+from uwsim.base.commands import Placeable, command_named
 from uwsim.base.journal import EFFORT, Journal
 from uwsim.base.sealed import Sealed
-from uwsim.commands import Placeable, command_named
 from uwsim.simulator.command_gate import CommandGate
 from uwsim.simulator.docking import Dock
 
@@ -49,7 +49,7 @@ class CommandedVehicle(Sealed, Placeable):
         return self.gate.all_stopped
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command of uwsim.commands by name. Raises ValueError, changing nothing."""
+        """Issue a command of uwsim.base.commands by name. Raises ValueError, changing nothing."""
         command = command_named(name)
         return command.give(self, self._journal, command.named(self.name, arguments))
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from uwsim import Simulator
 from uwsim.base.arguments import plain
-from uwsim.commands import bound_command
+from uwsim.base.commands import bound_command
 
 
 class Watcher:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from uwsim.commands.table import SERVO_FRAMES
+from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.recording.reader import Recording
 from uwsim.simulator.servo_frames import unpacked
 

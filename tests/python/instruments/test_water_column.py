@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core
-from uwsim.acoustics import SEABEDS, seabed_backscatter_db
 from uwsim.channels.table import Table
+from uwsim.instruments.acoustics import SEABEDS, seabed_backscatter_db
 from uwsim.scenario import load
 from uwsim.scenario.read.errors import ScenarioError
 

@@ -6,12 +6,12 @@ import fnmatch
 import re
 
 from docs_pages import page_named
+from uwsim.base.commands import COMMANDS, TRIGGER
 from uwsim.bridges.foxglove.shows import shows_of
 from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed
 from uwsim.channels.outgoing import Outgoing
 from uwsim.channels.served import served_table
-from uwsim.commands import COMMANDS, TRIGGER
 from uwsim.link import Carrier
 from uwsim.link.carried import carried_channels
 from uwsim.live import LiveSimulator

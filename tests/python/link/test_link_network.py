@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core
-from uwsim.acoustics import arrivals
 from uwsim.channels import Table
+from uwsim.instruments.acoustics import arrivals
 from uwsim.link import seen_channels
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.replay import replay

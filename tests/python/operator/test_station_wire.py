@@ -10,8 +10,8 @@ from pydantic import ValidationError
 
 from station_pages import require_described
 from uwsim.base.axes import AXES
+from uwsim.base.commands import COMMANDS
 from uwsim.channels.own_types import MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
-from uwsim.commands import COMMANDS
 from uwsim.operator.station import Station, wire, wire_js
 from uwsim.operator.station.calls import CALLS, Call
 

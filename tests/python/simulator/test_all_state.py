@@ -20,7 +20,7 @@ import pytest
 from pydantic import BaseModel
 
 from uwsim import Simulator, _core
-from uwsim.commands import COMMANDS, bound_command
+from uwsim.base.commands import COMMANDS, bound_command
 from uwsim.simulator.docking import DockedWarning
 
 SCENARIO = """

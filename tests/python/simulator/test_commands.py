@@ -14,11 +14,11 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.base.axes import AXES
+from uwsim.base.commands import COMMANDS, TRIGGER, Argument, Command, Commandable, Placeable, bound_command
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.remote import RemoteConnection, RemoteVehicle
 from uwsim.channels.key import key_efforts, key_message
 from uwsim.channels.served import served_table
-from uwsim.commands import COMMANDS, TRIGGER, Argument, Command, Commandable, Placeable, bound_command
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator, replay
 from uwsim.missions.own_vehicle import OwnVehicle

@@ -14,8 +14,9 @@ from uwsim.missions import wait
 from uwsim.navigation.control import Controller, PathFollower
 
 PACKAGES = (
-    "uwsim", "uwsim.acoustics", "uwsim.batch", "uwsim.bridges", "uwsim.channels", "uwsim.exercises", "uwsim.flight",
-    "uwsim.identification", "uwsim.instruments.cameras", "uwsim.instruments.sonars.imaging", "uwsim.learning",
+    "uwsim", "uwsim.batch", "uwsim.bridges", "uwsim.channels", "uwsim.exercises", "uwsim.flight",
+    "uwsim.instruments.acoustics", "uwsim.evidence.identification", "uwsim.instruments.cameras",
+    "uwsim.instruments.sonars.imaging", "uwsim.learning",
     "uwsim.link", "uwsim.live", "uwsim.mapping", "uwsim.missions", "uwsim.navigation.control",
     "uwsim.navigation.estimation", "uwsim.operator.station", "uwsim.recording", "uwsim.scoring",
 )  # fmt: skip

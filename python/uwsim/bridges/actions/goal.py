@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.commands import command_named
 from uwsim.bridges.actions.action import Action, Progress, Route
 from uwsim.channels import build
 from uwsim.channels.steering import REPLACED, require_link
-from uwsim.commands import command_named
 from uwsim.live import LiveSimulator
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.missions import OwnVehicle, Steps, StoppedError, drive, goto, turn_to

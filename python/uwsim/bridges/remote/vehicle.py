@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
+from uwsim.base.commands import Commandable, command_named
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import Named
 from uwsim.bridges.remote.connection import RemoteConnection
@@ -30,7 +31,6 @@ from uwsim.bridges.remote.tree import RemoteTree
 from uwsim.channels.command_services import request_of
 from uwsim.channels.key import POSE, key_message
 from uwsim.channels.own_types import ALL_STOPPED
-from uwsim.commands import Commandable, command_named
 
 LIGHT_SERVICE = "lights/"
 PROJECTED = "marine_acoustic_msgs/msg/ProjectedSonarImage"
@@ -173,10 +173,10 @@ class RemoteVehicle(Commandable):
         return panel is not None and ALL_STOPPED in panel.alarms
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command of uwsim.commands: efforts on topic `key`, others by services. Raises ValueError or OSError.
+        """Issue a command of uwsim.base.commands: efforts on topic `key`, others by services.
 
-        Efforts are not acknowledged. Other commands have taken effect, or been sent over a link, by the time this
-        returns.
+        Raises ValueError or OSError. Efforts are not acknowledged. Other commands have taken effect, or been sent over
+        a link, by the time this returns.
         """
         command = command_named(name)
         command.named(self.name, arguments)

@@ -7,9 +7,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from uwsim.acoustics import seabed_backscatter_db
 from uwsim.evidence.validate.check import Check, within
 from uwsim.figures.style import save_figure
+from uwsim.instruments.acoustics import seabed_backscatter_db
 from uwsim.scenario.spec.material import BACKSCATTER
 
 GRAZING_DEG = (1, 2, 3, 5, 7, 10, 20, 40, 60, 70, 80, 85, 88, 89, 90)

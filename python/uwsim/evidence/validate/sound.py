@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.acoustics import Arrivals, arrivals
 from uwsim.evidence.validate import backscatter
 from uwsim.evidence.validate.check import Check, at_most, within
 from uwsim.evidence.validate.echo_soundings import Ping, read_soundings
+from uwsim.instruments.acoustics import Arrivals, arrivals
 from uwsim.scenario.spec.link import BOTTOMS
 
 KEPT = Path(__file__).parent / "bellhop_arrivals.json.xz"

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.base.commands import HOLDS
 from uwsim.channels import Channel, build
 from uwsim.channels.own_types import TELEMETRY
 from uwsim.channels.published import join
-from uwsim.commands import HOLDS
 
 STATE = struct.Struct("<HHhIHHHIB")
 STATE_QUANTA = (0.01, 0.001, 0.01, 0.01, 0.1, 0.1, 0.1, 0.1, 0.5)

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-from uwsim.commands import Steerable
+from uwsim.base.commands import Steerable
 
 
 class Watch(Protocol):

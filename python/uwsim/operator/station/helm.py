@@ -10,9 +10,9 @@ from concurrent.futures import Future
 from typing import Any
 
 from uwsim.base.axes import AXES
+from uwsim.base.commands import ALL_STOP, COMMANDS, HOLDS
 from uwsim.channels.guest import Values
 from uwsim.channels.steering import Steering, require_link
-from uwsim.commands import ALL_STOP, COMMANDS, HOLDS
 from uwsim.live import LiveSimulator, NotRunningError
 
 SILENCE_S = 0.5

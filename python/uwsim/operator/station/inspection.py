@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.commands import COMMENT, NOTE, require_note
 from uwsim.base.quaternions import matrix, product
 from uwsim.channels.guest import Values
-from uwsim.commands import COMMENT, NOTE, require_note
 from uwsim.instruments.cameras.image_file import encode_png
 from uwsim.operator.station.snapshots import described, panel_of, taken
 from uwsim.scenario.georeference import georeference

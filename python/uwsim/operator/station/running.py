@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from uwsim.base.axes import AXES
+from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
 from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
@@ -15,7 +16,6 @@ from uwsim.channels.map import PLACED
 from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire
-from uwsim.commands import COMMANDS
 from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
+from uwsim.base.commands import COMMANDS
 from uwsim.channels.guest import GuestService, Values
 from uwsim.channels.steering import require_link
-from uwsim.commands import COMMANDS
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_flight, chosen_save
 from uwsim.operator.station.control import CONTROLS, NOT_OF_REPLAYS, OF_REPLAYS, new_path

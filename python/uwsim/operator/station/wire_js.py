@@ -13,9 +13,9 @@ from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_origin
 
 from uwsim.base.axes import AXES
+from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.channels.message_types import Kind, fields
 from uwsim.channels.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
-from uwsim.commands import COMMANDS, HOLDS
 from uwsim.operator.station.calls import CALLS, Call
 from uwsim.operator.station.wire import Message, Refused
 

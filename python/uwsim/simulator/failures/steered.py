@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from uwsim.commands import Steerable
+from uwsim.base.commands import Steerable
 from uwsim.navigation.control.protocols import EstimateLike
 from uwsim.simulator.vehicle import Vehicle
 

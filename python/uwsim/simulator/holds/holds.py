@@ -10,7 +10,7 @@ import numpy as np
 
 from uwsim.base.agenda import NEVER, Agenda, Rank
 from uwsim.base.axes import AXES
-from uwsim.commands.holds import EXCLUSIVE, HOLDS
+from uwsim.base.commands.holds import EXCLUSIVE, HOLDS
 from uwsim.navigation.control.controller import Controller
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.steered import ZERO

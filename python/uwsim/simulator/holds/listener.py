@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from uwsim.commands.holds import HOLDS
+from uwsim.base.commands.holds import HOLDS
 from uwsim.simulator.vehicle import Vehicle
 
 EVERY_HOLD = "imu"

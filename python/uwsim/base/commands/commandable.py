@@ -38,7 +38,7 @@ class Commandable(Steerable, Protocol):
     """A vehicle that accepts every command that a real one could. A command that raises ValueError changes nothing."""
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command by its name in uwsim.commands."""
+        """Issue a command by its name in uwsim.base.commands."""
 
     def release(self) -> None:
         """Leave the station; the mission time starts."""

@@ -22,9 +22,9 @@ from scipy.stats import norm
 
 from uwsim.base.axes import AXES
 from uwsim.base.short_repr import ShortRepr
-from uwsim.identification.flown import OUTPUTS, VEHICLE, Flown
-from uwsim.identification.motion_log import MotionLog
-from uwsim.identification.unknowns import Unknown, unknowns
+from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Flown
+from uwsim.evidence.identification.motion_log import MotionLog
+from uwsim.evidence.identification.unknowns import Unknown, unknowns
 from uwsim.scenario import VehicleModel
 
 Array = NDArray[np.float64]

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.batch import Batch
-from uwsim.identification.motion_log import MotionLog
-from uwsim.identification.unknowns import Unknown, parameters_at
+from uwsim.evidence.identification.motion_log import MotionLog
+from uwsim.evidence.identification.unknowns import Unknown, parameters_at
 from uwsim.scenario import Scenario, VehicleModel
 
 Array = NDArray[np.float64]

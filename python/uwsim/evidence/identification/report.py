@@ -8,7 +8,7 @@ import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
-from uwsim.identification.solution import Identified
+from uwsim.evidence.identification.solution import Identified
 from uwsim.scenario.dump import write_model
 
 COLUMNS = (

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from uwsim.base.axes import AXES
-from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
-from uwsim.commands.holds import HOLDS
-from uwsim.commands.notes import NOTE
+from uwsim.base.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
+from uwsim.base.commands.holds import HOLDS
+from uwsim.base.commands.notes import NOTE
 
 ALL_STOP, SERVO_FRAMES = "all_stop", "servo_frames"
 RIGHT_ANGLE_RAD = 0.5 * math.pi

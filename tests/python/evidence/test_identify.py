@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 from uwsim import Batch, Simulator
 from uwsim.cli.main import app
+from uwsim.evidence.identification import MotionLog, identify, read_log
+from uwsim.evidence.identification.unknowns import parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
-from uwsim.identification import MotionLog, identify, read_log
-from uwsim.identification.unknowns import parameters_at, unknowns
 from uwsim.recording import Recorder
 from uwsim.scenario import VehicleModel, load_vehicle
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from uwsim.acoustics import arrivals
-from uwsim.acoustics.ray_paths import ray_path
 from uwsim.cli.main import app
 from uwsim.evidence.validate import sound
 from uwsim.evidence.validate.sound import computed, counterparts, kept_cases
+from uwsim.instruments.acoustics import arrivals
+from uwsim.instruments.acoustics.ray_paths import ray_path
 
 SURVEYS = Path(__file__).parents[4] / "shared/reality/gsf"
 

@@ -4,11 +4,11 @@ Live simulators, logs, replays, links, services, remote vehicles and the station
 new command is one entry in `table.py`; if callers need a method for it, add the method to `Commandable`.
 """
 
-from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command
-from uwsim.commands.commandable import Commandable, Placeable, Steerable
-from uwsim.commands.holds import HOLDS
-from uwsim.commands.notes import CATEGORIES, COMMENT, NOTE, NOTES_MAX, TEXT_MAX, require_note
-from uwsim.commands.table import ALL_STOP, COMMANDS, bound_command, command_named
+from uwsim.base.commands.command import SET_BOOL, TRIGGER, Argument, Command
+from uwsim.base.commands.commandable import Commandable, Placeable, Steerable
+from uwsim.base.commands.holds import HOLDS
+from uwsim.base.commands.notes import CATEGORIES, COMMENT, NOTE, NOTES_MAX, TEXT_MAX, require_note
+from uwsim.base.commands.table import ALL_STOP, COMMANDS, bound_command, command_named
 
 __all__ = [
     "ALL_STOP",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.acoustics.layered_water import Arrivals, arrivals
+from uwsim.instruments.acoustics.layered_water import Arrivals, arrivals
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.world import build_world
 
