@@ -39,7 +39,7 @@ class GeneratorState(State):
 
 
 class Definition(State):
-    """What defines a member of a batch: its seed, parameters and initial faults."""
+    """The definition of a batch member: its seed, parameters and initial faults."""
 
     seed: int
     parameters: dict[str, Any]
