@@ -158,14 +158,22 @@ def test_a_participant_met_again_is_asked_for_its_endpoints(other, node):
     assert client.readers() == 1
 
 
+def test_submessages_of_several_participants_may_share_a_message():
+    first, second, writer = b"\1\x10" + bytes(9) + b"\1", b"\1\x10" + bytes(9) + b"\2", b"\0\0\1\3"
+    beats = [rtps.heartbeat(rtps.UNKNOWN, writer, 1, last, last) for last in (5, 6)]
+    source = bytes([rtps.INFO_SRC, 1, 20, 0]) + bytes(4) + b"\2\5\1\x10" + second  # section 8.3.8.12
+    found = rtps.read(rtps.header(first, b"\1\x10") + beats[0] + source + beats[1], first)
+    assert [(one.prefix, one.submessage.last) for one in found] == [(first, 5), (second, 6)]
+
+
 def test_a_damaged_packet_is_refused_and_a_sample_is_counted_once():
     prefix, writer = b"\1\x0f" + bytes(10), b"\0\0\1\3"
     parts = [*rtps.data(rtps.UNKNOWN, writer, 7, bytes(8), rtps.parameters([(0x83, bytes(24))]))]
     parts += [rtps.heartbeat(rtps.UNKNOWN, writer, 3, 9, 1), rtps.missing(rtps.UNKNOWN, writer, 40, [41, 90], 2)]
     packet = rtps.header(prefix, b"\1\x0f") + rtps.to_participant(bytes(12)) + b"".join(parts)
-    vendor, sender, found = rtps.read(packet, prefix)
-    assert (vendor, sender) == (b"\1\x0f", prefix)
-    sample, beat, wanted = found
+    found = rtps.read(packet, prefix)
+    assert {(vendor, sender) for vendor, sender, _ in found} == {(b"\1\x0f", prefix)}
+    sample, beat, wanted = (one.submessage for one in found)
     assert (sample.number, sample.payload, sample.qos) == (7, bytes(8), {0x83: bytes(24)})
     assert (beat.first, beat.last, wanted.base, wanted.numbers) == (3, 9, 40, (41, 90))
     for end in range(len(packet)):

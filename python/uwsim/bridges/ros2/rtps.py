@@ -9,7 +9,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK, INFO_DST = 0x15, 0x16, 0x08, 0x07, 0x06, 0x0E  # section 9.4.5
+DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK, INFO_SRC, INFO_DST = 0x15, 0x16, 0x08, 0x07, 0x06, 0x0C, 0x0E  # section 9.4.5
 PL_CDR_LE = b"\x00\x03\x00\x00"
 LITTLE, INLINE_QOS, HAS_DATA, HAS_KEY = 0x01, 0x02, 0x04, 0x08
 SENTINEL, TOPIC_NAME, DEFAULT_UNICAST, METATRAFFIC_UNICAST = 0x01, 0x05, 0x31, 0x32  # section 9.6.3
@@ -59,6 +59,14 @@ class Gap(NamedTuple):
 
 
 Submessage = Data | Heartbeat | Missing | Gap
+
+
+class Received(NamedTuple):
+    """A submessage and its sender. prefix: of the sender's GUID."""
+
+    vendor: bytes
+    prefix: bytes
+    submessage: Submessage
 
 
 def header(prefix: bytes, vendor: bytes) -> bytes:
@@ -136,14 +144,15 @@ def read_parameters(content: bytes, order: str = "<") -> tuple[list[tuple[int, b
         at += length
 
 
-def read(packet: bytes, ours: bytes) -> tuple[bytes, bytes, list[Submessage]]:
-    """Return the vendor and the prefix of a message's sender, and its submessages for `ours`. Raises ValueError."""
+def read(packet: bytes, ours: bytes) -> list[Received]:
+    """Return a message's submessages for `ours`, with their senders. Raises ValueError."""
     if packet[:4] != b"RTPS" or len(packet) < 20:
         raise ValueError(f"{len(packet)} bytes: no RTPS message")
-    return packet[6:8], packet[8:20], list(_read(packet, ours))
+    return list(_read(packet, ours))
 
 
-def _read(packet: bytes, ours: bytes) -> Iterator[Submessage]:
+def _read(packet: bytes, ours: bytes) -> Iterator[Received]:
+    vendor, prefix = packet[6:8], packet[8:20]
     at, is_for_us = 20, True
     while at + 4 <= len(packet):
         kind, flags = packet[at], packet[at + 1]
@@ -151,19 +160,26 @@ def _read(packet: bytes, ours: bytes) -> Iterator[Submessage]:
         (length,) = _unpack(f"{order}H", packet, at + 2)
         body = packet[at + 4 : at + 4 + length] if length else packet[at + 4 :]
         at += 4 + len(body)
-        if kind == INFO_DST:
+        if kind == INFO_SRC and len(body) >= 20:  # participants of one process share messages
+            vendor, prefix = body[6:8], body[8:20]
+        elif kind == INFO_DST:
             is_for_us = body[:12] in (ours, bytes(12))
-        elif is_for_us and kind == DATA:
-            yield _read_data(body, flags, order)
-        elif is_for_us and kind == HEARTBEAT:
-            first, last = _read_number(body, 8, order), _read_number(body, 16, order)
-            yield Heartbeat(body[:4], body[4:8], first, last, bool(flags & 0x02))
-        elif is_for_us and kind == ACKNACK:
-            base, numbers = _read_set(body, 8, order)
-            yield Missing(body[:4], body[4:8], base, numbers)
-        elif is_for_us and kind == GAP:
-            start, (base, numbers) = _read_number(body, 8, order), _read_set(body, 16, order)
-            yield Gap(body[:4], body[4:8], (*range(start, min(base, start + WINDOW)), *numbers))
+        elif is_for_us and (found := _submessage_of(kind, flags, order, body)) is not None:
+            yield Received(vendor, prefix, found)
+
+
+def _submessage_of(kind: int, flags: int, order: str, body: bytes) -> Submessage | None:
+    if kind == DATA:
+        return _read_data(body, flags, order)
+    if kind == HEARTBEAT:
+        first, last = _read_number(body, 8, order), _read_number(body, 16, order)
+        return Heartbeat(body[:4], body[4:8], first, last, bool(flags & 0x02))
+    if kind == ACKNACK:
+        return Missing(body[:4], body[4:8], *_read_set(body, 8, order))
+    if kind == GAP:
+        start, (base, numbers) = _read_number(body, 8, order), _read_set(body, 16, order)
+        return Gap(body[:4], body[4:8], (*range(start, min(base, start + WINDOW)), *numbers))
+    return None
 
 
 def _read_data(body: bytes, flags: int, order: str) -> Data:

@@ -119,10 +119,10 @@ class RtpsParticipant:
             except OSError:  # a timeout, or a report that a port is closed
                 continue
             try:
-                vendor, prefix, found = rtps.read(packet, self.prefix)
-                if vendor in (FAST_DDS, CYCLONE_DDS):
-                    with self._lock:
-                        for submessage in found:
+                found = rtps.read(packet, self.prefix)
+                with self._lock:
+                    for vendor, prefix, submessage in found:
+                        if vendor in (FAST_DDS, CYCLONE_DDS):
                             self._receive(vendor, prefix, host, submessage)
             except ValueError as error:
                 logging.getLogger("uwsim.ros2").debug("%s", error)
