@@ -197,7 +197,7 @@ def test_the_axes_and_the_methods_of_vehicles_have_one_home() -> None:
             if isinstance(node, ast.FunctionDef) and node.name == "set_effort":
                 methods.append(path.name)
     assert axes == ["axes.py"]
-    assert sorted(methods) == ["commandable.py", "commands.py", "vehicle_commands.py"], "commands.py: of a batch's members"
+    assert sorted(methods) == ["commandable.py", "commands.py", "vehicle_commands.py"], "commands.py: for a batch"
 
 
 def test_numpy_values_are_numbers(pair: Simulator) -> None:
