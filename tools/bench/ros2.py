@@ -45,7 +45,7 @@ console = Console()
 
 
 def messages() -> dict[str, Any]:
-    """Return one message of each kind: a scan of 1,025 beams, a cloud of 30,000 points, a 1 MB picture and others."""
+    """Return one message of each kind: a scan of 1,025 beams, a cloud of 30,000 points, a 1 MB picture, and so on."""
     rng = np.random.default_rng(1)
     header = build.header(0, "base_scan")
     fields = [build.message("sensor_msgs/msg/PointField", name=n, offset=4 * k, datatype=7, count=1)

@@ -19,8 +19,9 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// Calls job(0) on this thread, and job(1), ... job(threads - 1) on others as far as they begin before job(0)
-  /// returns. So job(0) must be able to do all the work. Returns when all calls have returned. `job` must not throw.
+  /// Calls job(0) on this thread, and job(1), ... job(threads - 1) on other threads, except those that have not
+  /// begun by the time job(0) returns. job(0) must therefore be able to do all the work by itself. Returns when all
+  /// calls have returned. `job` must not throw.
   void work(std::size_t threads, const std::function<void(std::size_t)>& job);
 
  private:

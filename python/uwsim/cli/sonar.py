@@ -41,7 +41,7 @@ def sonar(
     seed: Seed = None,
     frequency: Frequency = None,
 ) -> None:
-    """Draw the sonars' pictures from a pose.
+    """Draw what the sonars would see from a pose.
 
     Draws a fan over the true bed, a profile, a sonar image and a side-scan waterfall.
     """

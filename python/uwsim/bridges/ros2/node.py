@@ -36,7 +36,7 @@ OPEN_CALLS_MAX = 100
 
 
 def transport_of(settings: Ros2Settings, node: str) -> Transport:
-    """Return a new connection by the middleware in the settings. Raises ValueError or OSError."""
+    """Return a new connection through the middleware chosen in the settings. Raises ValueError or OSError."""
     need_middleware(settings.rmw)
     if settings.rmw == "zenoh":
         from uwsim.bridges.ros2.zenoh_transport import ZenohTransport

@@ -114,7 +114,7 @@ def exact_load(text: str) -> Load:
 
 
 def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
-    """Return the number of keys that differ in length or near either end; only long keys can differ elsewhere."""
+    """Return the number of distinct keys, judged by length and by both ends; only long keys can differ elsewhere."""
     closing = np.searchsorted(bounds, colons) - 1
     closing = closing[closing >= 1]
     starts, ends = bounds[closing - 1] + 1, bounds[closing]

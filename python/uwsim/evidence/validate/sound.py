@@ -57,7 +57,10 @@ def run(out: Path | None = None, data: Path | None = None) -> list[Check]:
 
 @cache
 def kept_cases() -> list[dict[str, Any]]:
-    """Return BELLHOP's cases: profile, ends, bottom, rows of time, level, launch angle [deg], phase [deg], bounces."""
+    """Return BELLHOP's cases, each with its profile, ends, bottom and arrivals.
+
+    Each arrival is a row: time, level, launch angle [deg], phase [deg], bounces.
+    """
     return list(json.loads(lzma.decompress(KEPT.read_bytes())))
 
 

@@ -1,4 +1,4 @@
-"""The station's heartbeat: zeroes efforts that no pilot renews, starts due pictures and publishes the state."""
+"""The station's heartbeat: zeroes efforts that no pilot renews, starts pictures that are due, publishes the state."""
 
 from __future__ import annotations
 

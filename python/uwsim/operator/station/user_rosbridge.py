@@ -67,7 +67,7 @@ def checked_ros(value: object) -> Ros:
 
 
 def _is_station(socket: WebSocket) -> bool:
-    """Return whether a server answers a service that only uwsim stations offer."""
+    """Return whether a server responds to a call to a service that only uwsim stations offer."""
     request: Values = {"op": "call_service", "service": "/station/catalog", "id": "uwsim"}
     socket.send(json.dumps(request))
     try:

@@ -58,7 +58,8 @@ class SonarImage:
     level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of noise alone.
     ranges_m (bins,), bearings_rad (beams,): float64, the centres of the cells; bearings are about the sonar's z axis
     and increase from starboard to port. world_from_sonar (4, 4). labels: (bins, beams) uint16, if requested: the
-    surface, by Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
+    surface with the strongest mean echo in each cell, numbered as in Simulator.label_names; 0 where no surface's echo
+    is above the noise.
     """
 
     level_db: Levels
