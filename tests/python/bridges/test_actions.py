@@ -78,8 +78,17 @@ class ActionClient:
             info.goal_id = identity
         return self.other.call(f"{self.own}/cancel_goal", CANCEL, goal_info=info)
 
-    def statuses(self):
-        return [one.status for array in self.other.heard(f"{self.own}/status") for one in array.status_list[-1:]]
+    def expect_statuses(self, *expected):
+        """Wait until the last goal has passed through these; results and statuses come by topics of their own."""
+        seen = []
+
+        def arrived():
+            for array in self.other.heard(f"{self.own}/status"):
+                seen.extend(one.status for one in array.status_list[-1:])
+            return set(expected) <= set(seen)
+
+        until(arrived, f"statuses {expected}")
+        assert seen[-1] == expected[-1]
 
 
 def pose_at(point, frame_id="odom", yaw_rad=None):
@@ -119,7 +128,7 @@ def test_a_goal_is_reached_with_feedback_and_a_result(client, live):
     left = [one.feedback.distance_remaining for one in fed]
     assert all(bytes(one.goal_id.uuid) == bytes(identity.uuid) for one in fed)
     assert left[0] > left[-1] and fed[0].feedback.current_pose.header.frame_id == "odom"
-    assert client.statuses()[-1] == SUCCEEDED
+    client.expect_statuses(EXECUTING, SUCCEEDED)
 
 
 def test_a_goal_can_be_cancelled_and_the_vehicle_comes_to_rest(client, live):
@@ -128,7 +137,7 @@ def test_a_goal_can_be_cancelled_and_the_vehicle_comes_to_rest(client, live):
     assert response.return_code == 0
     assert [bytes(one.goal_id.uuid) for one in response.goals_canceling] == [bytes(identity.uuid)]
     assert client.result(identity).status == CANCELED
-    assert {EXECUTING, CANCELING, CANCELED} <= set(client.statuses())
+    client.expect_statuses(EXECUTING, CANCELING, CANCELED)
     assert client.cancel(identity).return_code == 3, "it has ended"
     assert client.cancel(default_message("unique_identifier_msgs/msg/UUID")).goals_canceling == []
     until(lambda: np.linalg.norm(live.rov.velocity.linear_body_m_s) < 0.1, "rest")
