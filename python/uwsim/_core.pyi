@@ -2663,6 +2663,11 @@ class OccupancyMap:
         Return whether a body's points, (k, 3), are in occupied (or unknown) voxels in each pose, (n,) bool.
         positions_world_m: (n, 3). orientations_xyzw: (n, 4). Raises ValueError. Releases the GIL.
         """
+    def bounds(self) -> typing.Any:
+        """
+        Return the low and high corners, (3,) float64 each, of the box around the known voxels; None if there are
+        none. Releases the GIL.
+        """
     def cast_rays(
         self,
         origins_world_m: typing.Any,

@@ -50,9 +50,17 @@ void bind_points(MapClass& map) {
 
 void bind_cubes(MapClass& map) {
   map.def(
-         "leaves", [](const OccupancyMap& self) { return columns(without_gil([&] { return self.leaves(); })); },
-         "Return the leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,)\n"
-         "float32. Releases the GIL.")
+         "bounds",
+         [](const OccupancyMap& self) -> py::object {
+           const std::optional<MapBounds> found = without_gil([&] { return self.bounds(); });
+           return found ? py::cast(std::make_tuple(found->low_world_m, found->high_world_m)) : py::none();
+         },
+         "Return the low and high corners, (3,) float64 each, of the box around the known voxels; None if there are\n"
+         "none. Releases the GIL.")
+      .def(
+          "leaves", [](const OccupancyMap& self) { return columns(without_gil([&] { return self.leaves(); })); },
+          "Return the leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,)\n"
+          "float32. Releases the GIL.")
       .def(
           "cells",
           [](const OccupancyMap& self, int depth) { return columns(without_gil([&] { return self.cells(depth); })); },

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,6 +54,11 @@ struct MapStatistics {
   std::size_t memory_bytes;
   std::uint64_t outside_points;  ///< discarded so far, with OnOutside::count
   std::uint64_t evictions;       ///< number of times that a part of the map has been evicted from memory
+};
+
+/// The box around the known voxels of a map.
+struct MapBounds {
+  Eigen::Vector3d low_world_m, high_world_m;
 };
 
 /// Cubes of a map, in columns.
@@ -132,6 +138,8 @@ class OccupancyMap {
 
   MapStatistics statistics() const;
   VoxelCounts count() const;
+  /// The box around the known (occupied or free) voxels; nullopt for an empty map.
+  std::optional<MapBounds> bounds() const;
 
   // Defined in occupancy_map_queries.cpp:
 

@@ -75,6 +75,26 @@ VoxelCounts OccupancyMap::count() const {
   return impl_->engine->count();
 }
 
+std::optional<MapBounds> OccupancyMap::bounds() const {
+  const std::scoped_lock lock(impl_->mutex);
+  VoxelKey low, high;
+  low.fill(std::numeric_limits<int>::max());
+  high.fill(std::numeric_limits<int>::min());
+  impl_->engine->for_each_leaf([&](const VoxelKey& corner, int levels, float) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], corner[axis]);
+      high[axis] = std::max(high[axis], corner[axis] + (1 << levels) - 1);
+    }
+  });
+  if (low[0] > high[0]) return std::nullopt;
+  MapBounds bounds;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bounds.low_world_m[Eigen::Index(axis)] = impl_->centre_world_m(low, 0, axis) - impl_->resolution_m / 2;
+    bounds.high_world_m[Eigen::Index(axis)] = impl_->centre_world_m(high, 0, axis) + impl_->resolution_m / 2;
+  }
+  return bounds;
+}
+
 std::vector<float> OccupancyMap::log_odds_at(std::span<const double> points_world_m) const {
   require_points(points_world_m, "points_world_m");
   const std::scoped_lock lock(impl_->mutex);

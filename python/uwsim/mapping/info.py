@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from uwsim.mapping.files.map_files import Origin, known_bounds, map_format, open_map
+from uwsim.mapping.files.map_files import Origin, map_format, open_map
 
 FORMAT_TEXT = {"bt": "bt, occupied or free", "ot": "ot, with all probabilities"}
 
@@ -12,7 +12,7 @@ FORMAT_TEXT = {"bt": "bt, occupied or free", "ot": "ot, with all probabilities"}
 def map_info(path: Path, origin_world_m: Origin) -> list[tuple[str, str]]:
     """Return rows of (name, value with unit) about a map file. Raises OSError or ValueError if it cannot be read."""
     occupancy = open_map(path, origin_world_m)
-    statistics, bounds = occupancy.statistics(), known_bounds(occupancy)
+    statistics, bounds = occupancy.statistics(), occupancy.bounds()
     edge_m = occupancy.resolution_m
     rows = [
         ("file", str(path)),
@@ -26,6 +26,6 @@ def map_info(path: Path, origin_world_m: Origin) -> list[tuple[str, str]]:
     ]
     if bounds is None:
         return [*rows, ("bounds", "none: the map is empty")]
-    for axis, low, high in zip("xyz", bounds.low_m, bounds.high_m, strict=True):
+    for axis, low, high in zip("xyz", *bounds, strict=True):
         rows.append((f"known {axis}", f"{low:.2f} to {high:.2f} m ({high - low:.2f} m)"))
     return rows

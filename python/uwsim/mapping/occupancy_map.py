@@ -177,6 +177,11 @@ class OccupancyMap(Sealed):
         """Return the numbers of occupied and free voxels, as `statistics` does but much faster."""
         return VoxelCounts(*self._map.count())
 
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Return the corners, low and high (3,), of the box around the known voxels, in the world; None if empty."""
+        found: tuple[NDArray[np.float64], NDArray[np.float64]] | None = self._map.bounds()
+        return found
+
     def state_at(self, points_world_m: ArrayLike) -> NDArray[np.int8]:
         """Return the states (n,) of the voxels at points_world_m (n, 3): 1 occupied, 0 free, -1 unknown or outside."""
         return self._map.state_at(points_world_m)

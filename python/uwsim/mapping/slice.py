@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.map_files import known_bounds
 from uwsim.mapping.occupancy_map import OccupancyMap
 
 Axis = Literal["x", "y", "z"]
@@ -38,11 +37,11 @@ def slice_map(occupancy: OccupancyMap, axis: Axis, at_m: float) -> MapSlice:
     """
     if not np.isfinite(at_m):
         raise ValueError(f"{axis} = {at_m} m: must be finite")
-    bounds = known_bounds(occupancy)
+    bounds = occupancy.bounds()
     if bounds is None:
         raise ValueError("the map is empty: there is nothing to slice")
     normal = "xyz".index(axis)
-    low, high, edge_m = bounds.low_m, bounds.high_m, occupancy.resolution_m
+    (low, high), edge_m = bounds, occupancy.resolution_m
     if not low[normal] <= at_m < high[normal]:
         rule = f"must be in [{low[normal]:g}, {high[normal]:g}) m, the bounds of the map"
         raise ValueError(f"{axis} = {at_m:g} m: {rule}")

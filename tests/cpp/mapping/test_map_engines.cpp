@@ -118,6 +118,7 @@ TEST(MapEngines, BothGiveOctomapsTreeWithTheirBytes) {
   const std::vector<float> points_m = random_points(random, 200, 10);
   for (const MapOptions& options : {kOctomap, kBricks}) {
     OccupancyMap map(0.25, Vector3d::Zero(), options);
+    EXPECT_FALSE(map.bounds());
     map.insert_scan(points_m, {0, 0, 0}, kNoLimit);
     const std::shared_ptr<octomap::OcTree> tree = map.octree();
     EXPECT_EQ(tree->size(), map.statistics().nodes);
@@ -125,6 +126,11 @@ TEST(MapEngines, BothGiveOctomapsTreeWithTheirBytes) {
     static_cast<octomap::AbstractOcTree&>(*tree).write(full);
     EXPECT_EQ(full.str(), map.to_bytes(MapFormat::ot));
     octomap::point3d hit;
+    Vector3d low_m, high_m;
+    tree->getMetricMin(low_m.x(), low_m.y(), low_m.z());
+    tree->getMetricMax(high_m.x(), high_m.y(), high_m.z());
+    EXPECT_NEAR((map.bounds()->low_world_m - low_m).norm(), 0, 1e-9);
+    EXPECT_NEAR((map.bounds()->high_world_m - high_m).norm(), 0, 1e-9);
     ASSERT_TRUE(tree->castRay({0, 0, 0}, {points_m[0], points_m[1], points_m[2]}, hit, true));
     EXPECT_EQ(map.state_at(std::vector<double>{hit.x(), hit.y(), hit.z()})[0], 1);
   }

@@ -1,8 +1,7 @@
-"""Opens map files, reads points from map or cloud files, and determines map grids and bounds."""
+"""Opens map files, reads points from map or cloud files, and compares maps' grids."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +15,6 @@ FIRST_LINES = {b"# Octomap OcTree binary file": "bt", b"# Octomap OcTree file": 
 
 Origin = tuple[float, float, float]
 ZERO: Origin = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Bounds:
-    """The bounding box of the known voxels of a map: its low and high corners (3,) in the world."""
-
-    low_m: NDArray[np.float64]
-    high_m: NDArray[np.float64]
 
 
 def open_map(path: Path, origin_world_m: Origin = ZERO) -> OccupancyMap:
@@ -53,14 +44,3 @@ def require_same_grid(first: OccupancyMap, second: OccupancyMap) -> None:
         )
     if not np.array_equal(first.origin_world_m, second.origin_world_m):
         raise ValueError("origin_world_m: must be the same in both maps")
-
-
-def known_bounds(occupancy: OccupancyMap) -> Bounds | None:
-    """Return the bounding box of the known (occupied or free) voxels of a map; None for an empty map."""
-    known = [voxels for voxels in (occupancy.occupied_voxels(), occupancy.free_voxels()) if len(voxels)]
-    if not known:
-        return None
-    half_m = occupancy.resolution_m / 2.0
-    low = np.min([voxels.min(axis=0) for voxels in known], axis=0) - half_m
-    high = np.max([voxels.max(axis=0) for voxels in known], axis=0) + half_m
-    return Bounds(low, high)
