@@ -9,7 +9,7 @@ tests/python/base/test_agenda.py.
 |                | `FRAME`    | readings of time and transforms, which others refer to | as subscribed        |
 |                | `READING`  | other readings of `LiveSimulator.every`                | as subscribed        |
 |                | `DELIVERY` | links deliver arrived messages and send due ones       | arrivals first       |
-|                | `REPLAY`   | a recording that is replayed issues its commands       | as recorded          |
+|                | `REPLAY`   | a replayed recording issues its commands               | as recorded          |
 | the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
 |                | `HOLD`     | holds steer alongside the stick                        | as engaged           |
@@ -27,11 +27,11 @@ from collections.abc import Callable, Iterable, Iterator
 from enum import IntEnum
 from typing import NamedTuple, Protocol
 
-NEVER = 2**62  # a tick that never comes
+NEVER = 2**62  # later than any tick that is reached
 
 
 class Rank(IntEnum):
-    """The order in which items act that are due at the same tick."""
+    """The order of items that are due at the same tick."""
 
     OBSERVER = 0
     FRAME = 1
@@ -86,9 +86,10 @@ class Agenda:
         *,
         jump: Callable[[int], object] = lambda tick: None,
     ) -> None:
-        """Call act(tick) when an item is due, after earlier ones of its rank; an overdue item acts after the next step.
+        """Schedule an item: act(tick) is called when it is due, after items of its rank that were added earlier.
 
-        jump: called with the new tick when a reset or a restored state has changed the time.
+        An overdue item acts after the next step. jump: called with the new tick when a reset or a restored state has
+        changed the time.
         """
         with self._lock:
             self._keep((*self._entries, _Entry(rank, item, act, jump)))

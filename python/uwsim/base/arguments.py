@@ -27,7 +27,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 
 
 def require_positive(step: str = "", /, **values: float) -> None:
-    """Raise ValueError unless all values, whose names end in their units, are positive and finite.
+    """Raise ValueError unless all values are positive and finite. The name of each ends in its unit.
 
     step: the name of the function that received the values, for use in the message.
     """
@@ -73,6 +73,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Make an array read-only and return it, since writing to it would not change the state and so should fail."""
+    """Make an array read-only and return it. It is a copy of the state, so writing to it should fail."""
     array.setflags(write=False)
     return array

@@ -21,7 +21,7 @@ def remove_unfinished() -> None:
 
 @contextlib.contextmanager
 def unfinished(folder: Path) -> Iterator[None]:
-    """Remove a folder, too, if the process exits immediately during the block."""
+    """Have `remove_unfinished` remove a folder if the process exits immediately during the block."""
     name = str(folder)
     _unfinished.add(name)
     try:

@@ -1,4 +1,4 @@
-"""warnings.catch_warnings for code that several threads run."""
+"""A variant of warnings.catch_warnings for code that runs in several threads."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _ONE_THREAD = RLock()
 
 @contextmanager
 def caught_warnings() -> Iterator[list[warnings.WarningMessage]]:
-    """Collect the warnings issued in the block, by one thread at a time.
+    """Collect the warnings issued in the block, which only one thread may enter at a time.
 
-    The filters and the hook are global to the process and are restored at the end of a block: if two blocks overlapped,
-    those of the first would remain in place, and the process would no longer show warnings.
+    The filters and the hook are global to the process, and each block restores those that it found. If two blocks
+    overlapped, the filters of the first would stay in place, and the process would no longer show warnings.
     """
     with _ONE_THREAD, warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always")

@@ -1,4 +1,4 @@
-"""A warning for truncated text files: a file that ends in "-12.5" may have ended in "-12.53"."""
+"""A warning about truncated text files: "-12.5" at the end of a file may be all that is left of "-12.53"."""
 
 from __future__ import annotations
 

@@ -86,6 +86,6 @@ def _importing_module() -> str:
 
 
 def explain_missing_extras() -> None:
-    """Make errors for optional packages that uwsim fails to import name the command that installs them."""
+    """Add the install command to the errors raised when uwsim fails to import an optional package."""
     if not any(isinstance(finder, _MissingExtras) for finder in sys.meta_path):
         sys.meta_path.append(_MissingExtras())

@@ -14,7 +14,7 @@ from uwsim.base.short_repr import ShortRepr
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, repr=False, init=False)  # one per step: a frozen class's own __init__ is slow
+@dataclass(frozen=True, eq=False, repr=False, init=False)  # made every step; a frozen class's __init__ is slow
 class Pose:
     """A vehicle's pose: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
 

@@ -23,7 +23,7 @@ def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:
             parts = file.zip.infolist()
             if parts and min(part.header_offset for part in parts) > 0:
-                raise ValueError("another file comes before it")  # as in an archive whose beginning was cut off
+                raise ValueError("another file comes before it")  # as in an archive that lacks its beginning
             size = sum(part.file_size for part in parts)
             if size > MAX_BYTES:
                 raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")

@@ -1,4 +1,4 @@
-"""Saved states: each part of a simulator saves its state, and restores it once its model has validated it.
+"""Saved states: each part of a simulator saves its own state, and restores it after validation by a model.
 
 A saved state consists of the state of the native simulation and a JSON object with the state of each Python part, by
 name. It may come from an untrusted source, so none of it is used before all of it has been checked.

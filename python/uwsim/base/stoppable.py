@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 GRACE_S = 1.0
-"""Wall time within which a pause must follow SIGTERM, since a service manager soon kills the process."""
+"""The longest wall time [s] from SIGTERM to a pause; a service manager kills the process soon after."""
 
 
 class Stoppable:

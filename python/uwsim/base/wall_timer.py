@@ -59,7 +59,7 @@ class Measurement:
 
     def __enter__(self) -> None:
         if (took_s := self._took_s) is None:
-            took_s = self._took_s = self._inner.took_s  # once: each stage is timed by one thread
+            took_s = self._took_s = self._inner.took_s  # looked up once, because a single thread times each stage
         self._before_s, took_s[0] = took_s[0], 0.0
         self._start_s = time.perf_counter()
 

@@ -37,7 +37,8 @@ class MemberAboard(Simulator):
         control: Sequence[ControlSettings],
         like: MemberAboard | None,
     ) -> None:
-        """core: the member, which is not changed. control: the control settings of each vehicle. like: another member.
+        """core: the member, whose state is kept. control: the settings of each vehicle. like: a member to share models
+        with.
 
         Raises ValueError for faults in parts that the member does not have.
         """

@@ -165,8 +165,8 @@ class Batch(InstrumentedBatch):
     def aboard(self, member: int) -> MemberAboard:
         """Return one member as a Simulator that acts on the member itself; valid until the member is reset.
 
-        It gives access to all that has no call for the whole batch: faults, failsafes and events, parameters, holds,
-        lamps, the aims of heads and cameras, the panel. Raises ValueError.
+        It gives access to everything without a batched call: faults, failsafes and events, parameters, holds, lamps,
+        the aims of heads and cameras, the panel. Raises ValueError.
         """
         k = whole(member, "member", 0, self.n - 1)
         return self._programs.aboard(k, lambda: self._member(k))

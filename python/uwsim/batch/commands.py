@@ -26,8 +26,8 @@ Rows = NDArray[np.float64]
 class CommandedBatch(Sealed):
     """The part of uwsim.Batch that accepts commands.
 
-    A command stays in effect until the next one. Where all stop or a failsafe overrides it in a member, it has no
-    effect there. vehicle: by default each member's first. Raises ValueError.
+    A command stays in effect until the next one. It has no effect in members where all stop or a failsafe overrides it.
+    vehicle: by default each member's first. Raises ValueError.
     """
 
     n: int
@@ -154,7 +154,7 @@ class CommandedBatch(Sealed):
         others: Callable[[list[int]], None],
         own: Callable[[int, Vehicle], object],
     ) -> None:
-        """Command each member: by own(k, vehicle) if it has a MemberAboard, which must take notice, all others at once.
+        """Command all members: each one with a MemberAboard by own(k, vehicle), so that it notices, all others at once.
 
         Raises the first ValueError after all have been commanded.
         """
@@ -217,7 +217,7 @@ def _row(names: Mapping[str, ArrayLike], values: Rows, k: int) -> dict[str, floa
 
 @contextmanager
 def named(member: int) -> Iterator[None]:
-    """Begin the messages of a member's ValueErrors with its index, as in batch[3]."""
+    """Prefix the message of a ValueError raised in the block with the member's index, as in batch[3]."""
     try:
         yield
     except ValueError as error:

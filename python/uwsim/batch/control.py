@@ -62,7 +62,7 @@ class BatchController(_Pilot):
     """A Controller of one vehicle in each member: call one of `hold`, `steer` and `velocity` per control period.
 
     Member k gets the efforts that Controller(sim.rov, period_s) would set. uses_estimate: whether it acts on
-    Batch.estimate. vehicle: by default the first. Arguments are rows, one per member, or a single one for all. Raises
+    Batch.estimate. vehicle: by default the first. Arguments have one row per member, or a single row for all. Raises
     ValueError.
     """
 
@@ -145,7 +145,9 @@ class BatchController(_Pilot):
         self.batch.set_effort(self._core.hold_velocity(*self._estimates(), wanted), self.vehicle)
 
     def restart(self, mask: ArrayLike | None = None) -> None:
-        """Forget integrals and references, in all members or those of a mask (n,) bool, as after Batch.reset."""
+        """Reset integrals and references in all members, or in those selected by a mask (n,) bool, as after
+        Batch.reset.
+        """
         self._core.restart(arguments.members(mask, self.batch.n))
 
     def _reached(
@@ -171,7 +173,7 @@ class BatchController(_Pilot):
 class BatchPathFollower(Sealed):
     """A PathFollower of one vehicle in each member; call `steer` once per control period.
 
-    points_m: one path (points, 3) for all, or n of them. The rest: see PathFollower. Raises ValueError.
+    points_m: one path (points, 3) for all, or n of them. For the other arguments, see PathFollower. Raises ValueError.
     """
 
     controller: BatchController
@@ -203,7 +205,9 @@ class BatchPathFollower(Sealed):
         return f"<BatchPathFollower at {self.speed_m_s:g} m/s, by {self.controller!r}>"
 
     def steer(self) -> BatchGuidance:
-        """Set the efforts for one control period; return the guidance, which shows who has passed the end."""
+        """Set the efforts for one control period; return the guidance, which shows the members that have passed the
+        end.
+        """
         positions = self.controller.motion.position_world_m
         rows = self._core.guide(positions, self.speed_m_s, self.controller.force_share)
         course, path, across, along, left, height, is_done = np.ascontiguousarray(rows[:, :7].T)
@@ -212,7 +216,9 @@ class BatchPathFollower(Sealed):
         return BatchGuidance(course, path, across, along, left, height, is_done > 0.0)
 
     def restart(self, mask: ArrayLike | None = None) -> None:
-        """Return to the beginnings of the paths, and restart the controllers, in all members or those of a mask."""
+        """Return to the beginnings of the paths, and restart the controllers, in all members or those selected by a
+        mask.
+        """
         self._core.restart(arguments.members(mask, self.controller.batch.n))
         self.controller.restart(mask)
 
@@ -247,5 +253,5 @@ class BatchAutopilot(_Pilot):
         self.batch.set_effort(efforts, self.vehicle)
 
     def restart(self, mask: ArrayLike | None = None) -> None:
-        """Forget the integrals, in all members or those of a mask (n,) bool, as after Batch.reset."""
+        """Reset the integrals in all members, or in those selected by a mask (n,) bool, as after Batch.reset."""
         self._core.restart(arguments.members(mask, self.batch.n))

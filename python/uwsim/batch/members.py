@@ -25,8 +25,8 @@ from uwsim.simulator.parameters.tree import Place
 class Member:
     """A member's definition.
 
-    original: the scenario with the member's seed and faults. scenario: `original` with the member's parameters applied,
-    which are `changes`.
+    original: the scenario with the member's seed and faults. changes: the member's parameters. scenario: `original`
+    with `changes` applied.
     """
 
     original: Scenario

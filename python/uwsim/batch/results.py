@@ -49,7 +49,9 @@ class BatchEstimate(ShortRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BatchGuidance(ShortRepr):
-    """Guidance of one vehicle in each member along its path, see PathFollower.steer. All (n,); is_done bool."""
+    """Guidance of one vehicle in each member along its path, see PathFollower.steer. All arrays are (n,); is_done is
+    bool.
+    """
 
     course_rad: Floats
     path_rad: Floats

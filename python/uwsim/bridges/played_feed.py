@@ -57,7 +57,7 @@ class PlayedFeed:
         return any(self._sinks.values())
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Pass each reading of a channel to a sink from now on; return a function that stops this.
+        """Pass each reading of a channel to a sink from now on; return a function that unsubscribes it.
 
         A latched channel's latest reading is passed immediately.
         """
@@ -78,7 +78,7 @@ class PlayedFeed:
         return newest if newest is None or channel.name not in self._maps else newest.caught_up()
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the recorded time [ns] to a sink once per recorded period; return a function that stops this."""
+        """Report the recorded time [ns] to a sink once per recorded period; return a function that stops it."""
         key = object()
         self._clocks[key] = _Clock(round(1e9 * period_s), sink)
 

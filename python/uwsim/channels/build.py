@@ -110,6 +110,6 @@ def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float
 
 
 def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:
-    """Return the rotation of a sonar head tilted to an elevation. It is about +y; positive elevations are nose up."""
+    """Return the rotation, about y, of a sonar head tilted to an elevation; positive elevations are nose up."""
     half = -0.5 * elevation_rad
     return 0.0, float(np.sin(half)), 0.0, float(np.cos(half))

@@ -124,7 +124,7 @@ def image_message(picture: Picture, frame_id: str, pixels: NDArray[Any]) -> Any:
 
 
 def info_message(picture: Picture, frame_id: str, *, is_sent: bool = True) -> Any:
-    """Return a picture's intrinsics; is_sent: whether for the size at which it is sent, instead of its full size."""
+    """Return a picture's intrinsics. is_sent: use the size at which the picture is sent instead of its full size."""
     info, (k, p) = picture.frame.info, picture.intrinsics if is_sent else (picture.frame.info.k, picture.frame.info.p)
     width = (picture.stream.width if is_sent else 0) or info.width
     return build.message(

@@ -34,7 +34,7 @@ class Schema(NamedTuple):
 
 @cache
 def store_of(distro: Distro) -> Typestore:
-    """Return the types of a distribution, plus those of our types that it lacks."""
+    """Return the types of a distribution, plus the types of `typestore` that it lacks."""
     if distro == "jazzy":
         return typestore()
     store, ours = get_typestore(Stores.ROS2_HUMBLE), typestore().fielddefs

@@ -90,7 +90,7 @@ class Channel:
 
     @property
     def has_timeout(self) -> bool:
-        """Whether its command ends after some time without another command."""
+        """Whether a command expires if no other command follows within some time."""
         return self.idle is not None
 
 

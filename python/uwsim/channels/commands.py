@@ -41,7 +41,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
 
     found = [
         hear(
-            "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next",
+            "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next command",
             lambda live, message: steering.hold_velocity(live, _six("cmd_vel", message.linear, message.angular)),
             idle=build.message("geometry_msgs/msg/Twist"), packing="twist",
         ),

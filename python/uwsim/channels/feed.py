@@ -76,7 +76,7 @@ class Readings(Protocol):
     """A source of readings for bridges: a live simulator's feed or a recording being played."""
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Pass each reading of a channel to a sink from now on; return a function that ends this.
+        """Pass each reading of a channel to a sink from now on; return a function that unsubscribes it.
 
         A latched channel's latest reading is passed immediately.
         """
@@ -85,7 +85,7 @@ class Readings(Protocol):
         """Return the reading for a sink that joins a latched channel late."""
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the simulated time [ns] to a sink once per simulated period; return a function that ends this."""
+        """Report the simulated time [ns] to a sink once per simulated period; return a function that stops it."""
 
 
 class Feed:
@@ -98,7 +98,7 @@ class Feed:
         self._fresh: dict[str, Reading] = {}
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Pass each reading of a channel to a sink from now on; return a function that ends this.
+        """Pass each reading of a channel to a sink from now on; return a function that unsubscribes it.
 
         A latched channel's latest reading is passed immediately, on the calling thread. A channel without a rate is
         read when its first sink joins, as is any channel while the simulator is paused. Raises NotRunningError.
@@ -139,7 +139,7 @@ class Feed:
         self._fresh[reading.channel.name] = reading
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the simulated time [ns] to a sink once per simulated period; return a function that ends this.
+        """Report the simulated time [ns] to a sink once per simulated period; return a function that stops it.
 
         Raises NotRunningError.
         """

@@ -35,12 +35,12 @@ def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "
     return [
         clock_channel(),
         Channel(
-            "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles, sonar heads, cameras that turn or follow",
+            "tf", "tf2_msgs/msg/TFMessage", "out", "moving frames: vehicles, sonar heads, cameras that turn or follow",
             rate_hz=RATE_HZ, leads=True, over_link=True,
             read=lambda sim: _moving(sources, tf, prefix, sim),
         ),
         Channel(
-            "tf_static", "tf2_msgs/msg/TFMessage", "out", "what does not move: world -> map -> odom, sensors, cameras",
+            "tf_static", "tf2_msgs/msg/TFMessage", "out", "fixed frames: world -> map -> odom, sensors, cameras",
             latched=True, read=lambda sim: _fixed(sources, tf, prefix, sim),
         ),
     ]  # fmt: skip
@@ -143,7 +143,7 @@ def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> An
     transforms.append(build.transform(sim.time_ns, "world", prefix + "map", -sources[0].origin_m))
     for source in sources:
         frame = source.frame
-        # A frame has one parent: with others' odom -> base_link, base_footprint is below base_link.
+        # A frame has only one parent: if another node publishes odom -> base_link, base_footprint is below base_link.
         parent, child = ("base_footprint", "base_link") if tf == "truth" else ("base_link", "base_footprint")
         transforms.append(build.transform(sim.time_ns, frame(parent), frame(child), (0.0, 0.0, 0.0)))
         if tf != "none":

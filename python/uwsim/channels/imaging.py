@@ -26,7 +26,7 @@ Levels = NDArray[np.float32]
 DTYPE_FLOAT32 = 8  # SonarImageData.DTYPE_FLOAT32
 HEIGHT = 400  # pixels
 WATERFALL_PINGS = 300
-SWEEP_RAD = np.radians(60.0)  # to either side
+SWEEP_RAD = np.radians(60.0)  # to each side
 SWEEP_STEP_RAD = np.radians(2.0)
 SOUND_SPEED_M_S = 1500.0
 

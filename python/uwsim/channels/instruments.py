@@ -70,7 +70,7 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
     found = [
         Channel(
             source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
-            "what is left; for a battery that is a mission time, only the percentage is known",
+            "remaining charge; only the percentage if the battery is modelled as a mission time",
             rate_hz=BATTERY_HZ, over_link=True,
             read=lambda sim: _battery(source, sim),
         )
@@ -114,7 +114,7 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
 
 
 def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any]) -> Any:
-    """Return the message of a sample of a sensor, or None if its channel sends none for it."""
+    """Return the message for a sensor's sample, or None if the sensor's channel does not publish the sample."""
     kind = KINDS.get(source.of(sim).sensors[name].kind)
     if kind is None or not (sample.valid or (kind.even_invalid and _is_out_of_reach(sample.value))):
         return None

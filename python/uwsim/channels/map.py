@@ -31,7 +31,9 @@ WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps
 
 
 class _Late:
-    """A result computed every period_ns from the latest ping and published one ping later; the first at once."""
+    """A result computed every period_ns from the latest ping and published one ping later; the first is published at
+    once.
+    """
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
@@ -81,7 +83,7 @@ class PingMap:
     def channels(self) -> list[Channel]:
         """Return the map's channels, and the channel of pings from which clients can build their own map."""
         placed = Channel(
-            self._source.topic(PLACED), PLACED_PING, "out", "each ping with the pose of the sonar, for a map elsewhere",
+            self._source.topic(PLACED), PLACED_PING, "out", "each ping with the sonar's pose, for building a map",
             rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"), over_link=True, priority=PING,
             packing="placed", read=self._read_placed,
         )  # fmt: skip
@@ -98,7 +100,7 @@ class PingMap:
             ),
             Channel(
                 self._source.topic("map_changes"), MAP_CHANGES, "out",
-                "the voxels of the same map that became occupied, or are so no longer, four times a second",
+                "voxels of the same map that became occupied or unoccupied, four times a second",
                 rate_hz=rate_hz, latched=True, frame_id=frame_id, read=self.read_changes,
                 catch_up=lambda cursor: self._changes_message(self._newest_ns, self.changes.since(cursor)),
             ),

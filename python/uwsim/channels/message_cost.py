@@ -33,7 +33,9 @@ LONGEST_NUMBER = {"float64": 25, "float32": 16}  # characters in JSON, with the 
 
 
 class Cost(NamedTuple):
-    """The cost of one message with empty lists. written_bytes: the cost of writing it: plain values, and JSON twice."""
+    """The cost of one message with empty lists. written_bytes: the size of its plain values, plus twice that of its
+    JSON.
+    """
 
     objects: int
     made_bytes: int

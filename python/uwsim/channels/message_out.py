@@ -72,7 +72,7 @@ def to_bytes(message: Any, ros: Ros = 2, sequence: int = 0) -> bytes:
 
 
 def numbered(data: bytes | memoryview, name: str, sequence: int) -> bytes:
-    """Return a message serialised for ROS 1 with its header.seq, the first field, if it begins with a header."""
+    """Return a message serialised for ROS 1, with the sequence number in its header.seq if it begins with a header."""
     return struct.pack("<I", sequence & 0xFFFFFFFF) + bytes(data[4:]) if begins_with_header(name) else bytes(data)
 
 

@@ -44,7 +44,7 @@ class Stream:
 
     @property
     def pause(self) -> float:
-        """The number of periods without a reading after which reading has paused."""
+        """The number of periods without a reading that count as a pause."""
         return 1 + RATE_HZ / self.rate_hz
 
     def is_due(self, slot: int) -> bool:
@@ -58,7 +58,7 @@ Part = Literal["image", "rectified", "rectified_depth"]
 
 
 class Picture:
-    """A frame, its JPEG, and the stream settings at that time. capture: that of Camera.later()."""
+    """A frame, its JPEG, and the stream settings at that time. capture: from Camera.later()."""
 
     def __init__(self, frame: Frame, stream: Stream, capture: Callable[..., Frame] | None = None) -> None:
         self.frame, self.stream, self._capture = frame, stream, capture
@@ -226,7 +226,7 @@ def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
 
 
 def resized(rgb: NDArray[np.uint8], width: int) -> Any:
-    """Return a picture (height, width, 3) as a PIL image of another width; 0 keeps its own."""
+    """Return a picture (height, width, 3) as a PIL image of another width; 0 keeps the original width."""
     from PIL import Image
 
     height, own_width = rgb.shape[:2]

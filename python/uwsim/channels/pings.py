@@ -26,7 +26,7 @@ class TakenPing:
 
 
 class Pings:
-    """The pings of a vehicle's multibeam, interval_s apart: a multiple of SLOT_S, at least the travel time of sound.
+    """The pings of a vehicle's multibeam. interval_s: a multiple of SLOT_S, at least the travel time of sound.
 
     All readers at one time get the same ping; without readers, none is computed. model: the sonar model at the latest
     ping.

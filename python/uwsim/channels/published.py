@@ -51,7 +51,7 @@ def state_text(sim: Simulator, source: Source) -> str:
     """Return the text of `stateData`: the nine values on the panel; an infinite distance is "Infinity".
 
     The mission time counts whole seconds from the start of the scene, as in the published simulator; the battery's
-    charge is the vehicle's own, which falls from the release on.
+    charge is the vehicle's own, which starts to fall at its release.
     """
     panel = source.of(sim).telemetry()
     return join(
@@ -154,7 +154,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
         found.append(
             Channel(
                 source.topic("images/compressed"), JPEG, "out",
-                "the vehicle's cameras in turn, told apart by frame_id", rate_hz=RATE_HZ * len(cameras),
+                "the vehicle's cameras in turn, distinguished by frame_id", rate_hz=RATE_HZ * len(cameras),
                 over_link=True, priority=PICTURE, packing="thumbnail", late=True,
                 read=lambda sim: _next_picture(source, pictures, cameras, sim),
             )

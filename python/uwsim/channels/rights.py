@@ -24,7 +24,7 @@ class Rights:
         self.pilot: Callable[[], str] = lambda: ""
 
     def require(self, name: str, request: Mapping[str, Any] | None = None) -> None:
-        """Raise ValueError if a client may not use a command's topic or service, with this request, now."""
+        """Raise ValueError unless a client may currently use a command's topic or service with this request."""
         stops = name.rpartition("/")[2] == ALL_STOP and (request or {}).get("data") is not False
         pilot = "" if stops else self.pilot()
         if pilot:

@@ -34,7 +34,7 @@ class Head(Protocol):
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic with one message per ping: at 50 Hz, as in the paper's node, maps would count each several times.
+    """A topic with one message per ping. At the 50 Hz of the paper's node, maps would count each ping several times.
 
     make: called with head, ping and frame; returns None for no message. packing: see Channel.
     """

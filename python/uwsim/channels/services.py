@@ -35,7 +35,7 @@ def simulation_services() -> list[Service]:
             "simulation/set_speed", "uwsim_msgs/srv/SetSpeed", answered(_set_speed),
             'run at request.speed simulated seconds per second; 0 stands for "max"',
         ),
-        Service("simulation/pace", "uwsim_msgs/srv/Pace", _pace, "the pace that is asked for, how it is held, step_s"),
+        Service("simulation/pace", "uwsim_msgs/srv/Pace", _pace, "requested pace, how well it is kept, step_s"),
     ]  # fmt: skip
 
 

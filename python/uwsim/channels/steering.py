@@ -92,7 +92,7 @@ class Steering:
             return was_in_effect
 
     def _replace(self) -> None:
-        """End what has been in effect, except single commands."""
+        """End the velocity hold or flight that is in effect."""
         self.by_keys = False
         if self._loop is not None:
             self._loop.cancel()

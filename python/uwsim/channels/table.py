@@ -156,7 +156,7 @@ def _without_truth(tf: Tf, sources: Sequence[Source]) -> Tf:
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels, of which those that cross the link are silent while the vehicle is cut off."""
+    """Return a vehicle's channels; those that cross the link are silent while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
         return lambda sim: None if is_cut_off(sim, source.name) else read(sim)

@@ -21,7 +21,7 @@ ARRAY, BOUNDED, UNBOUNDED = 48, 96, 144  # added to the element's number
 
 
 def type_hash(store: Typestore, name: str) -> str:
-    """Return the hash of a type of a store, such as "RIHS01_df668c74...". For services, see `service_types`."""
+    """Return the hash of a type in a store, such as "RIHS01_df668c74...". For services, see `service_types`."""
     found: dict[str, dict[str, Any]] = {}
     pending = [name]
     while pending:

@@ -35,7 +35,7 @@ class Watchdog:
 
     @property
     def driver(self) -> str:
-        """The kind of client whose command is in effect; "" if no command is."""
+        """The kind of client whose command is in effect; "" if there is none."""
         return self._driver if self._since_ns else ""
 
     def commanded(self, live: LiveSimulator, channel: Channel, driver: str = "a client") -> None:

@@ -41,7 +41,8 @@ def water_column_channels(pings: Pings, sim: Simulator) -> list[Channel]:
 def water_column_message(
     ping: _core.PhysicsPing, model: _core.MultibeamModel, frame_id: str, sound_speed_m_s: float
 ) -> Any:
-    """Return a ping's water column as a message, samples by beams as the type requires. The frame: x ahead, z up.
+    """Return a ping's water column as a message, samples by beams as the type requires. In its frame, x is ahead and z
+    up.
 
     sound_speed_m_s: speed of sound at the head.
     """

@@ -164,7 +164,8 @@ class Carrier:
         abandoned, idle, far = channel.abandoned, channel.idle, self.remote()
         if abandoned is None:
             return replace(channel, apply=apply)
-        # Aboard, silence may be due to the modem: the station monitors its publishers and reports when they have left.
+        # Aboard, silence may be due to the modem, so the station monitors the publishers and reports when they have
+        # left.
         gone = (lambda live: abandoned(far)) if idle is None else (lambda live: apply(live, idle))
         return replace(channel, apply=apply, abandoned=gone)
 

@@ -22,7 +22,7 @@ EVEN_S = 10.0
 Otherwise each in turn gets SHARE of the remaining capacity.
 """
 ALOHA_PEAK = 0.5 / math.e
-"""Largest share of time in which pure ALOHA delivers, 18 % (Abramson 1970)."""
+"""The highest throughput of pure ALOHA, as a share of time: 18 % (Abramson 1970)."""
 LONGEST_S = 120.0
 """Longest time between messages; a channel that could only be sent less often is not sent."""
 

@@ -21,7 +21,7 @@ TOPIC = "trial"
 BEARINGS = 36
 STRIDE_M = 4.0
 FARTHEST_M = 20_000.0
-MARGIN_M = 2.0  # least height of a place above the bed
+MARGIN_M = 2.0  # minimum height of a place above the bed
 PACKETS_A_PLACE = 20
 MESSAGE_BYTES_MAX = 64
 

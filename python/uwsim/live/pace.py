@@ -11,9 +11,9 @@ Speed = float | Literal["max"]
 SLIP_S = 0.25
 """Longest delay that is made up for; beyond it the schedule slips, and simulated time stays behind."""
 REST_S = 0.02
-"""Maximum age of values read without a request, since steps that nothing is waiting for are made in batches."""
+"""Maximum age of values read without a request. Steps that nothing waits for are made in batches."""
 WINDOW_S, MARK_S = 1.0, 0.1  # the achieved factor is measured over about WINDOW_S, with a mark every MARK_S
-BATCH_S = 1e-3  # steps due together run in batches of about this duration, so that commands wait no longer
+BATCH_S = 1e-3  # target duration of a batch of steps, which is the longest wait of a command
 BATCH_STEPS_MAX = 10_000
 
 

@@ -227,7 +227,9 @@ class StepLoop:
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log commands without a request: the start of navigation, on reading an estimate, and autopilots' frames."""
+        """Log commands that no request issued: autopilots' frames, and the start of navigation when an estimate is
+        read.
+        """
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
         elif name == SERVO_FRAMES:
@@ -285,10 +287,7 @@ class StepLoop:
         return min(steps, self._steps_left(self._awaited_tick - self._tick))
 
     def _steps_left(self, awaited: int) -> int:
-        """Return the number of steps until something is due.
-
-        That is a reading or delivery (`awaited` steps away), an alarm, or the start of a hold.
-        """
+        """Return the number of steps until a reading or delivery (in `awaited` steps), an alarm or a hold is due."""
         for until, _ in self._alarms:
             awaited = min(awaited, until - self.steps_made)
         for until in self.holds.values():

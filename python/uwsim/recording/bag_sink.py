@@ -21,7 +21,7 @@ class BagSink:
     def __init__(self, path: Path, *, compressed: bool = True) -> None:
         """Create the file. Raises OSError if it exists or cannot be written.
 
-        compressed: whether chunks are compressed; for PNG pictures that only takes time.
+        compressed: whether chunks are compressed, which gains nothing for PNG pictures.
         """
         if path.exists():
             raise FileExistsError(17, "File exists")

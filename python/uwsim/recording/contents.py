@@ -1,6 +1,6 @@
 """The contents of a recording except its messages, read once, with all checksums, indexes and counts verified.
 
-A finished file has a checksum over all its bytes. If the process was killed, the file lacks it, but each chunk and
+A finished file has a checksum over all its bytes. A file whose writer was killed lacks it, but each chunk and
 attachment has a checksum, and the header contains the checksum of the leading metadata, so any corrupted bit is
 detected in either case. Files rewritten by other tools, such as `mcap filter`, are verified against the checksums and
 indexes that they contain.
@@ -209,7 +209,7 @@ class DataReader:
             raise ValueError(f"before it, an index of chunk {len(chunks)} is missing")
 
     def _require_in_turn(self, message: Message) -> None:
-        """Raise ValueError for a message that has no channel or is out of sequence in its channel."""
+        """Raise ValueError for a message that has no channel or is out of sequence on its channel."""
         channel = self.contents.channels.get(message.channel_id)
         if channel is None:
             raise ValueError(f"it has a message of channel {message.channel_id}, which does not exist")

@@ -46,7 +46,7 @@ class Derived:
                 Channel(head.prefix + topic.name, topic.type, "out", f"{topic.description}; once a ping", rate_hz),
                 partial(_of_ping, head, topic),
             )
-        about = "the voxels that each ping made occupied, or no longer so"
+        about = "the voxels that became occupied or unoccupied with each ping"
         self._offer(
             Channel(head.prefix + MAP_TOPIC, MAP_CHANGES, "out", about, rate_hz, latched=True), partial(_of_map, head)
         )

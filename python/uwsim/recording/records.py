@@ -170,7 +170,7 @@ class RecordFile:
 
     @property
     def _ends_whole(self) -> bool:
-        """Whether the file ends as a finished one does."""
+        """Whether the file ends with the magic bytes of a finished file."""
         if self._size < 2 * len(MAGIC):
             return False
         here = self._file.tell()

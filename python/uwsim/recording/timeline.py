@@ -63,8 +63,8 @@ class Timeline:
     """The moments of a recorded run, from its first tick to its last or, if time was ever reset, to the first reset.
 
     Creating one simulates the whole run and compares its final state with the recorded one, so that a run that cannot
-    be repeated bit for bit is refused. go_on: called from time to time; if it returns False, creation is abandoned with
-    a RuntimeError. Raises ValueError if the recording was cut off, edited, or made by another build or for another
+    be repeated bit for bit is refused. go_on: called repeatedly; if it returns False, creation is abandoned with a
+    RuntimeError. Raises ValueError if the recording was cut off, edited, or made by another build or for another
     purpose, or OSError.
 
     commands: in order. events: at most EVENTS_MAX. track: sampled every SAMPLE_S.

@@ -88,7 +88,8 @@ class Command:
     sent. is_vital: whether it is accepted even if the queue is full, and sent repeatedly to make sure that it arrives.
     steers: whether it drives the vehicle, and thus ends any earlier steering command. service: the ROS type of the
     vehicle's service with this name; "" for none. is_piloted: whether the station's pilot may issue it by name.
-    is_ashore: whether it needs no vehicle to receive it, so that missions may issue it although no link carries it.
+    is_ashore: whether it takes effect without reaching a vehicle, so that missions may issue it even if no link carries
+    it.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The holds of a vehicle: what each keeps, on which axes, and the instruments that it needs."""
+"""A vehicle's holds, such as the depth hold: the target, the axes and the instruments of each."""
 
 from __future__ import annotations
 

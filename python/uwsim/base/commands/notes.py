@@ -1,10 +1,10 @@
-"""Notes of an operator: what was seen, where, by the vehicle's own estimate."""
+"""An operator's notes: an observation, and its position as estimated by the vehicle."""
 
 from __future__ import annotations
 
 COMMENT = "comment"
 CATEGORIES = ("observation", "defect", "leak", "debris", "growth", COMMENT)
-"""The subjects of notes. The newest `comment` stands in pictures, until another replaces it; an empty one ends it."""
+"""The categories of notes. The latest `comment` is shown in pictures; an empty comment removes it."""
 TEXT_MAX = 200
 PICTURE_MAX = 100
 NOTES_MAX = 500
@@ -12,7 +12,7 @@ NOTE = "note"
 
 
 def require_note(text: str, category: str, picture: str) -> None:
-    """Raise ValueError for a note that cannot be kept."""
+    """Raise ValueError if a note is too long, has unprintable characters, or is in no known category."""
     for name, value, longest in (("text", text, TEXT_MAX), ("picture", picture, PICTURE_MAX)):
         if len(value) > longest or not all(char.isprintable() for char in value):
             raise ValueError(f"command 'note': {name} = {value[:40]!r}: must be at most {longest} printable characters")

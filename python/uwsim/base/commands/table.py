@@ -54,7 +54,7 @@ def _link_send(sim: Any, sender: str, receiver: str, topic: str, payload: bytes,
 
 
 DOCKING = [
-    Command("release", "leave the station, which lets go", crosses_link=True, service=TRIGGER),
+    Command("release", "leave the station, which releases the vehicle", crosses_link=True, service=TRIGGER),
     Command("undock", "leave the station for free water", crosses_link=True, service=TRIGGER),
     Command("dock", "return to the station, from close by", crosses_link=True, service=TRIGGER),
 ]
@@ -63,17 +63,17 @@ SAFETY = [
         "override_failsafe", "take the vehicle back from its failsafe", crosses_link=True, service=TRIGGER
     ),
     Command(
-        ALL_STOP, "true: stop the thrusters, against every command, until false releases it",
+        ALL_STOP, "true: stop the thrusters, overriding all commands, until false is sent",
         (Argument("on", "flag", default=True),),
         crosses_link=True, replaces=True, is_vital=True, service=SET_BOOL, is_piloted=False,
     ),
     Command(
-        "inject_fault", "let something fail", (Argument("kind", "text"),),
+        "inject_fault", "make a component fail", (Argument("kind", "text"),),
         lambda sim, kind, **values: sim.faults.inject(kind, **values),
         of="simulator", notes_itself=True, takes_more=True,
     ),
     Command(
-        "end_fault", "end a fault for good", (Argument("name", "text"),), lambda sim, name: sim.faults.end(name),
+        "end_fault", "end a fault permanently", (Argument("name", "text"),), lambda sim, name: sim.faults.end(name),
         of="simulator", notes_itself=True,
     ),
 ]  # fmt: skip
@@ -102,7 +102,7 @@ STEERING = [
         crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/SetFins", is_piloted=False,
     ),
     Command(
-        "hold", "the holds that are active from now on: heading, depth or altitude, position or speed",
+        "hold", "replace the set of active holds: heading, depth or altitude, position or speed",
         tuple(Argument(name, "flag", default=False) for name in HOLDS), _hold,
         crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/Hold",
     ),
@@ -117,10 +117,10 @@ STEERING = [
     ),
 ]  # fmt: skip
 INSTRUMENTS = [
-    Command("start_navigation", "start a vehicle's estimate, if it has not begun", (), _start_navigation,
+    Command("start_navigation", "start a vehicle's estimator, unless it is running", (), _start_navigation,
             notes_itself=True),
     Command(
-        "aim", "turn a sonar's head, by default the first's; up is positive",
+        "aim", "tilt a sonar's head, by default the first sonar's; positive: up",
         (
             Argument("elevation_rad", unit="rad", low=-RIGHT_ANGLE_RAD, high=RIGHT_ANGLE_RAD),
             Argument("sonar", "text", default=None),
@@ -155,14 +155,14 @@ PARAMETERS = [
         lambda sim, changes: sim.parameters.update(changes), of="simulator", notes_itself=True,
     ),
     Command(
-        "reset_parameters", "return to the scenario's values: one, all below a name, or all",
+        "reset_parameters", "restore the scenario's value of one parameter, of all below a name, or of all",
         (Argument("name", "text", default=None),), lambda sim, name=None: sim.parameters.reset(name),
         of="simulator", notes_itself=True,
     ),
 ]  # fmt: skip
 ASHORE = [
     Command(
-        NOTE, "write a note into the run's log, with the place that it is about, by the vehicle's own estimate",
+        NOTE, "write a note to the run's log, with its position as estimated by the vehicle",
         (
             Argument("text", "text"),
             Argument("category", "text", default="observation"),
@@ -174,7 +174,7 @@ ASHORE = [
 ]  # fmt: skip
 AUTOPILOT = [
     Command(
-        SERVO_FRAMES, "the servo outputs of an autopilot, 32 uint16 [us] for each step from a tick on",
+        SERVO_FRAMES, "an autopilot's servo outputs, 32 uint16 [us] per step, starting at a tick",
         (
             Argument("vehicle", "text"),
             Argument("frame", "text"),
@@ -186,7 +186,7 @@ AUTOPILOT = [
 ]  # fmt: skip
 LINK = [
     Command(
-        "link_send", "give the link a message",
+        "link_send", "submit a message to the link",
         (
             Argument("sender", "text"),
             Argument("receiver", "text"),

@@ -32,7 +32,7 @@ def unpack_pose(data: bytes, channel: Channel) -> Any:
 
 
 def pack_key(message: Any) -> bytes:
-    """Pack into 7 bytes: six efforts, clipped to [-1, 1], and the function number."""
+    """Pack a key message into 7 bytes: six efforts, clipped to [-1, 1], and the function number."""
     linear, angular = message.position, message.orientation
     efforts = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
     if not np.isfinite(efforts).all():

@@ -25,7 +25,7 @@ TURN_RAD = math.pi / 127  # roll, pitch and yaw
 
 
 def pack(message: Any) -> bytes:
-    """Pack into 31 bytes: position in cm, attitude to 1.4 degrees, and all stop as the only alarm.
+    """Pack /telemetry into 31 bytes: position in cm, attitude to 1.4 degrees, and all stop as the only alarm.
 
     The true position and the commands are not included.
     """

@@ -68,7 +68,7 @@ class Autopilot(Sealed):
         """Set the efforts for one control period from a heading, a horizontal velocity (2,) and a height z."""
         vehicle = self.vehicle
         efforts = self._core.steer(vehicle.pose, vehicle.velocity, heading_rad, velocity_world_m_s, z_world_m)
-        if self._idle:  # it keeps every vehicle level, whether or not anything rolls and pitches it
+        if self._idle:  # the core computes roll and pitch efforts even for vehicles that cannot apply them
             efforts = tuple(0.0 if k in self._idle else effort for k, effort in enumerate(efforts))  # type: ignore[assignment]
         vehicle.set_effort(*efforts)
 

@@ -100,7 +100,7 @@ class Pressure:
 
 
 class Compass:
-    """A compass. The declination is known from the chart; for the hard-iron error, only the strength is known."""
+    """A compass. The declination is known from the chart; only the magnitude of the hard-iron error is known."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""

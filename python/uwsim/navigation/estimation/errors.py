@@ -10,7 +10,9 @@ from uwsim.navigation.estimation.protocols import InstrumentLike
 LEAST_STD = {"beam_velocity": 1e-3, "depth": 1e-3, "pressure": 10.0, "heading": 1e-4, "orientation": 1e-4}
 """The assumed error of an exact sensor, in its unit, since the filter's equations are not exact either."""
 FLICKER_TIME_S = 100.0
-"""The filter's one bias that drifts stands for flicker noise, too: with this correlation time unless it has its own."""
+"""Correlation time of the filter's drifting bias for a sensor that has flicker noise but no drifting bias of its
+own.
+"""
 
 
 def noise_of(sensor: InstrumentLike, channel: str) -> _core.NoiseSpec:
