@@ -37,10 +37,10 @@ class MemberAboard(Simulator):
         control: Sequence[ControlSettings],
         like: MemberAboard | None,
     ) -> None:
-        """core: the member, whose state is kept. control: the settings of each vehicle. like: a member to share models
-        with.
+        """core: the member, whose state is kept. control: the control settings of each vehicle.
 
-        Raises ValueError for faults in parts that the member does not have.
+        like: a member with which models are shared. Raises ValueError for faults in parts that the member does not
+        have.
         """
         self._member, self._control, self._like = member, control, like
         self._assemble(

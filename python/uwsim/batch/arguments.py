@@ -39,9 +39,7 @@ def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int
 
 
 def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -> dict[int, dict[str, Any]]:
-    """Return the parameters of the selected members, given n in all; a single mapping applies to all. Raises
-    ValueError.
-    """
+    """Return the parameters of the selected members out of n; a single mapping applies to all. Raises ValueError."""
     each = [given] * n if isinstance(given, Mapping) else given
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
@@ -49,7 +47,7 @@ def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -
 
 
 def faults(given: FaultList | Sequence[FaultList], n: int, chosen: Iterable[int]) -> dict[int, tuple[FaultModel, ...]]:
-    """Return the faults of the selected members, given n in all; a single list applies to all. Raises ValueError."""
+    """Return the faults of the selected members out of n; a single list applies to all. Raises ValueError."""
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
         raise ValueError(f"faults is {type(given).__name__}: must be a list of faults, or n of them")
     if all(isinstance(one, Mapping) for one in given):

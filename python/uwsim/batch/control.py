@@ -145,9 +145,7 @@ class BatchController(_Pilot):
         self.batch.set_effort(self._core.hold_velocity(*self._estimates(), wanted), self.vehicle)
 
     def restart(self, mask: ArrayLike | None = None) -> None:
-        """Reset integrals and references in all members, or in those selected by a mask (n,) bool, as after
-        Batch.reset.
-        """
+        """Reset integrals and references in all members or those selected by a mask (n,) bool, as after Batch.reset."""
         self._core.restart(arguments.members(mask, self.batch.n))
 
     def _reached(
@@ -205,9 +203,7 @@ class BatchPathFollower(Sealed):
         return f"<BatchPathFollower at {self.speed_m_s:g} m/s, by {self.controller!r}>"
 
     def steer(self) -> BatchGuidance:
-        """Set the efforts for one control period; return the guidance, which shows the members that have passed the
-        end.
-        """
+        """Set the efforts for one control period; return the guidance, which shows the members past the end."""
         positions = self.controller.motion.position_world_m
         rows = self._core.guide(positions, self.speed_m_s, self.controller.force_share)
         course, path, across, along, left, height, is_done = np.ascontiguousarray(rows[:, :7].T)
@@ -216,9 +212,7 @@ class BatchPathFollower(Sealed):
         return BatchGuidance(course, path, across, along, left, height, is_done > 0.0)
 
     def restart(self, mask: ArrayLike | None = None) -> None:
-        """Return to the beginnings of the paths, and restart the controllers, in all members or those selected by a
-        mask.
-        """
+        """Return to the start of each path and restart the controllers, in all members or those selected by a mask."""
         self._core.restart(arguments.members(mask, self.controller.batch.n))
         self.controller.restart(mask)
 
@@ -253,5 +247,5 @@ class BatchAutopilot(_Pilot):
         self.batch.set_effort(efforts, self.vehicle)
 
     def restart(self, mask: ArrayLike | None = None) -> None:
-        """Reset the integrals in all members, or in those selected by a mask (n,) bool, as after Batch.reset."""
+        """Reset the integrals, in all members or those selected by a mask (n,) bool, as after Batch.reset."""
         self._core.restart(arguments.members(mask, self.batch.n))

@@ -49,9 +49,7 @@ class BatchEstimate(ShortRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BatchGuidance(ShortRepr):
-    """Guidance of one vehicle in each member along its path, see PathFollower.steer. All arrays are (n,); is_done is
-    bool.
-    """
+    """Guidance of one vehicle in each member along its path. All arrays are (n,); see PathFollower.steer."""
 
     course_rad: Floats
     path_rad: Floats

@@ -31,9 +31,7 @@ WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps
 
 
 class _Late:
-    """A result computed every period_ns from the latest ping and published one ping later; the first is published at
-    once.
-    """
+    """A result computed every period_ns from the latest ping and published one ping later, except for the first."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns

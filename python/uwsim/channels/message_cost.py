@@ -33,9 +33,7 @@ LONGEST_NUMBER = {"float64": 25, "float32": 16}  # characters in JSON, with the 
 
 
 class Cost(NamedTuple):
-    """The cost of one message with empty lists. written_bytes: the size of its plain values, plus twice that of its
-    JSON.
-    """
+    """The cost of one message with empty lists. written_bytes: the size of its plain values plus twice its JSON."""
 
     objects: int
     made_bytes: int

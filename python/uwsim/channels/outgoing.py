@@ -43,10 +43,10 @@ class Line(Generic[T]):
 
 
 class Turns(Generic[T]):
-    """The items of several lines, in order of arrival. Any thread may call `put`, which never blocks; only one calls
-    `take`.
+    """The items of several lines, in order of arrival.
 
-    Each topic has its own line, so that frequent messages cannot displace the only message of a latched topic.
+    Any thread may call `put`, which never blocks; only one calls `take`. Each topic has its own line, so that frequent
+    messages cannot displace the only message of a latched topic.
     """
 
     def __init__(self) -> None:

@@ -41,10 +41,9 @@ def water_column_channels(pings: Pings, sim: Simulator) -> list[Channel]:
 def water_column_message(
     ping: _core.PhysicsPing, model: _core.MultibeamModel, frame_id: str, sound_speed_m_s: float
 ) -> Any:
-    """Return a ping's water column as a message, samples by beams as the type requires. In its frame, x is ahead and z
-    up.
+    """Return a ping's water column as a message, samples by beams as the type requires.
 
-    sound_speed_m_s: speed of sound at the head.
+    In its frame, x is ahead and z up. sound_speed_m_s: speed of sound at the head.
     """
     level_db = np.asarray(ping.water_column, np.float32)
     return build.message(

@@ -10,9 +10,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 def ranging_share(sim: Simulator, vehicle: str, modem: ModemModel, access: Access, nodes: int) -> float:
-    """Return the share of time for which a vehicle's pings occupy its modem, if each instrument has one ping in
-    flight.
-    """
+    """Return the share of time for which a vehicle's pings occupy its modem, with one ping at a time per instrument."""
     mounts = next(entry.model.sensors for entry in sim.parameters.scenario.vehicles if entry.name == vehicle)
     cost_s = airtime_s(modem, access, _core.RANGING_PING_BYTES)
     turns_s = nodes * (modem.slot_s + modem.guard_s)

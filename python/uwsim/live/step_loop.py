@@ -227,9 +227,7 @@ class StepLoop:
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log commands that no request issued: autopilots' frames, and the start of navigation when an estimate is
-        read.
-        """
+        """Log commands that no request issued: autopilots' frames, and the start of navigation by a first reading."""
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
         elif name == SERVO_FRAMES:
