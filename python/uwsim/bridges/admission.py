@@ -33,7 +33,7 @@ class Fields(Protocol):
 
 
 class Door:
-    """Decides which browser pages may connect, and by which of this machine's host names.
+    """Decides which browser pages may connect, and under which host names.
 
     pages: additional origins, such as "https://station.example:8080", or those of desktop programs built from web
     pages, such as "app://station" or "file://" (which is the origin of every page that a browser opens from a file).

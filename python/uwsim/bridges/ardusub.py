@@ -1,4 +1,4 @@
-"""ArduSub: the physics behind ArduPilot's JSON interface, so that a compiled ArduSub flies a simulated vehicle."""
+"""ArduSub: physics for ArduPilot's JSON interface, through which a compiled ArduSub flies a simulated vehicle."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ PORT = 9002
 RATE_HZ = 400
 """ArduSub's loop (SCHED_LOOP_RATE); physics with a longer step would slow it down."""
 VEHICLE = "bluerov2_heavy"
-"""The model that replaces a first vehicle without thrusters."""
+"""The model that replaces the first vehicle if it has no thrusters."""
 LIVE_PATIENCE_S = 0.05  # longest time for which a live simulator's thread waits for a frame
 SILENT_S = 1.0  # silence after which the world counts as paused
 STEPS_AT_ONCE = 2000
 LIGHTS_OFF_US, CENTRE_US, SPAN_US = 1100, 1500, 400
 TILT_AT_SPAN_RAD = math.radians(45)
-"""ArduSub's camera mount: MNT1_PITCH_MIN and MAX of -45 and 45 degrees at 1100 and 1900 us, up is positive."""
+"""ArduSub's camera mount: MNT1_PITCH_MIN and MAX are -45 and 45 degrees, at 1100 and 1900 us; positive is up."""
 
 logger = logging.getLogger("uwsim.bridges.ardusub")
 
 
 class SilentAutopilotError(TimeoutError):
-    """Raised by Simulator.step if no frame of the autopilot arrives."""
+    """Raised by Simulator.step if no frame arrives from the autopilot."""
 
 
 def prepared(scenario: Scenario) -> Scenario:
-    """Return a scenario that ArduSub can fly: with steps of 1/400 s or shorter, and a first vehicle with thrusters.
+    """Return a variant of a scenario that ArduSub can fly: steps of at most 1/400 s, a first vehicle with thrusters.
 
     A vehicle without thrusters is replaced by a BlueROV2 Heavy. Raises ScenarioError.
     """
@@ -50,7 +50,7 @@ def prepared(scenario: Scenario) -> Scenario:
 
 
 class ArduSub:
-    """Lets a compiled ArduSub (ArduPilot's simulation "JSON") make every step of a simulator, one for each frame.
+    """Lets a compiled ArduSub (ArduPilot's "JSON" simulation) step a simulator: one step for each frame.
 
         with Simulator(prepared(load("lagoon"))) as sim, ArduSub(sim):
             sim.advance(60)          # as fast as the firmware sends its frames
@@ -62,11 +62,11 @@ class ArduSub:
 
     simulator: a Simulator, whose `step` then waits for frames, and raises SilentAutopilotError after patience_s without
     any; or a LiveSimulator, which is paused by a silent firmware, and continues with it. vehicle: its name; by default
-    the first. frame: "vectored" or "vectored_6dof"; by default the one that fits its thrusters. port: 0 for any free
-    one. host: the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in
+    the first. frame: "vectored" or "vectored_6dof"; by default the frame that fits the thrusters. port: 0 for any free
+    port. host: the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in
     addition to those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that switch the
-    lamps and tilt the cameras. port, address: where it listens. Raises ValueError, or OSError if the port is not
-    available.
+    lamps and tilt the cameras. The attributes port and address are those in use. Raises ValueError, or OSError if the
+    port is not available.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ class ArduSub:
         self._reported = self._exchange.counts
         self._set: dict[str, int] = {}
         self._auxiliary: dict[str, int] = {}
-        self._since_s = time.monotonic()  # of the last frame
+        self._since_s = time.monotonic()  # time of the last frame
         self._is_silent = False
 
     @property
@@ -131,14 +131,14 @@ class ArduSub:
 
     @property
     def peer(self) -> str:
-        """The firmware's address and port; empty before its first frame, and once closed."""
+        """The firmware's address and port; empty before its first frame and after `close`."""
         return "" if self._exchange is None else self._exchange.peer
 
     def wait(self) -> None:
-        """Wait until the firmware has sent its next frame, after which it waits for the next step.
+        """Wait until the firmware has sent its next frame; it then waits for the next step.
 
-        A MAVLink message that reaches the firmware from then on, before the next step, reaches it at the same frame in
-        each run. Raises SilentAutopilotError.
+        A MAVLink message sent to the firmware before that step is received at the same frame in every run. Raises
+        SilentAutopilotError.
         """
         if self._exchange is None or not self._exchange.wait(self._patience_s):
             raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
@@ -149,7 +149,7 @@ class ArduSub:
         return self
 
     def close(self) -> None:
-        """Give the steps back to the simulator, and close the socket; the thrusters stop."""
+        """Return control of the steps to the simulator, stop the thrusters, and close the socket."""
         if self._exchange is not None:
             self._between_steps(self._detach)
 
@@ -229,7 +229,7 @@ class ArduSub:
         return len(frames) // FRAME_BYTES
 
     def _set_auxiliary(self) -> None:
-        """Switch lamps and tilt cameras as the last outputs demand; they take effect from the next step on."""
+        """Switch lamps and tilt cameras according to the last outputs, with effect from the next step."""
         for name, pulse_us in self._auxiliary.items():
             if not pulse_us or self._set.get(name) == pulse_us:
                 continue
@@ -258,7 +258,7 @@ class ArduSub:
                 logger.warning("ArduSub: waits for its first frame on UDP %s", self.address)
 
     def _report(self) -> None:
-        """Log what was wrong with the packets since the last call, at most once a minute for each kind."""
+        """Log any problems with packets since the last call, each kind at most once a minute."""
         now, before = self.counts, self._reported
         self._reported = now
         where = f"ArduSub: UDP {self.address}"

@@ -73,7 +73,10 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason, even in mid-message; do not wait long for a client that may not be reading."""
+        """Close with a reason, even in the middle of a message.
+
+        The wait is short, since the client may not be reading.
+        """
         reason = reason.encode()[:REASON_BYTES].decode(errors="ignore")
         try:
             async with asyncio.timeout(GOING_S), self.send_context():

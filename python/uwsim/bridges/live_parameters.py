@@ -1,4 +1,4 @@
-"""A live simulator's parameters for bridges: their values, changes from either side, and Foxglove's form of them."""
+"""A live simulator's parameters for bridges: their values, changes from either side, and Foxglove's format."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from uwsim.live import LiveSimulator, NotRunningError
 from uwsim.simulator.simulator import Simulator
 
 CHANGES = ("set_parameter", "set_parameters", "reset_parameters", "set_lamp", *JUMPS)
-"""The commands after which parameters may have other values."""
+"""The commands that may change the values of parameters."""
 UNSET = object()
-"""The value in place of one that a client leaves out: the parameter returns to the scenario's."""
+"""Stands for a value that a client has omitted, which resets the parameter to the scenario's value."""
 
 
 class Parameters:
@@ -28,16 +28,16 @@ class Parameters:
         self._changed = changed
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Notice a command that has taken effect."""
+        """Report a command that may have changed parameters."""
         if name in CHANGES:
             self._changed(name, arguments)
 
     def open(self) -> None:
-        """Start noticing changes. Raises NotRunningError."""
+        """Start reporting changes. Raises NotRunningError."""
         self._live.read(self._listen)
 
     def close(self) -> None:
-        """Stop noticing changes."""
+        """Stop reporting changes."""
         with suppress(NotRunningError):
             self._live.read(lambda sim: sim.journal.detach(self))
 
@@ -45,12 +45,12 @@ class Parameters:
         sim.journal.listen(self, efforts=False)
 
     def unknown(self, names: Iterable[str]) -> list[str]:
-        """Return the names that no parameter has."""
+        """Return those of the names that belong to no parameter."""
         own = self._live.simulator.parameters
         return [name for name in names if name not in own]
 
     def values(self, names: Iterable[str]) -> dict[str, Any]:
-        """Return the values of those parameters that exist; of all, without names."""
+        """Return the values of the named parameters that exist, or of all parameters if no names are given."""
         own = self._live.simulator.parameters
         return {name: own[name] for name in list(names) or list(own) if name in own}
 
@@ -70,7 +70,7 @@ class Parameters:
 
 
 def described(name: str, value: Any) -> dict[str, Any]:
-    """Return a parameter as the protocol has it; one without a value has none."""
+    """Return a parameter in the protocol's format, without a value if it has none."""
     if value is None:
         return {"name": name}
     kind: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Video: a camera's pictures as an H.264 stream by RTP, which ground stations show."""
+"""Video: sends a camera's pictures to ground stations as an H.264 stream over RTP."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from uwsim.live import LiveSimulator, Subscription
 from uwsim.simulator.simulator import Simulator
 
 PORT = 5600
-"""QGroundControl and Cockpit expect video at this UDP port."""
+"""The UDP port at which QGroundControl and Cockpit expect video."""
 PAYLOAD_TYPE = 96
 PACKET_BYTES = 1200
 BITRATE_KBIT_S = 4000
 CLOSE_S = 2.0
 SHORTEST_S = 0.08
-"""Least time between two pictures, so that a fast simulation does not render all the time."""
+"""The minimum time between two pictures, so that a fast simulation does not render constantly."""
 
 logger = logging.getLogger("uwsim.video")
 
 
 class Target(NamedTuple):
-    """Where a stream is sent by UDP."""
+    """The UDP destination of a stream."""
 
     host: str
     port: int
@@ -54,9 +54,9 @@ class Target(NamedTuple):
 
 
 def encoder_path() -> str:
-    """Return the path of ffmpeg: the system's, or that of the extra `video`. Raises MissingExtraError.
+    """Return the path of ffmpeg: the system's, or the one from the extra `video`. Raises MissingExtraError.
 
-    It is a program of its own: its encoder, x264, may not be linked with uwsim, because of its licence (GPL).
+    ffmpeg runs as a separate program because the licence (GPL) of its encoder, x264, rules out linking.
     """
     found = shutil.which("ffmpeg")
     if found is None:
@@ -68,18 +68,19 @@ def encoder_path() -> str:
 
 
 def own_first(cameras: Mapping[str, Camera]) -> list[str]:
-    """Return the names of a vehicle's cameras: first those that it carries, then those that follow it."""
+    """Return the names of a vehicle's cameras: the onboard cameras first, then those that follow the vehicle."""
     return sorted(cameras, key=lambda name: cameras[name].mount.follows != "body")
 
 
 class VideoStream:
-    """Sends a camera's pictures as H.264 by RTP to a UDP port, up to 10 a second, of simulated and of real time.
+    """Sends a camera's pictures to a UDP port, as H.264 over RTP.
 
-    A picture shows the world at the time of its reading and is rendered on a thread of its own; no step waits for it,
-    and none is begun before the previous one has been passed on. A program, ffmpeg, encodes and sends them.
+    There are up to 10 pictures per second of simulated time, and about as many per second of real time. A picture shows
+    the world at the time of its reading. It is rendered on a separate thread, and no step waits for it; the next
+    picture is started only once it has been passed to ffmpeg, which encodes and sends it.
 
-    vehicle: its name. camera: the name of one of its cameras; by default the first that it carries. Raises ValueError
-    for an unknown camera, MissingExtraError without ffmpeg.
+    vehicle: the vehicle's name. camera: the name of one of its cameras; by default the first onboard camera. Raises
+    ValueError for an unknown camera, MissingExtraError without ffmpeg.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: str, target: Target, camera: str | None = None) -> None:
@@ -106,7 +107,7 @@ class VideoStream:
 
     @property
     def sdp(self) -> str:
-        """The session description (RFC 8866, RFC 6184) with which a receiver on the target's host reads the stream."""
+        """The session description (RFC 8866, RFC 6184) that a receiver on the target host needs to read the stream."""
         return (
             f"v=0\no=- 0 0 IN IP4 127.0.0.1\ns={self._vehicle}/{self.camera}\nc=IN IP4 {self.target.host}\nt=0 0\n"
             f"m=video {self.target.port} RTP/AVP {PAYLOAD_TYPE}\na=rtpmap:{PAYLOAD_TYPE} H264/90000\n"
@@ -189,7 +190,7 @@ class VideoStream:
 
 
 def _yield_to_others(identity: int) -> None:
-    """Lower the priority of a process, or of a thread, as Linux has one for each: the simulator comes first."""
+    """Lower the priority of a process or (on Linux) a thread, so that the simulator comes first."""
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, identity, 10)
 

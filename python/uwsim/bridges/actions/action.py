@@ -15,7 +15,7 @@ from uwsim.channels.steering import Steering
 
 
 class Route(NamedTuple):
-    """Where to fly. points_world_m: (n, 3). heading_rad: at the end, from east; None: any."""
+    """A route to fly. points_world_m: (n, 3). heading_rad: the final heading, from east; None for any."""
 
     points_world_m: NDArray[np.float64]
     speed_m_s: float
@@ -25,8 +25,8 @@ class Route(NamedTuple):
 class Progress(NamedTuple):
     """The state of a flight.
 
-    pose: a geometry_msgs/PoseStamped. leg: index of the point ahead. remaining_m: along the legs. elapsed_s: simulated
-    time since the start.
+    pose: a geometry_msgs/PoseStamped. leg: index of the next point. remaining_m: distance along the legs. elapsed_s:
+    simulated time since the start.
     """
 
     pose: Any
@@ -39,9 +39,10 @@ class Progress(NamedTuple):
 class Action:
     """An action of one vehicle.
 
-    name: without a leading slash. type: in ACTION_TYPES. uses_truth: whether it flies by the true pose instead of the
-    estimate, like /tf. route: reads a goal, a message; raises ValueError. feedback: returns the message for a state.
-    result: returns the message for a flight that ended after a time [s], for a reason if it ended early, else "".
+    name: without a leading slash. type: a key of ACTION_TYPES. uses_truth: whether it flies by the true pose instead of
+    the estimate, as chosen for /tf. route: converts a goal message to a route; raises ValueError. feedback: builds the
+    message for a Progress. result: builds the message from the duration of the flight [s] and the reason for an early
+    end ("" for none).
     """
 
     name: str

@@ -29,7 +29,7 @@ SERVER_STOPS = "the server stops"
 
 Fed = Callable[[Any], object]
 Ended = Callable[[int, Any], object]
-"""Receives the status at the end, and the result."""
+"""Receives the final status and the result message."""
 logger = logging.getLogger("uwsim.actions")
 
 
@@ -44,8 +44,8 @@ class _EndedError(Exception):
 class Goal:
     """A goal that has been accepted; `start` begins the flight.
 
-    fed: called with each feedback. ended: called once. Both are called on the flight's thread. Raises ValueError if the
-    goal is impossible or the vehicle cannot be commanded now.
+    fed: called with each feedback message. ended: called once, at the end. Both are called on the flight's thread.
+    Raises ValueError if the goal is impossible or the vehicle cannot be commanded now.
     """
 
     def __init__(self, live: LiveSimulator, action: Action, goal: Any, fed: Fed, ended: Ended) -> None:
@@ -64,7 +64,7 @@ class Goal:
         self._thread = threading.Thread(target=self._run, name=f"uwsim-{action.name}", daemon=True)
 
     def start(self) -> None:
-        """Begin the flight, in place of any other command of a bridge to the vehicle."""
+        """Begin the flight, which replaces any earlier command from a bridge to the vehicle."""
         self.action.steering.begin_flight(self._replaced)
         self._thread.start()
 
@@ -73,7 +73,7 @@ class Goal:
         self._end(_EndedError(CANCELED, "cancelled"))
 
     def close(self) -> None:
-        """End the flight because the server stops, and wait for that."""
+        """End the flight because the server is stopping, and wait for its thread."""
         self._end(_EndedError(ABORTED, SERVER_STOPS))
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(CLOSE_S)
@@ -101,7 +101,7 @@ class Goal:
         self._ended(status, self.action.result(max(self._live.simulator.time_s - began_s, 0.0), why))
 
     def _rest(self) -> None:
-        """Bring the vehicle to rest, unless something else steers it now."""
+        """Bring the vehicle to rest, unless another command steers it by now."""
         steering = self.action.steering
         if steering.end_flight(self._replaced) and self._hull.released and not steering.rights.pilot():
             with suppress(ValueError, RuntimeError):  # all stop is set, or the simulator does not run
@@ -127,7 +127,7 @@ class Goal:
             yield from turn_to(vehicle, self._route.heading_rad)
 
     def check(self) -> None:
-        """Raise the reason if the flight is to end now."""
+        """Raise an exception with the reason if the flight must end now."""
         pilot = self.action.steering.rights.pilot()
         if self._stop is not None:
             raise self._stop
@@ -164,7 +164,7 @@ class _FlownVehicle(LiveVehicle):
 
 
 class _WatchedClock:
-    """A mission's clock that ends the mission when its goal ends, and gives feedback."""
+    """A mission clock that reports feedback, and ends the mission when its goal is cancelled or aborted."""
 
     def __init__(self, clock: Clock, goal: Goal, vehicle: OwnVehicle, began_s: float) -> None:
         self._clock, self._goal, self._vehicle = clock, goal, vehicle

@@ -26,8 +26,8 @@ UNIT = 0.01  # tolerance of the norm of a quaternion
 def actions_of(sim: Simulator, table: Table) -> list[Action]:
     """Return the actions of all vehicles.
 
-    A vehicle has none if a modem is between it and the peers, which would bypass it, or if the truth is hidden and it
-    has no IMU to estimate its pose.
+    A vehicle has no actions if commands to it go over a modem, which an action would bypass. It also has none if the
+    truth is hidden and it lacks the IMU that estimating its pose requires.
     """
     uses_truth = table.tf == "truth"
     sources = [] if sim.link is not None else [one for one in table.sources if uses_truth or has_estimate(one)]
@@ -77,7 +77,7 @@ def _duration(duration_s: float) -> Any:
 
 
 def _route(source: Source, table: Table, poses: Sequence[Any], speed_m_s: float, frame_id: str = "") -> Route:
-    """Return the route through poses (PoseStamped). frame_id: of those that name none. Raises ValueError."""
+    """Return the route through poses (PoseStamped). frame_id: the frame of poses without one. Raises ValueError."""
     if not 1 <= len(poses) <= POINTS_MAX:
         raise ValueError(f"{len(poses)} poses: must be 1 to {POINTS_MAX}")
     if not 0.0 <= speed_m_s <= SPEED_MAX_M_S:  # false for NaN as well
@@ -104,7 +104,7 @@ def _point(source: Source, table: Table, stamped: Any, frame_id: str) -> NDArray
 
 
 def _heading_rad(orientation: Any) -> float | None:
-    """Return the yaw of a quaternion; None for one of zeros. Raises ValueError."""
+    """Return the yaw of a quaternion, or None if it is all zeros. Raises ValueError."""
     x, y, z, w = orientation.x, orientation.y, orientation.z, orientation.w
     if x == y == z == w == 0.0:
         return None

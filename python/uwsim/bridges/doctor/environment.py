@@ -1,4 +1,4 @@
-"""Checks of the ROS 2 environment variables against our settings."""
+"""Compares the ROS 2 environment variables with uwsim's settings."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from uwsim.bridges.doctor.finding import Finding
 ANSWER_S = 2.0
 ARDUSUB_REPEATS_S = 1.2
 SERVO_CHANNELS = {struct.pack("<H", 18458): 16, struct.pack("<H", 29569): 32}
-"""Servo outputs by the magic number of a packet, see ServoFrame."""
+"""The number of servo outputs in a packet, by its magic number; see ServoFrame."""
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")
 LOCKED = "taken, by a server that requires a token, like uwsim serve --token"
 

@@ -1,4 +1,4 @@
-"""A camera as a MAVLink component (https://mavlink.io/en/services/camera.html), and its video stream."""
+"""Cameras as MAVLink components (https://mavlink.io/en/services/camera.html), and their video stream."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ REQUESTS = {
     2504: (269, True),
     2505: (270, True),
 }
-"""The older commands that request a message: its number, and whether the first parameter is a stream's number."""
+"""Older commands that request one message: the message's ID, and whether the first parameter is a stream's number."""
 
 
 class CameraComponent:
-    """One of the vehicle's cameras. video: its stream, or None. gimbal: the id of the gimbal that turns it, or 0."""
+    """One of the vehicle's cameras. video: its stream, or None. gimbal: the ID of the gimbal that turns it, or 0."""
 
     def __init__(self, craft: Craft, component: Component, name: str, gimbal: int, video: VideoStream | None) -> None:
         self._craft, self._name, self._gimbal, self._video = craft, name, gimbal, video
@@ -44,7 +44,7 @@ class CameraComponent:
         return self._mav.heartbeat_encode(CAMERA_TYPE, NO_AUTOPILOT, 0, 0, ACTIVE, 3)
 
     def _send(self, command: int, given: Given) -> int:
-        """Answer one of the older commands, each of which requests a certain message."""
+        """Answer one of the older commands in REQUESTS with the message that it requests."""
         message, names_stream = REQUESTS[command]
         found = self.answer(message, given.values[0] if names_stream else 0.0)
         if not found:
@@ -58,7 +58,7 @@ class CameraComponent:
         return DONE
 
     def answer(self, number: int, value: float) -> Iterable[Any] | None:
-        """Return the messages with an id, for the number of a stream, 0 for all; see Answers."""
+        """Return the messages with an ID; `value` is the number of a stream, or 0 for all. See Answers."""
         if number == 259:
             return [self._information()]
         if number == 260:
@@ -100,7 +100,7 @@ def _padded(text: str, length: int) -> list[int]:
 def camera_components(
     craft: Craft, make: Any, gimbal_camera: str, gimbal: int, video: VideoStream | None
 ) -> list[CameraComponent]:
-    """Return the components of the vehicle's cameras, the streamed one first. make: makes the component of a number."""
+    """Return the components of the vehicle's cameras, the streamed one first. make: creates a component with an ID."""
     names = own_first(craft.vehicle.cameras)
     if video is not None:
         names.sort(key=lambda name: name != video.camera)

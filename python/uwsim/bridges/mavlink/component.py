@@ -1,4 +1,4 @@
-"""A MAVLink component, such as an autopilot or a camera: what it sends, and the commands that it obeys."""
+"""A MAVLink component, such as an autopilot or a camera: it sends messages and executes commands."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ REQUEST_MESSAGE = 512  # MAV_CMD
 COUNTED_PEERS_MAX = 100
 
 Say = Callable[[str], None]
-"""Sends a text to all ground stations, and logs it."""
+"""Queues a text message for all ground stations."""
 
 
 class Component:
-    """One component of system 1. number: its id. mav: encodes its messages. For one thread.
+    """One component of system 1. number: its ID. mav: encodes its messages.
 
-    Messages are numbered for each peer, so that a gap in the numbers means a lost message.
+    Messages to each peer are numbered separately, so that a gap in the numbers means a lost message. Must be used on
+    one thread.
     """
 
     def __init__(self, dialect: Any, wire: Wire, number: int) -> None:
@@ -42,10 +43,10 @@ class Component:
 
 @dataclass
 class Given:
-    """A command that a ground station has sent.
+    """A command from a ground station.
 
-    values: its seven parameters; of a COMMAND_INT, the fifth and sixth are integers, with a frame (MAV_FRAME). sender:
-    its system and component. replies: messages for the sender, after the acknowledgement.
+    values: its seven parameters. sender: the sender's system and component. frame: the MAV_FRAME of a COMMAND_INT,
+    whose fifth and sixth parameters are integers. replies: messages to send to the sender after the acknowledgement.
     """
 
     number: int
@@ -55,7 +56,7 @@ class Given:
     replies: list[Any] = field(default_factory=list)
 
     def integer(self, index: int) -> int:
-        """Return a parameter, counted from 1, as an integer. Raises ValueError if it is no number."""
+        """Return the parameter with an index, from 1, as an integer. Raises ValueError if it is not a finite number."""
         value = self.values[index - 1]
         if not math.isfinite(value):
             raise ValueError(f"command {self.number}: param{index} = {value}: must be a number")
@@ -63,15 +64,15 @@ class Given:
 
 
 Obey = Callable[[Given], int]
-"""Obeys a command; returns a MAV_RESULT. Raises ValueError or RuntimeError with the reason of a failure."""
+"""Executes a command; returns a MAV_RESULT. Raises ValueError or RuntimeError with the reason for a failure."""
 Answers = Callable[[int, float], Iterable[Any] | None]
-"""Returns the messages with an id, for the second parameter of a request; None for an unknown id."""
+"""Returns the messages for an ID and the second parameter of a request, or None for an unknown ID."""
 
 
 class Commands:
-    """Obeys the commands that a component knows, by their numbers (MAV_CMD), and acknowledges each.
+    """Executes the commands that a component supports, and acknowledges each command.
 
-    answers: the messages that it sends on request.
+    obeys: the commands, by MAV_CMD. answers: functions that provide the messages sent on request.
     """
 
     def __init__(self, component: Component, obeys: Mapping[int, Obey], answers: Iterable[Answers], say: Say) -> None:
@@ -80,7 +81,7 @@ class Commands:
         self._obeys = {REQUEST_MESSAGE: self._request, **obeys}
 
     def knows(self, message: Any) -> bool:
-        """Return whether a message is a command that this component obeys, or a request for a message that it has."""
+        """Return whether a message is a supported command, or a request for a message that this component provides."""
         if message.get_type() not in ("COMMAND_LONG", "COMMAND_INT"):
             return False
         number = message.command
@@ -90,12 +91,12 @@ class Commands:
         return math.isfinite(wanted) and any(answer(int(wanted), 0.0) is not None for answer in self._answers)
 
     def on_command_long(self, peer: Peer, message: Any) -> None:
-        """Obey a command, and acknowledge it."""
+        """Execute a command, and acknowledge it."""
         values = tuple(getattr(message, f"param{k}") for k in range(1, 8))
         self._obey(peer, Given(message.command, values, _sender(message)))
 
     def on_command_int(self, peer: Peer, message: Any) -> None:
-        """Obey a command whose fifth and sixth parameters are integers, and acknowledge it."""
+        """Execute a command whose fifth and sixth parameters are integers, and acknowledge it."""
         values = (*(getattr(message, f"param{k}") for k in range(1, 5)), message.x, message.y, message.z)
         self._obey(peer, Given(message.command, values, _sender(message), frame=message.frame))
 

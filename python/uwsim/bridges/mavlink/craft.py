@@ -1,4 +1,4 @@
-"""The simulated vehicle behind a MAVLink system: commands to it, and texts about it."""
+"""The simulated vehicle behind a MAVLink system, as shared by the parts of the bridge."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ COMMAND_S = 5.0
 class Craft:
     """A vehicle of a live simulator.
 
-    name: the vehicle's. action: `fly_path`, or None for a vehicle without. home: where the world's origin is. say:
-    sends a text to the ground stations. output: messages of the autopilot from any thread, for all stations. state: the
-    latest reading.
+    name: the vehicle's name. action: its action `fly_path`, or None if it has none. home: the location of the world's
+    origin. say: sends a text to the ground stations. output: the autopilot's messages to all stations, queued by any
+    thread. state: the latest reading.
     """
 
     live: LiveSimulator

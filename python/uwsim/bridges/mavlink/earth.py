@@ -1,4 +1,4 @@
-"""Between the world frame (ENU) and MAVLink's north-east-down, and latitude and longitude."""
+"""Conversion between the world frame (ENU) and MAVLink's NED frame, latitude and longitude."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Vector = NDArray[np.float64]
 RADIUS_M, FLATTENING = 6378137.0, 1 / 298.257223563  # WGS 84
 NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 FRD = np.array([1.0, -1.0, -1.0])
-"""Factors between body axes forward, left, up and forward, right, down."""
+"""Factors that convert body axes from forward, left, up to forward, right, down, or back."""
 
 
 class Home(NamedTuple):
@@ -23,7 +23,7 @@ class Home(NamedTuple):
     lon_deg: float
 
     def _metres_per_degree(self) -> tuple[float, float]:
-        """Along the meridian and the parallel (radii of curvature of WGS 84), for distances of a few kilometres."""
+        """Return metres per degree of latitude and longitude (radii of curvature of WGS 84), valid for a few km."""
         sine = math.sin(math.radians(self.lat_deg))
         squared = FLATTENING * (2 - FLATTENING)
         w = math.sqrt(1 - squared * sine * sine)
@@ -32,12 +32,12 @@ class Home(NamedTuple):
         return math.radians(north), math.radians(east)
 
     def degrees(self, position_world_m: Vector) -> tuple[float, float]:
-        """Return latitude and longitude [deg] of a position (3,)."""
+        """Return the latitude and longitude [deg] of a position (3,)."""
         north, east = self._metres_per_degree()
         return self.lat_deg + position_world_m[1] / north, self.lon_deg + position_world_m[0] / east
 
     def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float) -> Vector:
-        """Return the position (3,) of a place."""
+        """Return the position (3,) of a geographic location."""
         north, east = self._metres_per_degree()
         return np.array([(lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north, altitude_m])
 

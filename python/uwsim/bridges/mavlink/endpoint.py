@@ -1,4 +1,4 @@
-"""The socket of a MAVLink vehicle: UDP to one peer, UDP from several, or TCP; and who may use it."""
+"""The socket of a MAVLink vehicle (UDP to one peer, UDP from several, or TCP) and its access control."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.bridges.rare_log import RareLog
 PORTS = {"udpout": 14550, "udpin": 14550, "tcp": 5760}
 """QGroundControl listens on UDP 14550, and connects to TCP 5760."""
 MAGIC = (0xFD, 0xFE)
-"""First byte of every message, of MAVLink 2 and 1."""
+"""The first byte of every message in MAVLink 2 and MAVLink 1."""
 PEERS_MAX = 8
 SILENT_S = 10.0
 PACKET_BYTES = 4096
@@ -26,7 +26,7 @@ Peer = tuple[str, int]
 
 
 class Endpoint(NamedTuple):
-    """Where a vehicle meets its ground station: `udpout` sends to an address, `udpin` and `tcp` listen on one."""
+    """The address of a MAVLink connection. `udpout` sends to the address; `udpin` and `tcp` listen on it."""
 
     kind: str
     host: str
@@ -50,9 +50,10 @@ class Endpoint(NamedTuple):
 class Wire:
     """An open endpoint.
 
-    On TCP, a connection is admitted if its first byte begins a message: requests of browsers begin otherwise, so that
-    no page can command the vehicle. A peer by UDP is forgotten after SILENT_S; PEERS_MAX are served, further ones are
-    ignored. No peer can block: one that does not read is disconnected. For one thread. Raises OSError.
+    A TCP connection is admitted if its first byte is the start of a MAVLink message. Browser requests start
+    differently, so no web page can command the vehicle. A UDP peer is dropped after SILENT_S of silence. At most
+    PEERS_MAX peers are served; others are ignored. A peer that does not read its messages is disconnected, so that it
+    cannot block. Must be used on one thread. Raises OSError.
     """
 
     def __init__(self, endpoint: Endpoint) -> None:
@@ -62,7 +63,7 @@ class Wire:
         kind = socket.SOCK_STREAM if self._kind == "tcp" else socket.SOCK_DGRAM
         self._socket = socket.socket(family, kind)
         self._socket.setblocking(False)
-        self._peers: dict[Peer, float] = {}  # by UDP: when each was last heard
+        self._peers: dict[Peer, float] = {}  # UDP peers, with the time of their last message
         self._connections: dict[Peer, socket.socket] = {}
         self._waiting: dict[Peer, bytearray] = {}
         self._admitted: set[Peer] = set()
@@ -96,7 +97,7 @@ class Wire:
             connection.close()
 
     def receive(self, wait_s: float) -> list[tuple[Peer, bytes]]:
-        """Return what peers have sent, after waiting for it for a while."""
+        """Return the data received from peers, after waiting up to wait_s for some to arrive."""
         sockets = [self._socket, *self._connections.values()]
         writers = [self._connections[peer] for peer, rest in self._waiting.items() if rest]
         ready, writable, _ = select.select(sockets, writers, [], wait_s)
@@ -107,7 +108,7 @@ class Wire:
             return self._received_by_tcp(ready)
         found: list[tuple[Peer, bytes]] = []
         now_s = time.monotonic()
-        with suppress(OSError):  # nothing more, or a peer that does not listen yet
+        with suppress(OSError):  # no more data, or a peer that is not listening yet
             while len(found) < 1000:
                 data, peer = self._socket.recvfrom(PACKET_BYTES)
                 if data[:1] and data[0] in MAGIC and self._admits(peer, now_s):

@@ -27,9 +27,9 @@ INFO = 6  # MAV_SEVERITY
 
 
 class Flight:
-    """Arms the vehicle and changes its modes: by sticks with holds, or by itself to targets or through a mission.
+    """Arms the vehicle and sets its mode: manual flight with holds, or flight to targets or through a mission.
 
-    For the thread of the bridge, but for the reports of a flight.
+    Must be used on the bridge's thread, except for the methods that a flight calls to report its progress.
     """
 
     def __init__(self, craft: Craft, mission: MissionStore) -> None:
@@ -41,20 +41,20 @@ class Flight:
 
     @property
     def commands(self) -> Mapping[int, Obey]:
-        """The commands that this part obeys, by MAV_CMD."""
+        """The commands that this part executes, by MAV_CMD."""
         return {176: self._on_mode, 185: self._on_termination, 192: self._on_reposition, 300: self._on_start,
                 400: self._on_arm}  # fmt: skip
 
     @property
     def mode(self) -> int:
-        """The present mode: that of the flight, or of the active holds."""
+        """The current mode, which depends on the flight in progress or else on the active holds."""
         if self._flies != MANUAL:
             return self._flies
         return mode_of(() if self._craft.state is None else self._craft.state.holds)
 
     @property
     def is_by_sticks(self) -> bool:
-        """True if sticks have an effect."""
+        """True if the sticks have an effect."""
         return self.is_armed and self._flies == MANUAL
 
     def _on_mode(self, given: Given) -> int:
@@ -119,7 +119,7 @@ class Flight:
         self._craft.command("hold", **dict.fromkeys(HOLDS_OF[mode], True))
 
     def _begin(self, mode: int, route: Route | None) -> None:
-        """Fly a route, or, in GUIDED without a target, hold what the vehicle can hold."""
+        """Fly a route or, in GUIDED without a target, engage the holds that the vehicle supports."""
         action = self._craft.action
         if action is None:
             raise ValueError(f"{NAMES[mode]}: the vehicle has no estimate to fly by")
@@ -152,7 +152,7 @@ class Flight:
             goal.close()
 
     def on_set_position_target_local_ned(self, peer: Peer, message: Any) -> None:
-        """Fly to a position, in GUIDED: from the origin, or from here along the world's axes or the heading."""
+        """Fly to a position in GUIDED, relative to the origin or to the vehicle (along the world's axes or its own)."""
         frame, offset = message.coordinate_frame, np.array([message.x, message.y, message.z])
         if frame not in (LOCAL, LOCAL_OFFSET, BODY_OFFSET):
             raise ValueError(
@@ -174,7 +174,7 @@ class Flight:
         self._guide(message, state.position_world_m + NED_FROM_ENU.T @ offset)
 
     def on_set_position_target_global_int(self, peer: Peer, message: Any) -> None:
-        """Fly to a place, in GUIDED."""
+        """Fly to a geographic location in GUIDED."""
         if message.coordinate_frame not in GLOBAL_FRAMES:
             raise ValueError(f"target: frame {message.coordinate_frame}: must be a global one (0, 3, 5, 6, 11)")
         place = DEGREES_E7 * message.lat_int, DEGREES_E7 * message.lon_int

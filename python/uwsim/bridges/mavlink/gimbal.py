@@ -1,4 +1,4 @@
-"""The gimbal manager (https://mavlink.io/en/services/gimbal_v2.html) of a camera with a pan-tilt motor."""
+"""The gimbal manager (https://mavlink.io/en/services/gimbal_v2.html) for a camera with a pan-tilt motor."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.telemetry import EXTRA3, Kind, State
 
 DEVICE = 1
-"""The gimbal device's id: 1 to 6 for one that speaks no MAVLink itself."""
+"""The gimbal device's ID; 1 to 6 are for devices that do not use MAVLink themselves."""
 INFORMATION, STATUS, DEVICE_INFORMATION = 280, 281, 283  # messages
 PITCH_AXIS, PITCH_FOLLOW, YAW_AXIS, YAW_FOLLOW = 1 << 3, 1 << 4, 1 << 6, 1 << 7  # GIMBAL_MANAGER_CAP_FLAGS
 RETRACT, NEUTRAL, YAW_LOCK, YAW_IN_EARTH = 1, 2, 16, 64  # GIMBAL_MANAGER_FLAGS
 STATUS_HZ = 0.2
 RATE_LASTS_S = 1.0
 STICK_RAD_S = math.radians(30)
-"""At full deflection, and while a button is pressed: ArduSub's MNT1_RC_RATE."""
+"""The turn rate at full deflection or while a button is pressed: ArduSub's MNT1_RC_RATE."""
 MOUNT_RETRACT, MOUNT_NEUTRAL, MOUNT_TARGETING = 0, 1, 2  # MAV_MOUNT_MODE
-UNCHANGED, MINE, RELEASE = -1, -2, -3  # of DO_GIMBAL_MANAGER_CONFIGURE
+UNCHANGED, MINE, RELEASE = -1, -2, -3  # special IDs in DO_GIMBAL_MANAGER_CONFIGURE
 
 
 class Gimbal:
     """Turns the first of a vehicle's cameras that has a motor.
 
-    Pitch is positive up and yaw to the right, from the direction in which the camera is mounted; the mount moves with
-    the vehicle, so that no axis can be locked to the horizon or to north. One ground station at a time has control, if
-    it has requested it. camera: the camera's name; "" without any, when every command is answered as unsupported.
+    Pitch (positive up) and yaw (positive to the right) are relative to the direction in which the camera is mounted.
+    The mount moves with the vehicle, so no axis can be locked to the horizon or to north. Once a ground station has
+    requested control, other stations' gimbal manager commands are denied. camera: the camera's name, or "" if there is
+    none; every command is then answered as unsupported.
     """
 
     def __init__(self, craft: Craft, component: Component) -> None:
@@ -50,18 +51,18 @@ class Gimbal:
 
     @property
     def commands(self) -> Mapping[int, Obey]:
-        """The commands that this part obeys, by MAV_CMD."""
+        """The commands that this part executes, by MAV_CMD."""
         if not self.camera:
             return {}
         return {204: lambda given: DONE, 205: self._on_mount, 1000: self._on_pitch_yaw, 1001: self._on_configure}
 
     @property
     def kinds(self) -> list[Kind]:
-        """The messages that are sent at a rate."""
+        """The messages that are sent at a fixed rate."""
         return [Kind(STATUS, lambda mav, figures: [self.status()], STATUS_HZ, EXTRA3)] if self.camera else []
 
     def answer(self, number: int, value: float) -> Iterable[Any] | None:
-        """Return the message with an id; see Answers."""
+        """Return the message with an ID; see Answers."""
         if not self.camera or number not in (INFORMATION, DEVICE_INFORMATION):
             return None
         flags = (PITCH_AXIS | PITCH_FOLLOW) * self._can_turn(self._pitch_limits_rad)
@@ -90,12 +91,12 @@ class Gimbal:
 
     @property
     def angles_rad(self) -> tuple[float, float]:
-        """Pitch and yaw to which the camera turns."""
+        """The target pitch and yaw of the camera."""
         pan, tilt = self._craft.vehicle.cameras[self.camera].target_rad
         return -tilt, -pan
 
     def turn_to(self, pitch_rad: float, yaw_rad: float) -> None:
-        """Turn to these angles; NaN leaves an axis as it is. Raises ValueError beyond the motor's limits."""
+        """Turn to these angles; NaN leaves an axis unchanged. Raises ValueError beyond the motor's limits."""
         self._rates_rad_s = (0.0, 0.0)
         self._command(pitch_rad, yaw_rad)
 
@@ -116,7 +117,7 @@ class Gimbal:
             self.turn_to(0.0, 0.0 if self._can_turn(self._yaw_limits_rad) else math.nan)
 
     def turn_by_stick(self, pitch: float, yaw: float) -> None:
-        """Turn at a rate for up to a second: deflections in [-1, 1]."""
+        """Turn for up to a second at a rate set by stick deflections in [-1, 1]."""
         self._turn_at((STICK_RAD_S * pitch, STICK_RAD_S * yaw))
 
     def _turn_at(self, rates_rad_s: tuple[float, float]) -> None:
@@ -127,7 +128,7 @@ class Gimbal:
         self._rates_rad_s, self._rates_end_s = rates_rad_s, time.monotonic() + RATE_LASTS_S
 
     def follow(self, state: State) -> None:
-        """Go on turning at the present rate, which ends when it has not been renewed."""
+        """Continue turning at the current rate, until it expires without a new command."""
         if not any(self._rates_rad_s):
             return
         since_s = 0.0 if math.isnan(self._turned_s) else max(state.time_s - self._turned_s, 0.0)
@@ -166,14 +167,14 @@ class Gimbal:
         return self._set(given.sender, given.integer(5), (math.radians(pitch_deg), math.radians(yaw_deg)), rates)
 
     def on_gimbal_manager_set_pitchyaw(self, peer: Peer, message: Any) -> None:
-        """Turn to angles or at rates; there is no acknowledgement."""
+        """Turn to angles or at rates. The message is not acknowledged."""
         if self.camera and message.gimbal_device_id in (0, DEVICE):
             sender = message.get_srcSystem(), message.get_srcComponent()
             angles, rates = (message.pitch, message.yaw), (message.pitch_rate, message.yaw_rate)
             self._set(sender, message.flags, angles, rates)
 
     def on_gimbal_manager_set_attitude(self, peer: Peer, message: Any) -> None:
-        """Turn to a quaternion's angles or at rates; there is no acknowledgement."""
+        """Turn to the attitude in a quaternion, or at rates. The message is not acknowledged."""
         if not self.camera or message.gimbal_device_id not in (0, DEVICE):
             return
         w, x, y, z = message.q

@@ -17,10 +17,10 @@ from uwsim.bridges.mavlink.earth import Home, Vector
 from uwsim.bridges.mavlink.endpoint import Peer
 
 WAYPOINT, CHANGE_SPEED = 16, 178  # MAV_CMD
-ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; the surface is both
+ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; both altitudes are relative to the surface
 ITEMS_MAX = 1000
-AGAIN_S = 1.0  # after which an item is requested again
-GIVE_UP_S = 15.0  # without an item
+AGAIN_S = 1.0  # interval at which a missing item is requested again
+GIVE_UP_S = 15.0  # time without an item after which an upload ends
 MISSION = 0  # MAV_MISSION_TYPE; fences and rally points are other types
 ACCEPTED, UNSUPPORTED_FRAME, UNSUPPORTED, NO_SPACE, INVALID, INVALID_SEQUENCE, DENIED, CANCELLED = (
     0,
@@ -44,7 +44,7 @@ class RefusedItemError(ValueError):
 
 
 def checked(item: Any) -> Any:
-    """Return an item if it can be flown. Raises RefusedItemError."""
+    """Return the item if it can be flown. Raises RefusedItemError."""
     where = f"mission item {item.seq}"
     if item.seq == 0:  # ArduPilot keeps the home position here
         return item
@@ -62,7 +62,10 @@ def checked(item: Any) -> Any:
 
 
 def route_of(items: list[Any], home: Home) -> tuple[Route, list[int]]:
-    """Return the route through a mission's waypoints, and their sequence numbers. Raises ValueError without any."""
+    """Return the route through a mission's waypoints, and their sequence numbers.
+
+    Raises ValueError if there are none.
+    """
     points: list[Vector] = []
     numbers: list[int] = []
     speed_m_s = SPEED_M_S
@@ -90,17 +93,18 @@ class _Upload:
 
 
 class MissionStore:
-    """Exchanges the mission with ground stations. items: those of the last complete upload. For one thread.
+    """Exchanges the mission with ground stations. items: the items of the last complete upload.
 
-    A lost item is requested again each second, and an upload ends after 15 s without one. Fences and rally points,
-    which are missions of other types, are empty and cannot be uploaded. output: takes messages from a flight's thread.
+    A missing item is requested again every second, and an upload ends after 15 s without an item. Fences and rally
+    points, which MAVLink treats as other types of missions, are empty and cannot be uploaded. output: queue for the
+    messages of a flight's thread. Other methods must be called on one thread.
     """
 
     def __init__(self, mav: Any, send: Callable[..., None], say: Callable[[str], None], output: deque[Any]) -> None:
         self._mav, self._send, self._say, self._output = mav, send, say, output
         self.items: list[Any] = []
         self._upload: _Upload | None = None
-        self._ended: _Upload | None = None  # whose last acknowledgement may have been lost
+        self._ended: _Upload | None = None  # the last upload, whose acknowledgement may have been lost
 
     def keep_going(self, now_s: float) -> None:
         """Request the next item of an upload again if it has not arrived, or give up."""
@@ -115,12 +119,12 @@ class MissionStore:
             self._request_item(upload)
 
     def report(self, numbers: list[int], leg: int) -> None:
-        """Report the item that is being flown, on any thread. numbers: of the waypoints' items."""
+        """Report the item that is being flown, from any thread. numbers: the sequence numbers of the waypoints."""
         if numbers:
             self._output.append(self._mav.mission_current_encode(numbers[min(leg, len(numbers) - 1)]))
 
     def report_reached(self, numbers: list[int]) -> None:
-        """Report that the waypoints have been reached, on any thread."""
+        """Report that the waypoints have been reached, from any thread."""
         for number in numbers:
             self._output.append(self._mav.mission_item_reached_encode(number))
 
@@ -137,7 +141,7 @@ class MissionStore:
             self._send(self._mav.mission_item_int_encode(*_from(message), *_plain(item), *place), peer)
 
     def on_mission_request(self, peer: Peer, message: Any) -> None:
-        """Send an item in degrees."""
+        """Send an item with its position in degrees."""
         item = self._item(peer, message)
         if item is not None:
             place = 1e-7 * item.x, 1e-7 * item.y, item.z
@@ -169,7 +173,7 @@ class MissionStore:
         self._send(self._mav.mission_request_int_encode(*upload.asker, len(upload.items)), upload.peer)
 
     def on_mission_item(self, peer: Peer, message: Any) -> None:
-        """Take an item in degrees."""
+        """Accept an item with its position in degrees."""
         if not (abs(message.x) <= 180 and abs(message.y) <= 180):
             place = f"{message.x:g}, {message.y:g} deg"
             self._say(f"mission item {message.seq}: latitude, longitude = {place}: must be in [-180, 180]")
@@ -179,7 +183,7 @@ class MissionStore:
         self.on_mission_item_int(peer, message)
 
     def on_mission_item_int(self, peer: Peer, message: Any) -> None:
-        """Take the next item of an upload, and acknowledge the last one."""
+        """Accept the next item of an upload; after the last item, acknowledge the upload."""
         upload, ended = self._upload, self._ended
         if upload is None and ended is not None and ended.peer == peer and message.seq == ended.count - 1:
             self._acknowledge(peer, ended.asker, ACCEPTED)  # again

@@ -1,4 +1,4 @@
-"""ArduSub's flight modes, and what they are here: sets of holds, and flights."""
+"""ArduSub's flight modes, each represented by a set of holds or by a flight."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ HOLDS_OF: Mapping[int, tuple[str, ...]] = {
     SURFTRAK: ("heading", "altitude"),
     POSHOLD: ("heading", "depth", "position"),
 }
-"""The holds of each mode that a stick flies; see docs/guides/holds.md."""
+"""The holds of each mode that is flown with sticks; see docs/guides/holds.md."""
 NAMES: Mapping[int, str] = {
     MANUAL: "MANUAL",
     STABILIZE: "STABILIZE",
@@ -25,6 +25,6 @@ NAMES: Mapping[int, str] = {
 
 
 def mode_of(holds: tuple[str, ...]) -> int:
-    """Return the mode with these holds, or the one that has most of them; MANUAL without any."""
+    """Return the mode with the most holds, all of which are among the active ones; MANUAL if there are none."""
     active = set(holds)
     return max(HOLDS_OF, key=lambda mode: (set(HOLDS_OF[mode]) <= active) * (1 + len(HOLDS_OF[mode])))

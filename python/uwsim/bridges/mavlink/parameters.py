@@ -22,10 +22,10 @@ DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def ids_of(values: Mapping[str, Any], vehicles: Iterable[str]) -> dict[str, str]:
-    """Return the names of all numbers and flags by their ids.
+    """Return the names of all parameters that are numbers or flags, by MAVLink ID.
 
-    An id is the name without its vehicle, in capitals; one that is too long consists of its end and the number of the
-    parameter in base 36, and a name that occurs twice gets that number, too.
+    An ID is the name without its vehicle, in capitals. If that is too long or already taken, the ID consists of the end
+    of the name and the number of the parameter in base 36.
     """
     numeric = [name for name, value in values.items() if isinstance(value, bool | int | float)]
     own = tuple(f"{vehicle}." for vehicle in vehicles)[:1]
@@ -40,16 +40,16 @@ def ids_of(values: Mapping[str, Any], vehicles: Iterable[str]) -> dict[str, str]
 
 
 def as_value(number: float, present: Any) -> Any:
-    """Return a received number as the type of the parameter's present value."""
+    """Convert a received number to the type of the parameter's present value."""
     if isinstance(present, bool):
         return number != 0
     return round(number) if isinstance(present, int) else float(number)
 
 
 class ParameterServer:
-    """Lists, reads and sets parameters for ground stations. ids: names by id. For one thread.
+    """Lists, reads and sets parameters for ground stations. ids: names by ID.
 
-    buttons: further parameters by id, which are not the simulator's: the functions of a joystick's buttons.
+    buttons: further parameters by ID, the functions of a joystick's buttons. Must be used on one thread.
     """
 
     def __init__(self, live: LiveSimulator, mav: Any, send: Send, buttons: dict[str, int]) -> None:
@@ -59,7 +59,7 @@ class ParameterServer:
         self._due: deque[tuple[Peer, str]] = deque()
 
     def send_some(self) -> None:
-        """Send the next parameters of a list that a peer has requested."""
+        """Send the next few parameters of the lists that peers have requested."""
         for _ in range(min(AT_ONCE, len(self._due))):
             peer, name = self._due.popleft()
             self._send(self._value(name), peer)
@@ -78,14 +78,14 @@ class ParameterServer:
         self._due = deque([*others, *((peer, name) for name in self.ids)])
 
     def on_param_request_read(self, peer: Peer, message: Any) -> None:
-        """Send one parameter, by id or by index."""
+        """Send one parameter, selected by ID or by index."""
         index = message.param_index
         name = message.param_id if index < 0 else next(iter(list(self.ids)[index : index + 1]), "")
         if name in self.ids:
             self._send(self._value(name), peer)
 
     def on_param_set(self, peer: Peer, message: Any) -> None:
-        """Set a parameter, and send its value, which is the old one if the new one is refused. Raises ValueError."""
+        """Set a parameter, and send its value: the old value if the new one is refused. Raises ValueError."""
         name = message.param_id
         if name not in self.ids:
             raise ValueError(f"parameter '{name}': unknown")

@@ -26,10 +26,10 @@ RELEASED = {0, 0xFFFE}
 
 
 class Sticks:
-    """Turns sticks into efforts, and buttons and channels into modes, camera tilt and lights.
+    """Converts sticks to efforts, and buttons and channels to changes of mode, camera tilt and lights.
 
-    functions: by button, as parameters BTN0_FUNCTION to BTN15_FUNCTION. apply: applies efforts by a channel that ends
-    them after a time without sticks; None for a vehicle that cannot be steered.
+    functions: the function of each button, as parameters BTN0_FUNCTION to BTN15_FUNCTION. apply: applies efforts
+    through a channel whose watchdog ends them if no more stick messages arrive; None if the vehicle cannot be steered.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Sticks:
                 self._craft.command("set_lamp", lamp=name, on=on)
 
     def on_manual_control(self, peer: Peer, message: Any) -> None:
-        """Set efforts in the body's axes forward, right, up and clockwise, and obey the buttons."""
+        """Set efforts (positive: forward, right, up, clockwise), and execute the functions of the buttons."""
         self._obey_buttons(message.buttons)
         if not self._flight.is_by_sticks or self._apply is None:
             return
@@ -95,9 +95,10 @@ class Sticks:
             self._gimbal.turn_by_stick(pitch, yaw)
 
     def on_rc_channels_override(self, peer: Peer, message: Any) -> None:
-        """Take RC channels [us]: pitch, roll, throttle, yaw, forward, lateral, camera pan and tilt, lights on 1 to 9.
+        """Apply RC channels 1 to 9 [us]: pitch, roll, throttle, yaw, forward, lateral, camera pan and tilt, lights.
 
-        0 releases a channel, and 65535 leaves it as it is; above 8, 65534 releases it, and 0 leaves it.
+        0 releases a channel, and 65535 leaves it unchanged. Above channel 8, 65534 releases it, and 0 leaves it
+        unchanged.
         """
         for k in range(1, 10):
             pulse_us = getattr(message, f"chan{k}_raw")

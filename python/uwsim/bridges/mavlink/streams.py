@@ -11,7 +11,7 @@ from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.telemetry import Figures, Kind, State
 
 RATE_MAX_HZ, READING_MIN_HZ = 50.0, 10.0
-NO_RATE_HZ = 1 / 60  # ArduPilot's longest interval is a minute
+NO_RATE_HZ = 1 / 60  # ArduPilot's longest interval is one minute
 MICROSECONDS = 1e6
 INTERVAL_IDS_MAX = 0xFFFF
 
@@ -19,8 +19,8 @@ INTERVAL_IDS_MAX = 0xFFFF
 class Streams:
     """Sends each kind of telemetry at its rate in simulated time, for all ground stations.
 
-    A rate is that of the last request. Readings are taken at the fastest rate, but at least at 10 Hz. set_reading_rate:
-    called with that rate when it changes.
+    The last request for a message determines its rate. Readings are taken at the fastest of these rates, but at 10 Hz
+    or more. set_reading_rate: called with the rate of readings when it changes.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Streams:
 
     @property
     def commands(self) -> Mapping[int, Obey]:
-        """The commands that this part obeys, by MAV_CMD: SET_MESSAGE_INTERVAL and GET_MESSAGE_INTERVAL."""
+        """The commands that this part executes, by MAV_CMD: SET_MESSAGE_INTERVAL and GET_MESSAGE_INTERVAL."""
         return {511: self._on_set_interval, 510: self._on_get_interval}
 
     def send(self, state: State) -> None:
@@ -48,7 +48,7 @@ class Streams:
                     self._component.send(message)
 
     def answer(self, number: int, value: float) -> Iterable[Any] | None:
-        """Return the messages with an id; see Answers."""
+        """Return the messages with an ID; see Answers."""
         kind = self._kinds.get(number)
         if kind is None:
             return None
@@ -56,7 +56,10 @@ class Streams:
         return [] if state is None else kind.make(self._component.mav, Figures(state, self._craft.home))
 
     def _on_set_interval(self, given: Given) -> int:
-        """Set an interval [us]; 0 is the default and -1 never. Deny unknown messages and faster rates."""
+        """Set a message's interval [us]; 0 selects the default, and -1 disables it.
+
+        Deny unknown IDs and excessive rates.
+        """
         number, interval_us = given.integer(1), given.integer(2)
         if number not in self._kinds or interval_us < -1:
             return DENIED
@@ -81,7 +84,7 @@ class Streams:
         return DONE
 
     def on_request_data_stream(self, peer: Peer, message: Any) -> None:
-        """Set the rate of a group of messages, all if its number is 0, as older ground stations request it."""
+        """Set the rate of a group of messages (0: all messages), as older ground stations request it."""
         rate_hz = min(float(message.req_message_rate), RATE_MAX_HZ) if message.start_stop else 0.0
         self._set({n: rate_hz for n, kind in self._kinds.items() if message.req_stream_id in (0, kind.stream)})
 

@@ -1,4 +1,4 @@
-"""The messages in which a MAVLink vehicle reports its state, from one reading of the simulator."""
+"""The messages with which a MAVLink vehicle reports its state, all made from one reading of the simulator."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ HPA_PER_PA = 0.01
 
 
 class State(NamedTuple):
-    """One reading. position_world_m: by the estimate unless the truth is published. velocity_body: (6,).
+    """One reading. position_world_m: estimated, unless the truth is published. velocity_body: (6,).
 
-    gimbal_rad: pitch, positive up, and yaw, positive to the right, of the first camera with a motor. camera_tilt: its
-    pitch as a share of its range, from 0 (lowest) to 1. lights: the share of lamps that are on. NaN: there is none.
+    gimbal_rad: pitch (positive up) and yaw (positive to the right) of the first camera with a motor. camera_tilt: that
+    camera's pitch as a fraction of its range, from 0 (lowest) to 1. lights: the fraction of lamps that are on. Values
+    that do not exist are NaN.
     """
 
     time_s: float
@@ -51,7 +52,7 @@ class State(NamedTuple):
 
 
 def read(sim: Simulator, source: Source, *, truth: bool) -> State:
-    """Return the present state, on the simulator's thread."""
+    """Return the current state. Must be called on the simulator's thread."""
     vehicle = source.of(sim)
     mover = vehicle if truth else vehicle.estimate
     pose, velocity = mover.pose, mover.velocity
@@ -123,7 +124,7 @@ class Figures:
 
 
 Maker = Callable[[Any, Figures], Iterable[Any]]
-"""Returns the messages of one kind. The first argument encodes them: pymavlink's MAVLink object."""
+"""Returns the messages of one kind. The first argument is pymavlink's MAVLink object, which encodes them."""
 
 
 def _position(mav: Any, f: Figures) -> Iterable[Any]:
@@ -191,7 +192,7 @@ def origin(mav: Any, home: Home) -> Any:
 
 
 class Kind(NamedTuple):
-    """A kind of message: its number, what makes it, its rate by default, and its stream (MAV_DATA_STREAM)."""
+    """A kind of message: its ID, the function that makes it, its default rate and its stream (MAV_DATA_STREAM)."""
 
     number: int
     make: Maker
@@ -224,7 +225,7 @@ KINDS = [
     Kind(242, lambda mav, f: [place(mav, f.home)], 0, EXTENDED_STATUS),
     Kind(49, lambda mav, f: [origin(mav, f.home)], 0, EXTENDED_STATUS),
 ]
-"""All telemetry; a new message is one entry."""
+"""All telemetry messages. Adding a message takes one entry."""
 
 
 def _int16(value: float) -> int:

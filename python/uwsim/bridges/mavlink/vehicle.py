@@ -1,4 +1,4 @@
-"""MavlinkVehicle: one vehicle as a MAVLink system, like ArduSub's: telemetry out, commands, sticks and missions in."""
+"""MavlinkVehicle: a vehicle as a MAVLink system that sends telemetry and accepts commands, sticks and missions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from uwsim.live import LiveSimulator, NotRunningError, Subscription
 
 AUTOPILOT = 1
 HOME = Home(33.810313, -118.393867)
-"""The world's origin for a scenario without a georeference; assumed, in the sea off California."""
+"""The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
 HEARTBEAT_S = 1.0
 WAIT_S = 0.02
 PARSERS_MAX = 100
@@ -41,9 +41,9 @@ SUBMARINE, ARDUPILOT = 12, 3  # MAV_TYPE, MAV_AUTOPILOT
 ARMED, MANUAL_INPUT, STABILIZED, CUSTOM_MODE = 128, 64, 16, 1  # MAV_MODE_FLAG
 STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
 CAPABILITIES = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 7 | 1 << 8 | 1 << 13 | 1 << 17
-"""MAV_PROTOCOL_CAPABILITY: float parameters, MISSION_ITEM_INT, COMMAND_INT, local, global targets, MAVLink 2, casts."""
+"""MAV_PROTOCOL_CAPABILITY: float parameters, integer missions and commands, targets (2), MAVLink 2, C casts."""
 VERSION = 4 << 24 | 5 << 16 | 255
-"""The ArduSub release whose messages these are: 4.5.0."""
+"""The version reported to ground stations: ArduSub 4.5.0."""
 WARNING = 4  # MAV_SEVERITY
 TEXT_BYTES, TEXT_MAX = 50, 200
 
@@ -51,13 +51,13 @@ TEXT_BYTES, TEXT_MAX = 50, 200
 class MavlinkVehicle(Bridge):
     """A vehicle of a live simulator that ground stations see as an ArduSub (system 1, component 1) with its cameras.
 
-    Messages and modes are those of docs/connections/ardupilot.md. A vehicle is disarmed until a ground station arms it,
-    which also undocks it; sticks and targets have no effect before. Commands obey the station's pilot like those of
-    other bridges, and are logged and recorded.
+    For messages and modes, see docs/connections/ardupilot.md. A vehicle is disarmed until a ground station arms it,
+    which also undocks it; until then, sticks and targets have no effect. As on other bridges, commands are refused
+    while the station's pilot has the controls, and are logged and recorded.
 
-    action: the vehicle's action `fly_path`, which flies GUIDED targets and missions; None for a vehicle without. home:
-    where the world's origin is. video: the stream of one of its cameras, which is announced. Raises OSError if the
-    socket cannot be opened, and MissingExtraError without pymavlink.
+    action: the vehicle's action `fly_path`, which flies GUIDED targets and missions, or None if it has none. home: the
+    location of the world's origin. video: the stream of one of its cameras, to be announced to ground stations. Raises
+    OSError if the socket cannot be opened, and MissingExtraError without pymavlink.
     """
 
     peer = "a MAVLink ground station"
@@ -109,7 +109,7 @@ class MavlinkVehicle(Bridge):
         return Component(self._dialect, self._wire, number)
 
     def _efforts(self) -> Any:
-        """Return what applies the efforts of sticks, through a channel that ends them after a time without; or None."""
+        """Return a function that applies stick efforts through a channel with a watchdog; None without an action."""
         if self._action is None:
             return None
         steering, name = self._action.steering, self.vehicle
@@ -123,7 +123,7 @@ class MavlinkVehicle(Bridge):
         return lambda efforts: self.apply(channel, efforts)
 
     def start(self) -> MavlinkVehicle:
-        """Start; return self. Raises NotRunningError if the simulator does not run."""
+        """Start; return self. Raises NotRunningError if the simulator is not running."""
         self._read_at(self._streams.reading_rate_hz)
         self._thread.start()
         return self
@@ -132,7 +132,7 @@ class MavlinkVehicle(Bridge):
         return self.start()
 
     def close(self) -> bool:
-        """Stop: the thread, the flight, the socket."""
+        """End the flight, stop the thread and close the socket."""
         was_open = super().close()
         if was_open:
             if self._readings is not None:
@@ -164,7 +164,7 @@ class MavlinkVehicle(Bridge):
         self._craft.output.append(state)
 
     def say(self, text: str) -> None:
-        """Send a text, of which one message carries 50 bytes, on any thread."""
+        """Send a text, from any thread, in messages of up to 50 bytes."""
         data = text.encode()[:TEXT_MAX]
         self._texts = self._texts % 0xFFFF + 1
         number = self._texts if len(data) > TEXT_BYTES else 0
@@ -234,7 +234,7 @@ class MavlinkVehicle(Bridge):
     # In
 
     def _handle(self, peer: Peer, message: Any) -> None:
-        """Pass a message to the part of the system that handles its kind; what is for other systems is ignored."""
+        """Pass a message to the part of the system that handles its type; messages for other systems are ignored."""
         name = f"on_{message.get_type().lower()}"
         if getattr(message, "target_system", getattr(message, "target", SYSTEM)) not in (0, SYSTEM):
             return
@@ -264,17 +264,17 @@ class MavlinkVehicle(Bridge):
         self._rare.warning(reason)
 
     def on_timesync(self, peer: Peer, message: Any) -> None:
-        """Answer a ground station that measures the delay."""
+        """Answer a ground station that is measuring the delay."""
         if message.tc1 == 0:
             self._autopilot.send(self._autopilot.mav.timesync_encode(time.monotonic_ns(), message.ts1), peer)
 
     def on_set_gps_global_origin(self, peer: Peer, message: Any) -> None:
-        """Refuse another origin, since the scenario determines it, and report the present one."""
+        """Refuse to change the origin, which the scenario determines, and report the current one."""
         self._autopilot.send(origin(self._autopilot.mav, self._craft.home), peer)
         raise ValueError("SET_GPS_GLOBAL_ORIGIN: the scenario determines the origin")
 
     def _answer(self, number: int, value: float) -> Iterable[Any] | None:
-        """Return the messages with an id; see Answers."""
+        """Return the messages with an ID; see Answers."""
         makers: Mapping[int, Any] = {0: self._heartbeat, 148: self._version}
         return [makers[number]()] if number in makers else None
 

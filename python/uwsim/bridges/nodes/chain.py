@@ -28,7 +28,7 @@ Publish = Callable[[Any], None]
 STRING, FLOATS, POSE = "std_msgs/msg/String", "std_msgs/msg/Float32MultiArray", "geometry_msgs/msg/Pose"
 PUBLISHED_FLOATS = "misc/msg/floatarray"  # from the paper's own ROS package, which no distribution includes
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
-MODEL = 2  # the sonar model until modelTrigger selects another
+MODEL = 2  # the sonar model until modelTrigger selects a different one
 INSERTED = "octomap_node/inserted"
 SAVE_S = 1.0  # minimum time between saves
 

@@ -32,8 +32,8 @@ class Ros1Node(Bridge):
 
     A channel is read only while a node subscribes to it. Messages are encoded and published on a separate thread; rospy
     keeps a queue for each subscriber, so that no subscriber delays others or the steps. rospy allows one node per
-    process. namespace: part of the node's name, since each name may exist once. live: None if the feed is that of a
-    recording, which accepts no commands. Raises ValueError without rospy or a master.
+    process. namespace: part of the node's name, which must be unique. live: None if the feed plays a recording, which
+    accepts no commands. Raises ValueError without rospy or a master.
     """
 
     peer = "a ROS 1 node"

@@ -1,6 +1,6 @@
-"""ActionServer: the three services and two topics of which an action consists in ROS 2.
+"""ActionServer: the three services and two topics that implement an action in ROS 2.
 
-See https://design.ros2.org/articles/actions.html, and rcl_action for what each call returns.
+See https://design.ros2.org/articles/actions.html, and rcl_action for the return values of the calls.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ STATUS, CANCEL = "action_msgs/msg/GoalStatusArray", "action_msgs/srv/CancelGoal"
 FEEDBACK_DEPTH, STATUS_DEPTH = 10, 1  # as in rclcpp_action and rcl_action_qos_profile_status_default
 NONE, REJECTED, UNKNOWN_GOAL, TERMINATED = range(4)  # action_msgs/srv/CancelGoal
 UNKNOWN_STATUS = 0
-KEPT_MAX = 100  # goals that have ended, whose results can still be requested
+KEPT_MAX = 100  # number of ended goals whose results can still be requested
 NO_IDENTITY = bytes(16)
 
 
@@ -36,7 +36,7 @@ class Publisher(Protocol):
 
 
 class _Kept:
-    """A goal. result: once it has ended. waiting: calls that request it."""
+    """A goal. result: set when the goal has ended. waiting: calls that are waiting for the result."""
 
     def __init__(self, identity: bytes, accepted_ns: int) -> None:
         self.identity, self.accepted_ns = identity, accepted_ns
@@ -47,11 +47,11 @@ class _Kept:
 
     @property
     def has_ended(self) -> bool:
-        """True once its status is a final one."""
+        """True once the goal has a final status."""
         return self.status >= SUCCEEDED
 
     def info(self) -> Any:
-        """Return its identifier and the time at which it was accepted."""
+        """Return the goal's identifier and the time at which it was accepted."""
         identity = build.message("unique_identifier_msgs/msg/UUID", uuid=np.frombuffer(self.identity, np.uint8))
         return build.message("action_msgs/msg/GoalInfo", goal_id=identity, stamp=build.time(self.accepted_ns))
 
@@ -107,7 +107,7 @@ class ActionServer:
             kept.goal.start()
 
     def _cancel_goal(self, call: Call) -> None:
-        """Cancel a goal, all goals up to a time, both, or all, according to which of them the request contains."""
+        """Cancel the goal with an ID, all goals accepted up to a time, both, or all goals, depending on the request."""
         wanted = from_bytes(call.request, request_type(CANCEL)).goal_info
         identity, until_ns = bytes(wanted.goal_id.uuid), 1_000_000_000 * wanted.stamp.sec + wanted.stamp.nanosec
         all_of_them = identity == NO_IDENTITY and until_ns == 0
@@ -130,7 +130,7 @@ class ActionServer:
                 kept.goal.cancel()
 
     def _get_result(self, call: Call) -> None:
-        """Answer with the result, once there is one."""
+        """Answer with the goal's result as soon as it has ended."""
         request = from_bytes(call.request, request_type(f"{self._action.type}_GetResult"))
         with self._lock:
             kept = self._goals.get(bytes(request.goal_id.uuid))
@@ -162,7 +162,7 @@ class ActionServer:
             self._answer(call, build.message(name, status=kept.status, result=kept.result))
 
     def _enter(self, kept: _Kept, status: int) -> None:
-        """Change a goal's status, and publish those of all goals."""
+        """Change a goal's status, and publish the statuses of all goals."""
         with self._lock:
             kept.status = status
             found = [

@@ -50,7 +50,7 @@ def keep_blocks_of_messages() -> None:
     """Make glibc keep the memory of large messages for reuse by later messages.
 
     By default, glibc returns freed blocks of about 100 kB or more to the system, so that every copy of such a message
-    causes page faults: a picture of 1 MB takes 0.7 ms instead of 0.3. Other C libraries are left alone.
+    causes page faults: a picture of 1 MB takes 0.7 ms instead of 0.3. With other C libraries, this does nothing.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:
@@ -243,7 +243,7 @@ class Events:
             self._attach(entity, source)
 
     def put(self, source: object) -> None:
-        """Report an event of a source that is not of Cyclone DDS, from any thread."""
+        """Report an event from a source that does not belong to Cyclone DDS, from any thread."""
         self._put.append(source)
         self.wake()
 

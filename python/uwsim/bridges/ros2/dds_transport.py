@@ -1,4 +1,4 @@
-"""A ROS 2 node's connection by DDS: topics for all peers, and services by a small RTPS participant."""
+"""A ROS 2 node's connection over DDS: topics through Cyclone DDS, services through a small RTPS participant."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class DdsTransport:
         return self._services.server(name, type_name, self._events.put)
 
     def wait_set(self) -> Events:
-        """Return an object that waits on all of them."""
+        """Return an object that waits for events from all readers, writers and servers."""
         return self._events
 
     def announce(self) -> None:

@@ -23,7 +23,7 @@ PRIMITIVES: dict[str, Any] = {
 def idl_type(name: str, distro: Distro) -> type[IdlStruct]:
     """Return the class for a ROS type; for example, "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS.
 
-    Cyclone DDS checks messages against it, also those that are read and written as bytes.
+    Cyclone DDS checks all messages against this class, even those that are read and written as bytes.
     """
     package, group, short = name.split("/")
     definition = store_of(distro).fielddefs[name][1]

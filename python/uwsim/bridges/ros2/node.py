@@ -48,7 +48,7 @@ def transport_of(settings: Ros2Settings, node: str) -> Transport:
 
 
 class Ros2Node(Bridge):
-    """The node /uwsim: a live simulator's channels as topics, its services, and further topics that call these.
+    """The node /uwsim: a live simulator's channels as topics, its services, and topics that call these services.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
@@ -155,7 +155,7 @@ class Ros2Node(Bridge):
         self._parameter_events.open()
 
     def _act(self, live: LiveSimulator, actions: Sequence[Action]) -> None:
-        """Offer the actions whose types are those of the distribution."""
+        """Offer the actions whose types exist in the distribution."""
         if actions:
             load_action_types(self.settings.distro)
         for action in actions:
@@ -165,7 +165,7 @@ class Ros2Node(Bridge):
                 self._actions.append(server)
 
     def _offer(self, name: str, type_name: str, take: Callable[[Call], None]) -> None:
-        """Offer a service whose calls `take` receives on the reading thread."""
+        """Offer a service; `take` receives its calls on the reading thread."""
         server = self._transport.server(name, type_name)
         self._calls[server] = take
         self._events.attach(server)
@@ -193,7 +193,7 @@ class Ros2Node(Bridge):
             self._stopping.wait(PAUSE_S)
 
     def _take_calls(self, server: Writer | Reader | Server) -> None:
-        """Make the calls that have arrived at a server; writers outside the table of channels have none."""
+        """Process the calls that have arrived at a server; sources of other kinds have none."""
         take = self._calls.get(server)
         for call in server.take(DEPTH) if take is not None else ():  # type: ignore[union-attr]
             try:

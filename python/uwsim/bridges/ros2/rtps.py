@@ -1,6 +1,6 @@
-"""RTPS 2.2 messages, as far as services need them: data, heartbeats, acknowledgements and lists of parameters.
+"""The RTPS 2.2 messages that services need: data, heartbeats, acknowledgements and lists of parameters.
 
-The sections are those of the OMG's RTPS 2.5 specification.
+Section numbers refer to the OMG's RTPS 2.5 specification.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ LITTLE, INLINE_QOS, HAS_DATA, HAS_KEY = 0x01, 0x02, 0x04, 0x08
 SENTINEL, TOPIC_NAME, DEFAULT_UNICAST, METATRAFFIC_UNICAST = 0x01, 0x05, 0x31, 0x32  # section 9.6.3
 PARTICIPANT_GUID, ENDPOINT_GUID, KEY_HASH, STATUS_INFO = 0x50, 0x5A, 0x70, 0x71
 DISPOSED_AND_UNREGISTERED = b"\0\0\0\3"  # section 9.6.4.9
-RELATED_IDENTITIES = (0x83, 0x800F)  # related sample identity: of DDS-RPC, and of earlier versions of Fast DDS
+RELATED_IDENTITIES = (0x83, 0x800F)  # related sample identity, in DDS-RPC and in earlier versions of Fast DDS
 FRAGMENT = 60_000
-WINDOW = 256  # numbers in one set
+WINDOW = 256  # maximum size of a set of numbers
 UNKNOWN = bytes(4)
 
 
 class Data(NamedTuple):
-    """A sample. qos: its inline QoS, parameters by their numbers."""
+    """A sample. qos: the parameters of its inline QoS, by number."""
 
     reader: bytes
     writer: bytes
@@ -32,7 +32,7 @@ class Data(NamedTuple):
 
 
 class Heartbeat(NamedTuple):
-    """The samples that a writer has."""
+    """A heartbeat: the range of samples that a writer can send."""
 
     reader: bytes
     writer: bytes
@@ -51,7 +51,7 @@ class Missing(NamedTuple):
 
 
 class Gap(NamedTuple):
-    """Samples that will not come."""
+    """Samples that a writer will not send."""
 
     reader: bytes
     writer: bytes
@@ -62,7 +62,7 @@ Submessage = Data | Heartbeat | Missing | Gap
 
 
 class Received(NamedTuple):
-    """A submessage and its sender. prefix: of the sender's GUID."""
+    """A submessage and its sender. prefix: the prefix of the sender's GUID."""
 
     vendor: bytes
     prefix: bytes
@@ -70,17 +70,17 @@ class Received(NamedTuple):
 
 
 def header(prefix: bytes, vendor: bytes) -> bytes:
-    """Return the header of a message. prefix: of the sender's GUID."""
+    """Return the header of a message. prefix: the prefix of the sender's GUID."""
     return b"RTPS\x02\x02" + vendor + prefix
 
 
 def to_participant(prefix: bytes) -> bytes:
-    """Return the submessage that names the receiver of those behind it."""
+    """Return the submessage that names the receiver of the submessages after it."""
     return _submessage(INFO_DST, 0, prefix)
 
 
 def data(reader: bytes, writer: bytes, number: int, payload: bytes, qos: bytes = b"") -> list[bytes]:
-    """Return the submessages of a sample, one or, if it is long, fragments, each for a message of its own."""
+    """Return the submessages of a sample: one, or several fragments if it is long. Each needs a separate message."""
     head = reader + writer + _number(number)
     if len(payload) <= FRAGMENT:
         flags = HAS_DATA | (INLINE_QOS if qos else 0)
@@ -95,21 +95,21 @@ def data(reader: bytes, writer: bytes, number: int, payload: bytes, qos: bytes =
 
 
 def gone(reader: bytes, writer: bytes, number: int, guid: bytes) -> bytes:
-    """Return the submessage by which a participant leaves: it disposes of its announcement, whose key is its GUID."""
+    """Return the submessage with which a participant leaves, by disposing of the announcement with its GUID as key."""
     qos = parameters([(KEY_HASH, guid), (STATUS_INFO, DISPOSED_AND_UNREGISTERED)])
     body = struct.pack("<HH", 0, 16) + reader + writer + _number(number) + qos
     return _submessage(DATA, INLINE_QOS | HAS_KEY, body + PL_CDR_LE + parameters([(PARTICIPANT_GUID, guid)]))
 
 
 def heartbeat(reader: bytes, writer: bytes, first: int, last: int, count: int) -> bytes:
-    """Return the submessage that demands an acknowledgement."""
+    """Return the submessage that announces the available samples and requests an acknowledgement."""
     return _submessage(HEARTBEAT, 0, reader + writer + _number(first) + _number(last) + struct.pack("<i", count))
 
 
 def missing(reader: bytes, writer: bytes, base: int, numbers: Sequence[int], count: int, more: bool = False) -> bytes:
-    """Return an acknowledgement of all samples before `base` that requests others, less than WINDOW beyond it.
+    """Return an acknowledgement of all samples before `base` that also requests the samples in `numbers`.
 
-    more: whether it requests a heartbeat as well.
+    numbers: less than WINDOW beyond `base`. more: whether to request a heartbeat as well.
     """
     bits = max(numbers) - base + 1 if numbers else 0
     words = [0] * -(-bits // 32)
@@ -120,7 +120,7 @@ def missing(reader: bytes, writer: bytes, base: int, numbers: Sequence[int], cou
 
 
 def parameters(values: Sequence[tuple[int, bytes]]) -> bytes:
-    """Return a list of parameters, ended by a sentinel."""
+    """Return a list of parameters that ends with a sentinel."""
     padded = [(number, value + bytes(-len(value) % 4)) for number, value in values]
     return b"".join(struct.pack("<HH", number, len(value)) + value for number, value in padded) + b"\x01\0\0\0"
 
@@ -145,7 +145,7 @@ def read_parameters(content: bytes, order: str = "<") -> tuple[list[tuple[int, b
 
 
 def read(packet: bytes, ours: bytes) -> list[Received]:
-    """Return a message's submessages for `ours`, with their senders. Raises ValueError."""
+    """Return a message's submessages for the participant `ours`, with their senders. Raises ValueError."""
     if packet[:4] != b"RTPS" or len(packet) < 20:
         raise ValueError(f"{len(packet)} bytes: no RTPS message")
     return list(_read(packet, ours))

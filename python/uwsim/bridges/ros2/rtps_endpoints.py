@@ -13,15 +13,15 @@ from uwsim.bridges.ros2.transport import Call
 Address = tuple[str, int]
 KEPT = 100  # responses that may be sent again
 CALLS_MAX = 100
-READERS_MAX = 1000  # of one participant, at one writer of ours
+READERS_MAX = 1000  # readers in one participant per local writer
 HELD_MAX = 100
 HOLD_S = 2.0
 
 
 class History:
-    """The samples of a writer of ours: (number, submessages).
+    """The samples of a local writer, as (number, submessages).
 
-    last: the number before the first sample; if it is 1, an empty history can be acknowledged.
+    last: the number of the last sample. If it starts at 1, an empty history can be acknowledged.
     """
 
     def __init__(self, writer: bytes, reader: bytes = rtps.UNKNOWN, kept: int | None = None, last: int = 0) -> None:
@@ -41,14 +41,17 @@ class History:
 
 
 class Track:
-    """The samples of another writer: all before `base` have arrived, or will not come."""
+    """The samples received from a remote writer: all before `base` have arrived or will never arrive."""
 
     def __init__(self) -> None:
         self.base = 1
         self._beyond: set[int] = set()
 
     def add(self, number: int) -> bool:
-        """Count a sample; return whether it is new. Those far beyond the others wait until they are sent again."""
+        """Register a sample; return whether to accept it.
+
+        A sample far beyond `base` is rejected until it is sent again.
+        """
         if number < self.base or number in self._beyond or number >= self.base + 2 * rtps.WINDOW:
             return False
         self._beyond.add(number)
@@ -73,7 +76,7 @@ class Track:
 
 
 class Response(NamedTuple):
-    """A response that waits for the readers of the client; until `deadline_s` at most."""
+    """A response held until the client's readers are ready, or until `deadline_s`."""
 
     history: History
     payload: bytes
@@ -82,10 +85,10 @@ class Response(NamedTuple):
 
 
 class Peer:
-    """Another participant. Ports: of its discovery, and of its other endpoints.
+    """Another participant. discovery_port, port: for discovery, and for all other endpoints.
 
-    A reader that has no heartbeat of a writer yet regards all samples up to the first one as history, and skips them.
-    It is in step once it has acknowledged a heartbeat; a response sent before that could be lost.
+    Until a reader has received a heartbeat from a writer, it treats all samples up to the first heartbeat as history
+    and skips them. A reader is in step once it has acknowledged a heartbeat; a response sent earlier could be lost.
     """
 
     def __init__(self, vendor: bytes, host: str, discovery_port: int, port: int) -> None:
@@ -94,13 +97,13 @@ class Peer:
         self.address: Address = (host, port)
         self.heard_s = time.monotonic()
         self.tracks: dict[bytes, Track] = {}
-        self.clients: dict[bytes, RtpsServer] = {}  # by their writers
-        self.awaited: dict[bytes, int] = {}  # for each writer of ours, the first sample not acknowledged
+        self.clients: dict[bytes, RtpsServer] = {}  # by writer
+        self.awaited: dict[bytes, int] = {}  # for each local writer, the first unacknowledged sample
         self.held: list[Response] = []
-        self._in_step: dict[bytes, dict[bytes, bool]] = {}  # for each writer of ours, its readers
+        self._in_step: dict[bytes, dict[bytes, bool]] = {}  # by local writer: which readers are in step
 
     def add_reader(self, reader: bytes, writer: bytes) -> None:
-        """Note a reliable reader of a writer of ours, which is not in step yet."""
+        """Register a reliable reader of a local writer; the reader is not in step yet."""
         readers = self._in_step.setdefault(writer, {})
         if len(readers) < READERS_MAX:
             readers.setdefault(reader, False)
@@ -111,7 +114,7 @@ class Peer:
             readers.pop(reader, None)
 
     def acknowledge(self, reader: bytes, writer: bytes, base: int) -> None:
-        """Note an acknowledgement of all samples before `base`; a reader without a heartbeat acknowledges none."""
+        """Register an acknowledgement of all samples before `base`, which is 1 for a reader without a heartbeat."""
         self.awaited[writer] = base
         if base > 1:
             self.add_reader(reader, writer)
@@ -119,15 +122,15 @@ class Peer:
                 self._in_step[writer][reader] = True
 
     def is_ready(self, writer: bytes) -> bool:
-        """Return whether responses of a writer of ours have readers, and all of these are in step."""
+        """Return whether a local writer of responses has readers, all of which are in step."""
         readers = self._in_step.get(writer, {})
         return len(readers) > 0 and all(readers.values())
 
 
 class RtpsServer:
-    """A `Server` by DDS."""
+    """A `Server` over DDS."""
 
-    entities = ()  # of Cyclone DDS; its events are reported with `put`
+    entities = ()  # no Cyclone DDS entities; events are reported with `put`
 
     def __init__(self, number: int, put: Callable[[RtpsServer], object]) -> None:
         self.reader, self.history = (

@@ -1,9 +1,9 @@
 """A small RTPS participant that serves calls from peers using rmw_fastrtps or rmw_cyclonedds.
 
-It runs alongside that of the Cyclone DDS library, which cannot write the inline QoS parameter by which rmw_fastrtps
-matches a response to its request (the related sample identity); rmw_cyclonedds uses a header in front of the message.
-This participant has what services need: discovery (RTPS 2.5, sections 8.5.3 and 8.5.4) and, for each
-service, a reliable reader of requests and a reliable writer of responses.
+It runs alongside the participant of the Cyclone DDS library, which cannot write the related sample identity: the inline
+QoS parameter with which rmw_fastrtps matches a response to its request. (rmw_cyclonedds uses a header in front of the
+message.) This participant implements only what services need: discovery (RTPS 2.5, sections 8.5.3 and 8.5.4) and, for
+each service, a reliable reader of requests and a reliable writer of responses.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ Address = tuple[str, int]
 OURS, FAST_DDS, CYCLONE_DDS = b"\0\0", b"\x01\x0f", b"\x01\x10"  # vendors, section 9.3.1.3; ours is "unknown"
 PARTICIPANT = b"\0\0\x01\xc1"  # entities, section 9.3.1.3
 SPDP_WRITER, SPDP_READER = b"\0\x01\0\xc2", b"\0\x01\0\xc7"
-PUBLICATIONS, SUBSCRIPTIONS = b"\0\0\x03\xc2", b"\0\0\x04\xc2"  # the writers by which endpoints are announced
+PUBLICATIONS, SUBSCRIPTIONS = b"\0\0\x03\xc2", b"\0\0\x04\xc2"  # the writers that announce endpoints
 READER_OF = {PUBLICATIONS: b"\0\0\x03\xc7", SUBSCRIPTIONS: b"\0\0\x04\xc7"}
 PROTOCOL_VERSION, VENDOR, LEASE, BUILTIN_ENDPOINTS = 0x15, 0x16, 0x02, 0x58
 TYPE_NAME, RELIABILITY, DURABILITY, USER_DATA = 0x07, 0x1A, 0x1D, 0x2C
 RELIABLE = 2
-BUILTINS = 0x3F  # participants, publications, subscriptions: announced and detected
+BUILTINS = 0x3F  # announcer and detector of participants, publications, subscriptions
 CDR_HEADER, CALL_HEADER = 4, 16  # bytes
 ANNOUNCE_S, RETRY_S, LEASE_S = 1.0, 0.1, 20
 PEERS_MAX, CLIENTS_MAX = 200, 1000
@@ -42,7 +42,7 @@ PACKET_BYTES = 65_536
 
 
 class RtpsParticipant:
-    """The participant. `start` follows the last `server`. Raises OSError."""
+    """The participant. Call `start` after the last call of `server`. Raises OSError."""
 
     def __init__(self, settings: Ros2Settings) -> None:
         self._settings = settings
@@ -54,8 +54,8 @@ class RtpsParticipant:
         self._port: int = self._socket.getsockname()[1]
         self._lock = threading.Lock()
         self._peers: dict[bytes, Peer] = {}
-        self._servers: dict[str, RtpsServer] = {}  # by the topics of their requests
-        self._responses: dict[str, bytes] = {}  # the writers of responses, by their topics
+        self._servers: dict[str, RtpsServer] = {}  # by request topic
+        self._responses: dict[str, bytes] = {}  # writers of responses, by response topic
         self._histories = {writer: History(writer, reader) for writer, reader in READER_OF.items()}
         self._count = 0
         self._stopping = threading.Event()
@@ -130,7 +130,7 @@ class RtpsParticipant:
     # Discovery
 
     def _announce(self) -> None:
-        """Announce the participant to all possible places, and repeat heartbeats that were not acknowledged."""
+        """Announce the participant to all possible addresses, and repeat unacknowledged heartbeats."""
         for address in self._places():
             self._send(address, b"", self._participant_data())
         with self._lock:
@@ -142,7 +142,7 @@ class RtpsParticipant:
                         self._send_to(prefix, peer, writer, self._heartbeat(self._histories[writer]))
 
     def _retry(self) -> None:
-        """Send heartbeats to readers for which responses are held, and what has been held for long."""
+        """Send heartbeats to the readers of held responses, and send the responses that are ready or overdue."""
         with self._lock:
             for prefix, peer in self._peers.items():
                 for history in {one.history.writer: one.history for one in peer.held}.values():
@@ -172,7 +172,7 @@ class RtpsParticipant:
         return rtps.data(SPDP_READER, SPDP_WRITER, 1, rtps.PL_CDR_LE + rtps.parameters(found))[0]
 
     def _meet(self, vendor: bytes, prefix: bytes, host: str, payload: bytes) -> None:
-        """Notice a participant's announcement; send ours and our endpoints to a new one, and request its endpoints."""
+        """Handle a participant's announcement. If it is new, exchange announcements and lists of endpoints with it."""
         if prefix in self._peers:
             self._peers[prefix].heard_s = time.monotonic()
             return
@@ -181,7 +181,7 @@ class RtpsParticipant:
         ports = []
         for name in (rtps.METATRAFFIC_UNICAST, rtps.DEFAULT_UNICAST):
             if len(found.get(name, b"")) != 24:
-                return  # it announces no address, or it leaves
+                return  # the announcement has no address, or the participant is leaving
             ports.append(int(struct.unpack_from(f"{order}I", found[name], 4)[0]))
         if len(self._peers) >= PEERS_MAX:
             return
@@ -193,7 +193,7 @@ class RtpsParticipant:
                 self._send(peer.discovery, prefix, *submessages)
             peer.awaited[writer] = 1
             self._send(peer.discovery, prefix, self._heartbeat(history))
-            self._count += 1  # one that was lost for a while has sent its endpoints before, and waits for no more
+            self._count += 1  # a peer that was lost for a while would otherwise not send its endpoints again
             self._send(peer.discovery, prefix, rtps.missing(READER_OF[writer], writer, 1, [], self._count, more=True))
 
     # Samples
@@ -226,7 +226,7 @@ class RtpsParticipant:
         return None if server is None else server.reader
 
     def _take(self, prefix: bytes, peer: Peer, found: rtps.Data) -> None:
-        """Take a sample: the announcement of an endpoint, or a request."""
+        """Handle a sample, which is an announcement of an endpoint or a request."""
         server = peer.clients.get(found.writer)
         if found.writer not in READER_OF and server is None:
             return  # its writer has not been announced yet: it will be sent again
@@ -250,7 +250,7 @@ class RtpsParticipant:
             server.receive(Call(found.payload, partial(self._respond, prefix, server.history, identity)))
 
     def _learn(self, peer: Peer, found: rtps.Data) -> None:
-        """Note an endpoint that a participant announces: a writer of requests, or a reader of responses."""
+        """Register an endpoint that a participant has announced, if it writes requests or reads responses."""
         order = _order_of(found.payload)
         known = dict(rtps.read_parameters(found.payload[4:], order)[0]) if found.payload else {}
         entity = known.get(rtps.ENDPOINT_GUID, found.qos.get(rtps.KEY_HASH, bytes(16)))[12:]
@@ -265,7 +265,7 @@ class RtpsParticipant:
                 peer.add_reader(entity, self._responses[topic])
 
     def _respond(self, prefix: bytes, history: History, identity: bytes, response: memoryview) -> bool:
-        """Send a response, from the thread of a service, as soon as the client can receive it."""
+        """Send a response as soon as the client can receive it. Called on a service's thread."""
         with self._lock:
             peer = self._peers.get(prefix)
             if peer is None or len(peer.held) >= HELD_MAX:
@@ -280,7 +280,7 @@ class RtpsParticipant:
         return True
 
     def _release(self, prefix: bytes, peer: Peer) -> None:
-        """Send the responses whose readers are in step, or that have been held for long."""
+        """Send the held responses whose readers are in step or whose deadline has passed."""
         held, peer.held = peer.held, []
         for one in held:
             if not peer.is_ready(one.history.writer) and time.monotonic() < one.deadline_s:
@@ -313,7 +313,7 @@ class RtpsParticipant:
 
     def _send(self, address: Address, prefix: bytes, submessage: bytes) -> None:
         receiver = rtps.to_participant(prefix) if prefix else b""
-        with suppress(OSError):  # nothing listens there; what is lost is sent again
+        with suppress(OSError):  # nothing listens there; lost samples are sent again
             self._socket.sendto(rtps.header(self.prefix, OURS) + receiver + submessage, address)
 
 
@@ -322,7 +322,7 @@ def _order_of(payload: bytes) -> str:
 
 
 def _own_address() -> str:
-    """Return this host's address in the network of the multicast group."""
+    """Return this host's address on the network that reaches the multicast group."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.connect((MULTICAST_GROUP, 1))
         return str(probe.getsockname()[0])

@@ -1,4 +1,4 @@
-"""Topics that call services, for peers to whom no service can be offered.
+"""Topics that call services, for peers that cannot call ROS 2 services.
 
 A std_msgs/Empty on a topic of the same name calls a std_srvs/Trigger, a std_msgs/Bool calls a std_srvs/SetBool, and a
 std_msgs/String containing the request in JSON calls any other service. The response is published on /rosout.

@@ -15,12 +15,12 @@ Rmw = Literal["fastrtps", "cyclonedds", "zenoh"]
 """The middleware of the ROS side."""
 DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher domains exceed 65535
 SAFE_DOMAIN_MAX = 101  # Linux assigns the ports of higher domains to outgoing connections
-ZENOH_PORT = 7447  # of a Zenoh router
+ZENOH_PORT = 7447  # a Zenoh router's port
 PARTICIPANTS_MAX = 32  # participants probed per host without multicast, as in ROS 2
 PORT_BASE, PORTS_PER_DOMAIN, PORTS_PER_PARTICIPANT = 7400, 250, 2  # RTPS 2.5, section 9.6.2.3
 UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
 
-# Nearly the largest UDP packets: a picture in 16 packets costs a third of a picture in 70.
+# Nearly the largest UDP packets: a picture in 16 packets costs a third of one in 70.
 LOOPBACK_SIZES = "<MaxMessageSize>62000B</MaxMessageSize><FragmentSize>60000B</FragmentSize>"
 # By default, a reader's socket buffers 200 kB, which a point cloud overflows while the host is busy. Heartbeats let the
 # reader detect what it missed; with the usual 100 ms, only one cloud in five would arrive.
@@ -128,7 +128,7 @@ def settings_from(
 
 
 def unicast_port(domain_id: int, participant: int) -> int:
-    """Return the UDP port on which a domain's participant is discovered; each host numbers its participants from 0."""
+    """Return the UDP port for discovery of a domain's participant; each host numbers its participants from 0."""
     return PORT_BASE + PORTS_PER_DOMAIN * domain_id + UNICAST_OFFSET + PORTS_PER_PARTICIPANT * participant
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
-DEPTH = 10  # messages by which a reader may lag behind; the ROS 2 default
+DEPTH = 10  # number of messages by which a reader may lag; the ROS 2 default
 
 
 class Writer(Protocol):
@@ -68,7 +68,7 @@ class Transport(Protocol):
         """Return a new server of a service."""
 
     def wait_set(self) -> Events:
-        """Return an object that waits on all of them."""
+        """Return an object that waits for events from all readers, writers and servers."""
 
     def announce(self) -> None:
         """Make the node and its endpoints known."""

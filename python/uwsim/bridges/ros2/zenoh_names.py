@@ -1,7 +1,7 @@
 """Names and headers of rmw_zenoh_cpp, from its docs/design.md, liveliness_utils.cpp and attachment_helpers.cpp.
 
-A topic or a service is the key DOMAIN/NAME/TYPE/HASH. Each node and each endpoint declares a liveliness token, from
-which all sessions know the graph. An attachment goes with each message, request and response.
+A topic or a service has the key DOMAIN/NAME/TYPE/HASH. Each node and each endpoint declares a liveliness token, from
+which all sessions learn the graph. Each message, request and response carries an attachment.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from uwsim.channels.type_hash import type_hash
 
 ATTACHMENT = struct.Struct("<qqB16s")
 """Sequence number, time [ns], length of the identifier, identifier; as in rmw_zenoh since 0.2."""
-RELIABLE, BEST_EFFORT = "", "2"  # of rmw_qos_reliability_policy_e; a default is left out
+RELIABLE, BEST_EFFORT = "", "2"  # rmw_qos_reliability_policy_e; the default is left empty
 VOLATILE, TRANSIENT_LOCAL = "", "1"
 
 
@@ -24,8 +24,9 @@ VOLATILE, TRANSIENT_LOCAL = "", "1"
 class Entity:
     """A node or one of its endpoints.
 
-    kind: NN for a node, MP for a publisher, MS for a subscription, SS for a server, SC for a client. session: its
-    identifier. number: of the entity in the node. name, type: of the topic or the service, without a leading slash.
+    kind: NN for a node, MP for a publisher, MS for a subscription, SS for a server, SC for a client. session: the
+    session's identifier. number: the entity's number in the node. name, type: the topic's or service's, without a
+    leading slash.
     """
 
     kind: str
@@ -41,12 +42,12 @@ class Entity:
 
     @property
     def key(self) -> str:
-        """The key of its topic or service."""
+        """The key of the endpoint's topic or service."""
         return f"{self.settings.domain_id}/{self.name}/{self._typed}"
 
     @property
     def token(self) -> str:
-        """Its liveliness token."""
+        """The entity's liveliness token."""
         own = f"@ros2_lv/{self.settings.domain_id}/{self.session}/0/{self.number}/{self.kind}/%/%/{self.node}"
         if not self.name:
             return own
@@ -65,10 +66,13 @@ class Entity:
 
 
 def gid_of(token: str) -> bytes:
-    """Return an identifier of 16 bytes for an endpoint."""
+    """Return a 16-byte identifier for an endpoint."""
     return hashlib.blake2b(token.encode(), digest_size=16).digest()
 
 
 def attachment(sequence: int, time_ns: int, gid: bytes) -> bytes:
-    """Return an attachment, of a message its number from 1, of a response the request's number and identifier."""
+    """Return an attachment. A response repeats the sequence number and identifier of its request.
+
+    sequence: the number of the message, counted from 1.
+    """
     return ATTACHMENT.pack(sequence, time_ns, len(gid), gid)

@@ -1,4 +1,6 @@
-"""A ROS 2 node's connection by Zenoh, as rmw_zenoh_cpp has it: see `zenoh_names` for keys, tokens and attachments.
+"""A ROS 2 node's connection over Zenoh, compatible with rmw_zenoh_cpp.
+
+For keys, tokens and attachments, see `zenoh_names`.
 
 Sessions find each other through a router (`ros2 run rmw_zenoh_cpp rmw_zenohd`), and then connect directly.
 """
@@ -26,9 +28,9 @@ from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_o
 
 ROUTER_S, LOOK_S = 1.0, 0.02
 CALLS_MAX = 100
-CLIENT_MS = 10_000  # for which a distant router is waited for
+CLIENT_MS = 10_000  # how long to wait for a router on another machine
 CONFIG_FILE, CONFIG_CHANGES = "ZENOH_SESSION_CONFIG_URI", "ZENOH_CONFIG_OVERRIDE"
-"""Environment variables of rmw_zenoh."""
+"""The environment variables that configure rmw_zenoh."""
 
 
 class ZenohTransport:
@@ -82,11 +84,11 @@ class ZenohTransport:
         return server
 
     def wait_set(self) -> ZenohEvents:
-        """Return an object that waits on all of them."""
+        """Return an object that waits for events from all readers, writers and servers."""
         return self._events
 
     def announce(self) -> None:
-        """Make the node known; its endpoints are known already."""
+        """Announce the node; its endpoints have been announced already."""
         self._announce(Entity("NN", self._settings, self._id, 0, self._node))
 
     def close(self) -> None:
@@ -112,7 +114,7 @@ class ZenohTransport:
         return self._others[kind][key]
 
     def _notice(self, sample: Any) -> None:
-        """Count a publisher or subscription of another session that came or went, on a thread of Zenoh."""
+        """Count publishers and subscriptions of other sessions as they come and go, on a Zenoh thread."""
         parts = str(sample.key_expr).split("/")
         if len(parts) != 13 or parts[2] == self._id or parts[5] not in self._others:
             return
@@ -134,16 +136,16 @@ class ZenohTransport:
 
 
 class ZenohEvents:
-    """The sources with messages, calls, or readers or writers that came or went."""
+    """A queue of sources that have new messages or calls, or whose matching endpoints have changed."""
 
     def __init__(self) -> None:
         self._queue: SimpleQueue[Any] = SimpleQueue()
 
     def attach(self, source: object) -> None:
-        """Do nothing: every source is waited for from the beginning."""
+        """Do nothing, because all sources report their events from the start."""
 
     def put(self, source: object) -> None:
-        """Report an event, on any thread."""
+        """Report an event, from any thread."""
         self._queue.put(source)
 
     def wake(self) -> None:
@@ -185,7 +187,7 @@ class ZenohReader:
         self.subscriber: Any = None
 
     def receive(self, sample: Any) -> None:
-        """Queue a message, on a thread of Zenoh."""
+        """Queue a message, on a Zenoh thread."""
         self._found.append(sample.payload.to_bytes())
         self._events.put(self)
 
@@ -195,7 +197,7 @@ class ZenohReader:
 
 
 class ZenohServer:
-    """A `Server`. key: of its requests and responses."""
+    """A `Server`. key: the service's key, for requests and responses."""
 
     def __init__(self, key: str, events: ZenohEvents) -> None:
         self._key, self._events = key, events
@@ -203,7 +205,7 @@ class ZenohServer:
         self.queryable: Any = None
 
     def receive(self, query: Any) -> None:
-        """Queue a call, on a thread of Zenoh."""
+        """Queue a call, on a Zenoh thread."""
         self._found.append(query)
         self._events.put(self)
 
@@ -235,7 +237,7 @@ def config_of(settings: Ros2Settings) -> Any:
         hosts = settings.peers if is_far else ("localhost",)
         endpoints = ", ".join(f'"tcp/{host}"' if ":" in host else f'"tcp/{host}:{ZENOH_PORT}"' for host in hosts)
         for key, value in {
-            # Sessions of another machine listen on that machine alone: only its router can pass messages on.
+            # Sessions on another machine accept only local connections, so messages must go through its router.
             "mode": '"client"' if is_far else '"peer"',
             "connect/timeout_ms": str(CLIENT_MS) if is_far else "-1",
             "connect/endpoints": f"[{endpoints}]",

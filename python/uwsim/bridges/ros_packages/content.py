@@ -24,7 +24,7 @@ def ros_packages() -> dict[str, str]:
         messages, bringup = f"ros{ros}/{MESSAGES}", f"ros{ros}/{BRINGUP}"
         for name, text in OWN_TYPES.items():
             files[f"{messages}/msg/{_short(name)}.msg"] = text
-        for name in OWN_SERVICES if ros == 2 else ():  # ROS 1 knows neither defaults nor bounded lists
+        for name in OWN_SERVICES if ros == 2 else ():  # ROS 1 supports neither defaults nor bounded lists
             files[f"{messages}/srv/{_short(name)}.srv"] = SERVICE_TYPES[name]
         for name in OWN_ACTIONS if ros == 2 else ():
             files[f"{messages}/action/{_short(name)}.action"] = ACTION_TYPES[name]

@@ -1,4 +1,4 @@
-"""Writes a folder of text files whole, together with their checksums, by which it is recognised later."""
+"""Writes a folder of text files atomically, with a list of checksums that identifies it later."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ SUMS = "uwsim.sha256"
 
 
 def write_sealed(folder: Path, files: Mapping[str, str]) -> None:
-    """Write files by their paths below a folder; it has all of them, or is as it was.
+    """Write files, keyed by path, to a folder; on failure, the folder is unchanged.
 
-    An existing folder is replaced if it is empty, or as an earlier call left it. Raises OSError if it contains
+    An existing folder is replaced if it is empty or unchanged since an earlier call. Raises OSError if it contains
     anything else, or cannot be written.
     """
     target = folder.resolve()

@@ -1,4 +1,4 @@
-"""A client's goals to the actions of the simulator and of other clients, and goals of others to those that it offers.
+"""A client's goals for actions of the simulator or other clients, and others' goals for the client's own actions.
 
 These are the action operations of the protocol's version 2.1. See `own_actions` for the simulator's end.
 """
@@ -23,7 +23,7 @@ STATUSES = range(7)
 
 
 class Goal:
-    """A goal that a client sent. head: the fields that its feedback and its result have in common."""
+    """A goal sent by a client. head: the fields common to its feedback and its result."""
 
     def __init__(self, actions: Actions, head: dict[str, Any], size: int, operation: dict[str, Any]) -> None:
         self.actions: Actions | None = actions
@@ -55,14 +55,14 @@ class Actions:
         self._graph, self._name, self._names = graph, name, names
         self._limits, self._account, self._outbox = limits, account, outbox
         self.spent_bytes = 0
-        self._sent: dict[tuple[str, Any], Goal] = {}  # by action and the client's id
+        self._sent: dict[tuple[str, Any], Goal] = {}  # by action and the client's ID
         self._received: dict[str, tuple[str, str, ActionGoal]] = {}  # name as sent, plain name and goal, by our id
         self._numbers = itertools.count(1)
 
     # Goals of this client
 
     def send_goal(self, operation: dict[str, Any]) -> None:
-        """Send a goal to the client that offers the action; without one, the result is a failure with the reason."""
+        """Send a goal to the action's provider; if there is none, the result is a failure with the reason."""
         name, identity = operation.get("action"), operation.get("id")
         head = {"action": echoed(name)} | ({} if identity is None else {"id": identity})
         key = (plain_name(name, "action"), identity)
@@ -88,7 +88,7 @@ class Actions:
             goal.finish(False, ABORTED, str(error))
 
     def cancel_goal(self, operation: dict[str, Any]) -> None:
-        """Pass the request to cancel a goal on; the provider answers with the goal's result."""
+        """Forward a request to cancel a goal; the provider answers with the goal's result."""
         name, identity = plain_name(operation.get("action"), "action"), operation.get("id")
         goal, action = self._sent.get((name, identity)), self._graph.actions.get(name)
         if goal is None or action is None:
@@ -96,7 +96,7 @@ class Actions:
         action.handler.cancel(goal)
 
     def forget(self, goal: Goal) -> None:
-        """Stop keeping a goal that is finished."""
+        """Remove a finished goal."""
         self._sent = {key: kept for key, kept in self._sent.items() if kept is not goal}
         self._account.give(goal.size)
 
@@ -147,11 +147,11 @@ class Actions:
                 self.send({"op": "cancel_action_goal", "id": identity, "action": action})
 
     def feed_back(self, operation: dict[str, Any]) -> None:
-        """Pass the client's feedback on. Raises ValueError if there is no such goal."""
+        """Forward the client's feedback. Raises ValueError if there is no such goal."""
         self._goal(operation)[2].feed_back(operation.get("values", {}))
 
     def finish(self, operation: dict[str, Any]) -> None:
-        """Pass the client's result on. Raises ValueError if there is no such goal, or for an invalid status."""
+        """Forward the client's result. Raises ValueError for an unknown goal or an invalid status."""
         goal = self._goal(operation)[2]
         succeeded = operation.get("result", True) is not False
         status = operation.get("status", SUCCEEDED if succeeded else ABORTED)
@@ -179,7 +179,7 @@ class Actions:
         return found
 
     def _abort(self, plain: str | None, reason: str) -> None:
-        """Abort the goals in progress of an action, or of all."""
+        """Abort the goals in progress of one action, or of all actions."""
         for identity, (_, name, goal) in list(self._received.items()):
             if plain in (None, name):
                 del self._received[identity]

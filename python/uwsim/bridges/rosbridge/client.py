@@ -39,7 +39,7 @@ TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 
 
 def why_not_connected(error: Exception) -> str:
-    """Return in a few words why a connection to a WebSocket server failed or ended."""
+    """Return a short description of why a connection to a WebSocket server failed or ended."""
     if isinstance(error, ConnectionRefusedError):
         return "connection refused: no server listens there"
     if isinstance(error, TimeoutError):
@@ -87,7 +87,7 @@ class RosbridgeClient(Bridge):
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self.connected = threading.Event()
-        self.trouble = ""  # why it is not connected, "" while it is
+        self.trouble = ""  # the reason for not being connected; "" while connected
         self.connections = 0
         self.sent = 0
         self._largest_sent = 0  # size in bytes of the largest message sent on this connection

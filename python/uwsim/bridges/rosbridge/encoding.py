@@ -112,8 +112,8 @@ def publication(message: Any, topic: str, ros: Ros) -> str:
 class Sample:
     """A message on a topic, and the frames that encode it. time_ns: time of receipt, for cbor-raw.
 
-    size: its size in memory [bytes], if known. holders: see Account.hold. sequence: its header.seq in ROS 1, the number
-    of messages on the topic before it.
+    size: its size in memory [bytes], if known. holders: see Account.hold. sequence: the message's header.seq in ROS 1,
+    which is the number of earlier messages on the topic.
     """
 
     __slots__ = ("_frames", "_size", "holders", "message", "sequence", "time_ns")

@@ -58,7 +58,7 @@ class Fragments:
 
 
 def read_fragment_size(operation: dict[str, Any]) -> int | None:
-    """Read the largest size [characters] of what is sent in one piece; None for any. Raises ValueError."""
+    """Read the maximum size of a fragment [characters] from an operation; None for no limit. Raises ValueError."""
     size = operation.get("fragment_size")
     if size is not None and (type(size) is not int or size < 1):
         raise ValueError(f"fragment_size = {shortened(size)}: must be a positive whole number of characters")
@@ -66,7 +66,7 @@ def read_fragment_size(operation: dict[str, Any]) -> int | None:
 
 
 def split(text: str, size: int, identity: str, most: int) -> Iterator[str]:
-    """Yield "fragment" operations with up to `size` characters of a text each; longer, if `most` would not do."""
+    """Split a text into at most `most` "fragment" operations, of up to `size` characters each if that suffices."""
     size = max(size, -(-len(text) // most))
     total = -(-len(text) // size)
     for number in range(total):

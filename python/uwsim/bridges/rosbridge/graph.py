@@ -73,23 +73,23 @@ class Service:
 
 
 class ActionHandler(Protocol):
-    """The end of an action at the client that offers it."""
+    """The provider's side of an action."""
 
     def begin(self, goal: ActionGoal, arguments: Any) -> None:
-        """Pass a goal on. Raises ValueError if too many are in progress."""
+        """Forward a goal. Raises ValueError if too many are in progress."""
 
     def cancel(self, goal: ActionGoal) -> None:
-        """Ask for a goal in progress to be cancelled."""
+        """Request that a goal in progress be cancelled."""
 
 
 class ActionGoal(Protocol):
-    """A goal in progress, on the side of the client that sent it."""
+    """A goal in progress, as seen by the client that sent it."""
 
     def feed_back(self, values: Any) -> None:
-        """Pass on feedback."""
+        """Forward feedback."""
 
     def finish(self, succeeded: bool, status: int, values: Any) -> None:
-        """Pass on the result. status: of action_msgs/GoalStatus."""
+        """Forward the result. status: a constant of action_msgs/GoalStatus."""
 
 
 @dataclass(eq=False)

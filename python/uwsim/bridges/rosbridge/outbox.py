@@ -122,7 +122,7 @@ class Outbox:
         self._account = account
         self._clock = clock
         self._replies: deque[tuple[Frame, int | None]] = deque()
-        self._rest: Iterator[str] = iter(())  # of a frame that is sent in fragments
+        self._rest: Iterator[str] = iter(())  # the remaining fragments of the current frame
         self._rest_bytes = 0
         self._fragmented = 0
         self._mailboxes: dict[Any, Mailbox] = {}

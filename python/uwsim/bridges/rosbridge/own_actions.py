@@ -1,4 +1,4 @@
-"""The simulator's actions, as its end of the action operations."""
+"""The simulator's own actions, as providers in the graph."""
 
 from __future__ import annotations
 

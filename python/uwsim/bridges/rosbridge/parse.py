@@ -1,6 +1,6 @@
 """Decoding of a client's frame into a dict: JSON from text, CBOR from bytes.
 
-Hostile frames are refused before they cost anything.
+Excessive frames are refused before they take time or memory.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ class Subscription:
     ids: dict[Any, Options] = field(default_factory=dict)
 
     def mailbox(self, type_name: str | None, *, png: bool) -> Mailbox:
-        """Return a queue to suit all ids: the shortest throttle, the longest queue, the strongest compression."""
+        """Return a queue that suits all ids: the shortest throttle, the longest queue and the strongest compression."""
         options = list(self.ids.values())
         wanted = {option.compression for option in options}
         order: tuple[Compression, ...] = ("cbor-raw", "cbor", "png") if png else ("cbor-raw", "cbor")

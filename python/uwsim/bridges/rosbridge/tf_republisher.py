@@ -1,4 +1,4 @@
-"""Transforms for clients without a tf tree, through the services of tf2_web_republisher, which tf clients call.
+"""Transforms for clients that keep no tf tree, through the interface of tf2_web_republisher.
 
 A client requests frames, a target, a rate and thresholds, and receives changes: on a separate topic after a service
 call (roslibpy), or as feedback after an action goal (roslibjs). A request ends after a while without subscribers, or

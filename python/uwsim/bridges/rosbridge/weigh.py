@@ -22,7 +22,7 @@ NODE_BYTES = 16  # per value in the tree that orjson builds first (it allocates 
 KEY_ENDS = 8  # characters at either end that distinguish keys
 ITEMS_PER_OBJECT = 5  # limit for CBOR, whose scan takes a microsecond per item
 SLOW_VALUES = 150_000  # limit for a decoder that takes 80 ns per value, in one call
-ROUGH_SHARE = 0.5  # of the limit, up to which the rough estimate will do; the rest is for the message itself
+ROUGH_SHARE = 0.5  # share of the limit up to which the rough estimate suffices; the message itself needs the rest
 TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would convert other tags to numbers, patterns and references
 
 
