@@ -54,7 +54,7 @@ class Arrivals:
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""
         return [
-            GuestTopic(f"station/{size}/{name}", JPEG, "what has come over the link", latched=True)
+            GuestTopic(f"station/{size}/{name}", JPEG, "pictures that have arrived over the link", latched=True)
             for name in self._channels
             for size in ("view", "small")
         ]

@@ -66,7 +66,7 @@ _CALLS = (
     Call("drive", "set efforts; for the pilot only", Drive, Driven),
     Call(
         "all_stop",
-        "stop a vehicle regardless of all commands, or, as the pilot, release it",
+        "set all stop for a vehicle, or, as the pilot, release it",
         AllStop,
         Commanded,
     ),
@@ -82,7 +82,7 @@ _CALLS = (
     ),
     Call("overview", "report the truth; for the instructor only", answer=Overview, is_brief=False),
     Call("parameters", "describe all parameters; for the instructor only", answer=ParameterList, is_brief=False),
-    Call("plan", "save, fly or stop waypoints drawn on the chart, or report", PlanRequest, PlanState, is_brief=False),
+    Call("plan", "save, fly, stop or report on a plan drawn on the chart", PlanRequest, PlanState, is_brief=False),
     Call("notes", "list inspection notes, add one, or set the comment", NotesRequest, NotesState, is_brief=False),
     Call("set_view", "change the rate, width and quality of a view", SetView),
     Call("catalog", "list the options of the start screen", answer=Catalog, is_brief=False, is_start_screen=True),

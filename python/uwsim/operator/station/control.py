@@ -69,7 +69,7 @@ def _stop_recording(station: Station, request: Values) -> str:
     path = station.present().stop_recording()
     if path is None:
         raise ValueError("nothing is being recorded")
-    return f"recorded in {path}; `uwsim replay {path.name}` flies it again"
+    return f"recorded in {path}; `uwsim replay {path.name}` repeats it"
 
 
 def _seek(station: Station, request: Values) -> None:
@@ -80,7 +80,7 @@ def _seek(station: Station, request: Values) -> None:
 
 
 def _helm(station: Station, request: Values) -> str:
-    return f"you have the helm, from {station.take_helm()} on"
+    return f"you have the helm, starting at {station.take_helm()}"
 
 
 def new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 SHARES = (1.0, 0.75, 0.5)  # fractions of the full width
-TOO_LONG, SHORT = 0.8, 0.65  # fractions of a period above which to shrink, and below which to try a larger size
+TOO_LONG, SHORT = 0.8, 0.65  # fractions of a period: above the first, shrink; below the second, try a larger size
 SMOOTHING = 0.25
 LEAST_PICTURES = 4  # minimum number before the size changes; the first picture fills caches
 PATIENCE, PATIENCE_MAX = 20, 640  # pictures before a larger size is tried; doubled after each failure

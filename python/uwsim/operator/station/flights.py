@@ -1,4 +1,4 @@
-"""Flights: recordings that the station makes of every flight automatically, within bounds, and can find again."""
+"""Flights: the station records every flight automatically, within bounds, and lists the recordings."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 
 FOLDER = "flights"
 COUNT, MEGABYTES = 50, 2000
-"""The default bounds: flights, and MB (10^6 bytes) of all of them."""
+"""The default bounds: the number of flights, and their total size in MB (10^6 bytes)."""
 COUNT_MAX, MEGABYTES_MAX = 10_000, 1_000_000
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.mcap")
-CHECK_S = 2.0  # between checks of the bounds while a flight is being recorded
-OPEN_MAX = 3  # time lines kept for later requests
-SAMPLES_MAX = 4000  # in a track that the page draws
+CHECK_S = 2.0  # interval between checks of the bounds while recording
+OPEN_MAX = 3  # number of time lines cached for later requests
+SAMPLES_MAX = 4000  # maximum number of samples in a track
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 
@@ -259,7 +259,7 @@ class FlightRecording:
             if is_too_large:
                 self.stop()
                 megabytes = self._flights.bounds.size_bytes / 1e6
-                self.trouble = f"the flight is recorded no further: its recording has reached {megabytes:g} MB"
+                self.trouble = f"the flight is no longer recorded: its recording has reached {megabytes:g} MB"
                 LOGGER.warning("%s", self.trouble)
 
     def stop(self) -> None:

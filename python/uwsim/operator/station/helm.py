@@ -48,9 +48,9 @@ class LeastDelay:
 class Helm:
     """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
 
-    Every command is issued, even if it repeats the last one: others may have commanded the vehicle since, its failsafe
-    may be waiting for a sign of life, and earlier commands may be lost on a link. Call `beat` at least twice a second,
-    and at the times it returns: it sets efforts to zero when commands have ceased.
+    Every command is issued, even if it repeats the last one: other clients may have commanded the vehicle since, its
+    failsafe may be waiting for a sign of life, and earlier commands may have been lost on a link. Call `beat` at least
+    twice a second, and at the times it returns: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Helm:
         with self._lock:
             age_s = self._delay.age_s(1e-3 * _number(request, "stamp_ms", 1e3 * now_s), now_s)
             if age_s > SILENCE_S:
-                raise ValueError(f"the command came {age_s:.1f} s late: it was refused")
+                raise ValueError(f"the command arrived {age_s:.1f} s late: it was refused")
             self._heard_s = now_s
             return self._set(vehicle, efforts, {"age_s": age_s})
 
@@ -91,7 +91,10 @@ class Helm:
         return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
 
     def note_holds(self, vehicle: str, arguments: Mapping[str, Any]) -> None:
-        """Note which holds the pilot has requested: a speed hold keeps driving, so it expires as efforts do."""
+        """Record the holds that the pilot has requested.
+
+        A speed hold keeps the vehicle moving, so it expires like efforts.
+        """
         with self._lock:
             self._cruising.pop(vehicle, None)
             if arguments.get("speed") is True:

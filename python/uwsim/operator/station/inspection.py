@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 PLACES = ("view", "vehicle")
 TIMEOUT_S = 10.0
 FAR_M = 20.0  # from the vehicle; farther away, the bed may be much higher or lower than below the vehicle
-STEEP = math.sin(math.radians(10.0))  # the least angle at which a camera's axis must meet the bed
+STEEP = math.sin(math.radians(10.0))  # minimum angle between a camera's axis and the bed
 COLUMNS = (
     "number", "time_s", "vehicle", "category", "text", "east_m", "north_m", "depth_m", "longitude_deg", "latitude_deg",
     "picture",
@@ -41,11 +41,10 @@ FORMULA = ("=", "+", "-", "@")  # characters with which a formula begins in a sp
 
 
 class Inspection:
-    """The notes of a running simulator. folder: where their files are written.
+    """The notes of a running simulator. folder: where the notes' files are written.
 
-    Their files are NAME-notes.csv, NAME-notes.geojson and NAME-note-1.png and so on, where NAME is that of the
-    recording being written, or otherwise the scenario's. They contain all notes since then, including those that a
-    restart has removed from the run.
+    The files are NAME-notes.csv, NAME-notes.geojson, NAME-note-1.png and so on. NAME is the name of the current
+    recording or, if there is none, of the scenario. The files include notes that a restart has removed from the run.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -54,7 +53,7 @@ class Inspection:
         self._kept: dict[str, tuple[str, list[Event]]] = {}  # by recording: NAME, and the notes in its files
 
     def listed(self, running: Running) -> list[Values]:
-        """Return the notes as the page expects them, with positions in odom; comments are left out."""
+        """Return the notes, except comments, in the page's format, with positions in odom."""
         origin_m = running.table.sources[0].origin_m
         found = [event for event in notes_of(running.live.simulator.events) if event.values["category"] != COMMENT]
         return [
@@ -68,7 +67,7 @@ class Inspection:
         ]  # fmt: skip
 
     def set_comment(self, running: Running, request: Values) -> str:
-        """Show another comment in pictures from now on. Raises ValueError."""
+        """Replace the comment shown in pictures. Raises ValueError."""
         text, category = _text(request), COMMENT
         require_note(text, category, "")
         with self._lock:
@@ -227,18 +226,18 @@ def _placed(
     """Return a note's position in the world (3,), None if unknown, and a sentence about it."""
     own_m = np.asarray(panel["position"], np.float64) - running.table.sources[0].origin_m
     if not np.isfinite(own_m).all():
-        return None, "Noted without a place: the vehicle does not know its own"
+        return None, "Noted without a position: the vehicle does not know where it is"
     if not wants_view:
-        return own_m, "Noted at the vehicle's place"
+        return own_m, "Noted at the vehicle's position"
     shown = running.views.views.get(view)
     if shown is None or shown.vehicle != vehicle or shown.kind != "camera":
-        return own_m, "Noted at the vehicle's place: the large view is not of a camera aboard"
+        return own_m, "Noted at the vehicle's position: the large view is not from an onboard camera"
     body_from_camera = shown.camera.mounting_xyzw()
     offset_m = looked_at(
         panel["orientation"], body_from_camera, shown.camera.mount.position_m, panel["distance_to_seabed"]
     )
     if offset_m is None:
-        return own_m, "Noted at the vehicle's place: where its camera looks, the bed is not known"
+        return own_m, "Noted at the vehicle's position: the bed in front of its camera is unknown"
     return own_m + offset_m, f"Noted {float(np.linalg.norm(offset_m)):.1f} m from the vehicle, where its camera looks"
 
 

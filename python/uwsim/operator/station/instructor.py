@@ -41,7 +41,10 @@ class Moment:
 
 @dataclass
 class Instructor:
-    """The instructor of a station. clients: connections that have presented the token. folder: the log's."""
+    """The instructor of a station. clients: connections that have presented the token.
+
+    folder: where the log is written.
+    """
 
     token: str
     folder: Path
@@ -88,7 +91,7 @@ class Instructor:
             file.write(json.dumps(entry) + "\n")
 
     def overview(self, running: Running) -> Values:
-        """Return what the instructor sees, including the truth."""
+        """Return the instructor's overview of the simulation, including the truth."""
         seen: Values = running.live.read(_truth).result(TIMEOUT_S)
         exercise = None if running.judged is None else running.judged.state()
         moments = [{"name": moment.name, "time_s": moment.time_s} for moment in self.moments]

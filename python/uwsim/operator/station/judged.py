@@ -17,7 +17,7 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 
 
 class Judged:
-    """Judges a live simulator. folder: where the sheets go, each in its own subfolder: sheet-1, sheet-2 and so on."""
+    """Judges a live simulator. folder: receives the score sheets, in subfolders sheet-1, sheet-2 and so on."""
 
     def __init__(self, live: LiveSimulator, exercise: Exercise, folder: Path) -> None:
         self.live, self._folder = live, folder
@@ -36,7 +36,7 @@ class Judged:
             self._writing.join()
 
     def state(self) -> Values:
-        """Return what the pilot may see; sheet: whether it has been written; error: why not."""
+        """Return the part of the exercise's state that the pilot may see, and whether the sheet has been written."""
         state: Values = self.live.read(lambda sim: self.course.state()).result()
         is_written = self.course.is_over and self._sheet is not None
         return {**state, "has_sheet": is_written, "error": self._error}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 NAME_MAX = 40
 ASK_AGAIN_S = 30.0
-"""How often a name may request the controls, on whatever connections, so that a watcher cannot disturb the pilot."""
+"""Minimum time between requests under one name, over all connections, so that a watcher cannot pester the pilot."""
 
 
 class Lease:
@@ -68,7 +68,7 @@ class Lease:
             raise ValueError(who)
 
     def _ask(self, client: str, now_s: float) -> float:
-        """Record a request, unless its name has made one recently; return the time [s] until it may."""
+        """Record a request, unless its name made one recently; return the time [s] until the next is allowed."""
         if client in self.asking:
             return 0.0
         self._asked_s = {name: at_s for name, at_s in self._asked_s.items() if now_s - at_s < ASK_AGAIN_S}

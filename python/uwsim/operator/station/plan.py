@@ -1,4 +1,4 @@
-"""Plans drawn on the chart: saved as a mission file for `uwsim run`, or flown here by the same mission."""
+"""Plans drawn on the chart, which are saved as mission files for `uwsim run` or flown here by the same mission."""
 
 from __future__ import annotations
 

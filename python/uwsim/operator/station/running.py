@@ -123,7 +123,7 @@ class Running:
             self.flight.start()
 
     def hide_the_simulation(self) -> None:
-        """Withhold from clients all that shows or changes the world: its services, and commands to the simulator."""
+        """Hide the services and commands that show or change the world from clients."""
         self.table.services = [each for each in self.table.services if not each.name.startswith("simulation/")]
         self.is_supervised = True
 

@@ -69,7 +69,7 @@ def described(running: Running, view: str, panel: Values, comment: str, *, note:
 def instruments(panel: Values) -> Values:
     """Return the values shown in pictures, in SI units and degrees; None if no instrument aboard measures a value.
 
-    position_m: east, north and up in odom, by the vehicle's own estimate, like heading_deg, clockwise from north.
+    position_m (east, north and up, in odom) and heading_deg (clockwise from north) are the vehicle's own estimates.
     """
     header = panel["header"]["stamp"]
     position = np.asarray(panel["position"], np.float64)

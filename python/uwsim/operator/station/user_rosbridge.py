@@ -34,9 +34,9 @@ class UserRosbridge:
         try:
             if _is_station(socket):
                 hint = "run one of the two on another port, such as uwsim station --port 9091"
-                raise ValueError(f"{self.url}: a station of uwsim listens there, not a rosbridge of yours: {hint}")
+                raise ValueError(f"{self.url}: this is a uwsim station, not your rosbridge: {hint}")
         except ConnectionClosed:
-            raise ValueError(f"{self.url}: the server there ends the connection") from None
+            raise ValueError(f"{self.url}: the server closed the connection") from None
         finally:
             socket.close()
 

@@ -32,7 +32,7 @@ THREADS = max(1, (os.cpu_count() or 2) - 1)  # leaves a core for the steps
 
 @dataclass(frozen=True)
 class Size:
-    """How a view is rendered, and how often. width 0: the camera's own width, or less if the rate requires it."""
+    """Settings for rendering a view. width 0: the camera's own width, or less if the rate requires it."""
 
     rate_hz: float = RATE_HZ
     width: int = 0
@@ -74,7 +74,7 @@ class Stream:
 
     @property
     def is_free(self) -> bool:
-        """Whether none of the stream's pictures is being rendered."""
+        """Whether no picture of the stream is being rendered."""
         return self.job is None or self.job.done()
 
 

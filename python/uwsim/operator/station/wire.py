@@ -51,7 +51,10 @@ class Commanded(Done):
 
 
 class Choice(Message):
-    """The choice on the start screen; a missing or null field keeps the scenario's value. rosbridge_*: the user's."""
+    """The choice on the start screen; a missing or null field keeps the scenario's value.
+
+    rosbridge_*: the user's server.
+    """
 
     scenario: str | None = None
     vehicle: str | None = None
@@ -68,7 +71,7 @@ class Choice(Message):
 
 
 class ChoiceTaken(Done):
-    """A choice is valid, or has been started."""
+    """The response to a choice that is valid or has been started."""
 
     errors: dict[str, str]
 
@@ -210,7 +213,7 @@ class Optics(Message):
 
 
 class SonarPicture(Message):
-    """How an imaging sonar's picture lies. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
+    """The layout of a sonar picture. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
 
     fov_rad: the fan's angle; 0 for a waterfall.
     """
@@ -221,7 +224,7 @@ class SonarPicture(Message):
 
 
 class ViewDescription(Message):
-    """A view: its topics and the size of its pictures; 0 if each picture has its own size."""
+    """A view: its topics and the size of its pictures, 0 if that varies."""
 
     name: str
     title: str
@@ -255,7 +258,7 @@ class FlightEvent(Message):
 
 
 class ReplayDescription(Message):
-    """The flight that is replayed. start_s, end_s: simulated time of its time line."""
+    """The flight being replayed. start_s, end_s: the ends of its time line, in simulated time."""
 
     flight: str
     start_s: float
@@ -305,7 +308,7 @@ class Joined(Done):
 
 
 class HandOver(Message):
-    """A request to pass on the controls. to: the id of another member; empty releases the controls."""
+    """A request to hand over the controls. to: the id of another member; empty releases the controls."""
 
     to: str | None = None
 

@@ -8,7 +8,7 @@ from uwsim.operator.station.wire import Message
 
 
 class GoalState(Message):
-    """A goal of an exercise. share: how far it is met, 0 to 1."""
+    """A goal of an exercise. share: the fraction achieved, 0 to 1."""
 
     title: str
     points: float
@@ -16,7 +16,7 @@ class GoalState(Message):
 
 
 class BrokenLimit(Message):
-    """A limit of an exercise that was broken, and what it cost."""
+    """A broken limit of an exercise, and the points that it cost."""
 
     title: str
     cost: float
@@ -24,7 +24,7 @@ class BrokenLimit(Message):
 
 
 class ExerciseState(Message):
-    """How an exercise stands. points: the most that can be had; lost: by limits; has_sheet: whether it is written."""
+    """The state of an exercise. points: the maximum; lost: deducted for limits; has_sheet: whether the sheet exists."""
 
     success: Literal[True]
     title: str
@@ -54,14 +54,14 @@ class Supervise(Message):
 
 
 class Instruct(Message):
-    """The instructor's request. action: one of those in the document, with its args."""
+    """The instructor's request. action: see docs/connections/station-wire.md, also for its args."""
 
     action: str
     args: dict[str, Any] | None = None
 
 
 class VehicleTruth(Message):
-    """A vehicle as it truly is."""
+    """A vehicle's true state."""
 
     name: str
     position_world_m: list[float]
@@ -103,7 +103,7 @@ class Overview(Message):
 
 
 class ParameterList(Message):
-    """All parameters. descriptions_json: as of /simulation/describe_parameters."""
+    """All parameters. descriptions_json: as returned by /simulation/describe_parameters."""
 
     success: Literal[True]
     descriptions_json: str
@@ -113,7 +113,7 @@ class ParameterList(Message):
 
 
 class PlanRequest(Message):
-    """A request about waypoints. action: report, save, fly or stop. points_m: x, y, z in odom. name: of the file."""
+    """A request about a plan. action: report, save, fly or stop. points_m: x, y, z in odom. name: the file's name."""
 
     action: str
     vehicle: str | None = None
@@ -123,7 +123,7 @@ class PlanRequest(Message):
 
 
 class PlanState(Message):
-    """How the plan stands. reached: the number of the last waypoint."""
+    """The state of the plan. reached: the number of the last waypoint reached."""
 
     success: Literal[True]
     message: str
@@ -136,7 +136,10 @@ class PlanState(Message):
 
 
 class NotesRequest(Message):
-    """A request about notes. action: list, add or comment. view: of a camera, for a picture. place: view or vehicle."""
+    """A request about notes. action: list, add or comment. view: a camera's, to add a picture.
+
+    place: view or vehicle.
+    """
 
     action: str
     vehicle: str | None = None
@@ -159,7 +162,7 @@ class NoteState(Message):
 
 
 class NotesState(Message):
-    """The notes of the run so far, and the comment that stands in pictures."""
+    """The notes of the run so far, and the comment shown in pictures."""
 
     success: Literal[True]
     message: str

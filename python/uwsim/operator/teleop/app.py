@@ -28,7 +28,7 @@ from uwsim.operator.teleop.terminal import KeyReleased, ReleaseDriver
 FRAME_S = 0.1
 PAD_S, LOOK_S = 0.02, 1.0
 SILENT_S = 1.0  # time without telemetry after which the pilot is warned
-LATE = 2.5  # over a slow modem, that time in multiples of the last interval
+LATE = 2.5  # the same over a slow modem, in multiples of the last interval
 QUIT_S = 3.0  # time limit for restoring the terminal
 INTERRUPTED = 130  # exit code, as for all commands
 

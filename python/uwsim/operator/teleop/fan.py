@@ -1,4 +1,4 @@
-"""The sonar fan drawn as dots: the vehicle is at the bottom centre, ahead is up, port is left."""
+"""Draws the sonar fan as dots: the vehicle is at the bottom centre, ahead is up, port is left."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Gamepads via SDL (pygame-ce, the extra 'gamepad'), with the same stick and button assignments as the station's page.
 
-Sticks as on most ROVs: the left one climbs and turns, the right one moves ahead and sideways. SDL's database maps all
-known gamepads to the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
+The sticks work as on most ROVs: the left one climbs and turns, the right one moves ahead and sideways. SDL's database
+maps all known gamepads to the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
 """
 
 from __future__ import annotations

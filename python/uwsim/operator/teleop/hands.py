@@ -1,4 +1,4 @@
-"""The pilot's hands: keys and sticks become efforts, which end without further input.
+"""The pilot's hands: converts keys and sticks to efforts, which expire without further input.
 
 A terminal reports that a key was typed, and again as it repeats, but not that it was released. An effort therefore
 lasts for FIRST_HOLD_S after a key is first typed, by which time a keyboard has started to repeat, and for REPEAT_HOLD_S

@@ -220,7 +220,7 @@ function act(action, isPressed) {
   actions[action]?.();
 }
 
-// Notes stand at their places in the 3D view and on the chart.
+// Notes are shown at their positions in the 3D view and on the chart.
 function showNotes() {
   const placed = inspection.notes.filter(({ position_m }) => position_m);
   scene.showNotes(placed);

@@ -1,4 +1,4 @@
-// Turns cameras that have a motor: the large view's if it has one, else the vehicle's first.
+// Turns the camera of the large view if it has a motor, or else the vehicle's first camera with a motor.
 import { attempt, el } from './dom.js';
 import { STRINGS } from './strings.js';
 

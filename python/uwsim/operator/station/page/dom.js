@@ -18,7 +18,7 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
-// Write text only if it differs, so that the layout is not disturbed ten times a second without need.
+// Write text only if it differs, to avoid a needless layout ten times a second.
 export function write(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -33,8 +33,8 @@ export function toast(text, kind = 'info') {
   toastTimer = setTimeout(() => box.classList.remove('is-shown'), kind === 'error' ? 6000 : 3000);
 }
 
-// Await the server's answer to a button, and show a refusal. done: the message on success, unless the answer has one.
-// Return the answer, or null.
+// Await the server's answer, and show a refusal. If `done` is given, show success, too: the answer's message, or else
+// `done`. Return the answer, or null after a refusal.
 export async function attempt(promise, done = '') {
   try {
     const answer = await promise;
@@ -50,7 +50,7 @@ export async function attempt(promise, done = '') {
   }
 }
 
-// 'a rosbridge client' as the beginning of a sentence.
+// Capitalise a text such as 'a rosbridge client' for the beginning of a sentence.
 export const capital = (text) => text.replace(/^./, (letter) => letter.toUpperCase());
 
 // A whole number with its thousands grouped.

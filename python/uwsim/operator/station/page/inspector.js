@@ -8,7 +8,7 @@ const WORLD = 'world';
 // Parameters of the physics that have a slider.
 const PHYSICAL =
   /^water\.(density|surface_temp|bottom_temp|salinity|current_world)|^optics\.(coefficients\.|sun|wind|particles)|\.(mass_kg|ballast_kg|inertia_kg_m2|added_mass|drag)\b/;
-const WIDE = 1000; // bounds farther apart than this are no scale for a slider
+const WIDE = 1000; // bounds farther apart than this are too wide for a slider
 const SLIDER_STEPS = 200;
 
 export class Inspector {
@@ -73,8 +73,8 @@ export class Inspector {
     if (this.isOpen) this.search.focus();
   }
 
-  // Read the values of all parameters. Their descriptions are read again only if another simulator or a change brought
-  // other parameters, so that the row being edited keeps the focus.
+  // Read the values of all parameters. Descriptions are read again only if a change or a different simulator has
+  // introduced other parameters, so that the row being edited keeps the focus.
   async #refresh() {
     if (!this.isOpen || this.#isReading) {
       this.#isStale = true;
@@ -208,14 +208,14 @@ export class Inspector {
     this.resetAll.disabled = mayNot || ![...this.#rows.values()].some(({ isChanged }) => isChanged);
   }
 
-  // Show the values that hold after a request, whether it was granted or refused.
+  // Show the values in effect after a request, whether it was accepted or refused.
   async #send(promise) {
     await attempt(promise);
     await this.#refresh();
   }
 }
 
-// The input for a parameter's type. Values that are no number, flag or choice are written as JSON.
+// Return the input for a parameter's type. Values other than numbers, flags and choices are written as JSON.
 function field({ type, value, choices, optional }, set) {
   if (type === 'flag') return el('input', { type: 'checkbox', onchange: ({ target }) => set(target.checked) });
   if (choices.length && !optional)
@@ -238,7 +238,7 @@ function field({ type, value, choices, optional }, set) {
   });
 }
 
-// An empty field is no value. Anything that cannot be read is sent as text, and the simulator reports the rule.
+// An empty field means no value. Text that cannot be parsed is sent as it is, and the simulator reports the rule.
 function parsed(text, type) {
   if (text === '') return null;
   try {

@@ -1,4 +1,4 @@
-// The instructor's page: the truth, faults, water and light, saved moments, all parameters, and a log of what was done.
+// The instructor's page: the truth, faults, water and light, saved moments, all parameters, and a log of actions.
 import './localize.js';
 import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
@@ -9,7 +9,7 @@ import { bridgeUrl, Station } from './wire/station.js';
 
 const WORDS = STRINGS.instructor;
 const ASK_MS = 500;
-// Faults by name: their arguments, and of what the part is.
+// Faults by name: their arguments, and the kind of part that fails.
 const FAULTS = {
   sensor_stuck: [(part) => ({ kind: 'sensor', sensor: part, mode: 'stuck' }), 'sensors'],
   sensor_off: [(part) => ({ kind: 'sensor', sensor: part, mode: 'off' }), 'sensors'],
@@ -31,7 +31,7 @@ const SLIDERS = [
 ];
 const WATERS = ['I', 'IA', 'IB', 'II', 'III', '1C', '3C', '5C', '7C', '9C']; // Jerlov's, from clear to turbid
 
-// The station as an instructor uses it: parameters by the instructor's own services.
+// The station with parameters accessed through the instructor's own services.
 class InstructorStation extends Station {
   isAdmitted = false;
 
@@ -175,7 +175,7 @@ async function look() {
     show();
     if (isFirst) showParts();
   } catch {
-    /* the connection is lost: the last overview stays, with its time */
+    /* the connection is lost: keep the last overview, with its time */
   }
 }
 
@@ -233,7 +233,7 @@ function show() {
   );
 }
 
-// A button for each key; unchanged keys keep their buttons, and the focus.
+// Update the buttons, one for each key. Unchanged keys keep their buttons and the focus.
 function buttons(row, keys, made) {
   if (row.dataset.keys === keys.join()) return;
   row.dataset.keys = keys.join();

@@ -1,4 +1,4 @@
-// The words of the document itself, which stand in its table: data-text, data-label and data-tip name a key.
+// Inserts the texts of the document itself: data-text, data-label and data-tip contain keys of its table.
 import { LANGUAGE, STRINGS } from './strings.js';
 
 const WORDS = STRINGS.document;

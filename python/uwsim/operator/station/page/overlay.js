@@ -1,4 +1,4 @@
-// The values that stand in recorded pictures and in the metadata of snapshots: by the vehicle's instruments, in SI units.
+// The values in recorded pictures and in the metadata of snapshots: those of the vehicle's instruments, in SI units.
 import { attitude } from './attitude.js';
 import { clockText, fixed } from './dom.js';
 import { STRINGS } from './strings.js';
@@ -12,7 +12,7 @@ const ROOM_PX = 14;
 const length = (metres) => (metres === null ? '–' : `${fixed(metres, 1)} m`);
 const known = (value, digits) => (Number.isFinite(value) ? +value.toFixed(digits) : null);
 
-// The values of the telemetry, null for what no instrument measures; the same as those of the server's snapshots.
+// The values of the telemetry, null where no instrument measures them; identical to those in the server's snapshots.
 export function instruments(message, time_s) {
   const isPlaced = Boolean(message) && [...message.position].every(Number.isFinite);
   return {
@@ -24,7 +24,7 @@ export function instruments(message, time_s) {
   };
 }
 
-// Two lines: where and when, and what the instruments show. old_s: the age of the values, 0 while they are fresh.
+// Two lines: position and time, then the instruments' values. old_s: the age of the values, 0 while they are fresh.
 export function overlayLines({ scenario, vehicle, view }, values, old_s = 0) {
   const { heading_deg: heading, position_m: at } = values;
   return [

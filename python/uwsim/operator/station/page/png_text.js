@@ -15,7 +15,7 @@ export function crc32(bytes) {
 }
 
 function chunk(keyword, text) {
-  // After the keyword: not compressed, in no stated language, without a translated keyword.
+  // After the keyword: not compressed, no language, no translated keyword.
   const body = new TextEncoder().encode(`iTXt${keyword}\0\0\0\0\0${text}`);
   const bytes = new Uint8Array(body.length + 8);
   bytes.set(body, 4);

@@ -31,7 +31,7 @@ export class Preview {
     );
   }
 
-  // Show the picture of a scenario; '' for none. The last one stays until the next is there.
+  // Show the picture of a scenario; '' for none. The previous one stays until the next has loaded.
   show(scenario, url) {
     if (scenario === this.#shown) return;
     this.#shown = scenario;

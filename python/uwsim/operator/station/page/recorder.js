@@ -48,7 +48,7 @@ export class Recorder {
   #running = null; // { recorder, chunks, bytes, rows, timer, type, stem }
   shown = []; // the lines below the last recorded picture
 
-  // comment(): what the pilot lets stand in pictures now.
+  // comment(): returns the comment to show in pictures.
   constructor(station, telemetry, views, comment) {
     [this.station, this.telemetry, this.views, this.comment] = [station, telemetry, views, comment];
     byId('snapshot').addEventListener('click', () => this.snapshot());
@@ -60,7 +60,7 @@ export class Recorder {
     return this.#running !== null;
   }
 
-  // Save the large view: a camera's as the server renders it, without loss; any other as it is shown.
+  // Save the large view: a lossless picture from the server for a camera, otherwise what is displayed.
   async snapshot() {
     const { large, largeView } = this.views;
     const name = `${this.#stem(large.replaceAll('/', '-'))}.png`;
@@ -76,7 +76,7 @@ export class Recorder {
     }
   }
 
-  // A picture of what the page draws itself, with the keywords of the server's pictures.
+  // A picture of a view that the page draws itself, with the same keywords as the server's pictures.
   async #drawn() {
     const { message, stamp_s } = this.telemetry;
     const values = { ...this.#about, comment: this.comment(), ...instruments(message, stamp_s) };
@@ -93,7 +93,7 @@ export class Recorder {
     return { scenario: description?.scenario ?? '', vehicle: this.telemetry.vehicle, view: this.views.large };
   }
 
-  // Pass on the large view's canvas while it holds its picture.
+  // Call a function with the large view's canvas while the canvas still contains its picture.
   #shownCanvas(take) {
     const { large, largeView } = this.views;
     const own = this.views.drawn.find(({ name }) => name === large);
@@ -134,7 +134,7 @@ export class Recorder {
     this.#running = running;
   }
 
-  // Save what there is, and record into another file.
+  // Save the recording so far, and continue in a new file.
   #goOn() {
     const { stem } = this.#running;
     this.#stop();
@@ -179,7 +179,7 @@ export class Recorder {
   }
 }
 
-// Draw a canvas as large as it fits, in the middle.
+// Draw a canvas in the middle, as large as fits.
 function paste(context, canvas) {
   if (!canvas.width || !canvas.height) return;
   const fit = Math.min(SIZE[0] / canvas.width, SIZE[1] / canvas.height);

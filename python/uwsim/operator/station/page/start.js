@@ -1,4 +1,4 @@
-// The start screen: choose what to simulate, or a running simulator.
+// The start screen: starts a simulator, or connects to a running one.
 import { byId, el, write } from './dom.js';
 import { Preview } from './preview.js';
 import { number, options } from './start_inputs.js';
@@ -20,7 +20,7 @@ export class StartScreen {
   #preview = new Preview();
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
-  // taken(catalog): called when the choices have arrived.
+  // taken(catalog): called when the catalog has arrived.
   constructor(station, taken = () => {}) {
     [this.station, this.taken] = [station, taken];
     this.form = byId('start-form');
@@ -48,7 +48,7 @@ export class StartScreen {
     this.#build();
     this.taken(this.catalog);
     this.#say('');
-    this.#check(); // the server builds the checked simulator ahead, so that Start finds it ready
+    this.#check(); // the server builds the simulator for a valid choice in advance, so that it is ready at Start
   }
 
   #build() {
@@ -247,7 +247,7 @@ export class StartScreen {
     };
   }
 
-  // The name of the session that is to go on, if one is chosen.
+  // The name of the saved session to continue, if one is chosen.
   get savedName() {
     const { value } = this.#fields.get('scenario').input;
     return value.startsWith(SAVED) ? value.slice(SAVED.length) : '';
@@ -279,7 +279,7 @@ export class StartScreen {
     return errors;
   }
 
-  // Say what is wrong at its field; return whether anything is.
+  // Show each error at its field; return whether there are any.
   #mark(errors) {
     for (const [name, { box, input, wrong }] of this.#fields) {
       const text = errors[name] ?? '';
@@ -297,7 +297,7 @@ export class StartScreen {
   async #submit() {
     if (!this.catalog) return;
     this.#showHints();
-    clearTimeout(this.#timer); // a check that ends later must not erase what Start finds
+    clearTimeout(this.#timer); // a check that ends later must not erase the errors reported by Start
     this.#checks += 1;
     if (this.isElsewhere) {
       const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());

@@ -12,7 +12,7 @@ export function options(choices) {
   return select;
 }
 
-// A number field as text: an invalid number is sent as it is, and the server reports why.
+// A number field that accepts any text: an invalid number is sent as it is, and the server reports the reason.
 export function number({ min, max, step }) {
   return el('input', {
     type: 'text',

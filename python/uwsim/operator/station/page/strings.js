@@ -1,6 +1,6 @@
-// The words that the page shows, by topic, for translation: a value is text, or a function that puts values into text.
-// Another language is a table of the same shape, such as strings_de.js, and one line in TABLES. What the server reports
-// (errors, alarms, names and descriptions of scenarios and parameters) is English.
+// The texts of the page, by topic, for translation. An entry is a text, or a function that inserts values into a text.
+// To add a language, add a table of the same shape, such as strings_de.js, and a line in TABLES. Texts from the server
+// (errors, alarms, names and descriptions of scenarios and parameters) are always English.
 import { GERMAN } from './strings_de.js';
 
 const ENGLISH = {
@@ -84,7 +84,7 @@ const ENGLISH = {
     notConnected: (host, seconds, left) => `Not connected to ${host}${seconds}; trying again. ${left}`,
     seconds: (value) => ` for ${value} s`,
     silent: (seconds, hadHelm, left) =>
-      `Nothing has arrived${seconds}: what you see is old.${hadHelm ? ' Your keys do nothing.' : ''} ${left}`,
+      `Nothing has arrived${seconds}: the display is out of date.${hadHelm ? ' Your keys do nothing.' : ''} ${left}`,
     silentPilot: (name, seconds) => `${name} has been silent for ${seconds} s: efforts are zero.`,
     stopped: (error) => `The simulation stopped: ${error}`,
     stops: 'The vehicle stops by itself.',
@@ -150,7 +150,7 @@ const ENGLISH = {
     holds: 'Holds',
     keys: 'Keys',
     keys2: 'Keys (?)',
-    leaveTheStationFor: 'Leave the station for free water (Y)',
+    leaveTheStationFor: 'Leave the station for open water (Y)',
     lessGain: 'Less gain',
     lights: 'Lights',
     menu: 'Menu',
@@ -177,9 +177,9 @@ const ENGLISH = {
     uwsimAnUnderwaterRobotics: 'uwsim, an underwater robotics simulator',
     vehicle: 'Vehicle',
     vehiclePanel: 'Vehicle panel',
-    vehicleThatIsFlown: 'Vehicle that is flown',
+    vehicleThatIsFlown: 'Vehicle being flown',
     views: 'Views',
-    wantedSpeed: 'Wanted speed',
+    wantedSpeed: 'Requested speed',
   },
   exercise: {
     brief: 'Task',
@@ -193,26 +193,26 @@ const ENGLISH = {
   },
   failsafe: {
     acts: (what, why) => `Failsafe: the vehicle ${what}, because ${why}.`,
-    asked: 'The vehicle is asked to obey again.',
+    asked: 'The vehicle has been asked to accept commands again.',
     battery: 'the battery is low',
-    comesBack: 'returns by itself',
+    comesBack: 'is returning by itself',
     goOn: 'continues with its last command',
     hold: 'holds its place by itself',
     leak: 'water is inside',
-    notices: 'The vehicle notices:',
-    sensor: 'a sensor fails',
-    silence: 'it hears nothing',
-    surface: 'surfaces by itself',
+    notices: 'The vehicle has detected:',
+    sensor: 'a sensor has failed',
+    silence: 'it receives nothing',
+    surface: 'is surfacing by itself',
     takeBack: 'Take back',
-    thruster: 'a thruster does not obey',
-    tip: 'Override the failsafe: it acts no more for this cause',
+    thruster: 'a thruster does not respond',
+    tip: 'Override the failsafe: it will not act on this cause again',
   },
   fan: {
     rangesOfTheNewest: 'Ranges of the newest sonar ping',
     sonar: 'Sonar',
   },
   gamepad: {
-    centre: (name) => `${name}: let go of its sticks, then it drives.`,
+    centre: (name) => `${name}: release its sticks, then it can drive.`,
     unknown: (name) => `${name}: its layout is unknown. Assign its sticks: menu, Gamepad.`,
   },
   gamepadDialog: {
@@ -225,13 +225,13 @@ const ENGLISH = {
     buttonsAnd: (plus, minus) => `buttons ${plus} and ${minus}`,
     byDefault: 'Default',
     calibrate: 'Calibrate',
-    connect: 'Connect a gamepad, press one of its buttons, and open this again.',
+    connect: 'Connect a gamepad, press one of its buttons, and reopen this dialog.',
     deadZone: 'Dead zone',
     done: 'Done',
     gamepad: 'Gamepad',
-    isOther: 'Its layout is not standard: calibrate, then assign.',
-    isStandard: 'A standard layout.',
-    moveAll: 'Move every stick and trigger to all its ends, let go, then press Done.',
+    isOther: 'This gamepad has no standard layout: calibrate it, then assign its sticks and buttons.',
+    isStandard: 'This gamepad has a standard layout.',
+    moveAll: 'Move every stick and trigger to all its limits, release them, then press Done.',
     none: 'none',
     noseDown: 'Nose down',
     nothing: 'nothing',
@@ -273,12 +273,12 @@ const ENGLISH = {
   idleKeys: {
     allStop: 'Your keys do nothing: all stop is set.',
     docked: (key) => `Docked, so the thrusters are off: release the vehicle first${key ? ` (${key})` : ''}.`,
-    driven: (driver) => `Your keys do nothing: ${driver} drives.`,
+    driven: (driver) => `Your keys do nothing: ${driver} is driving.`,
     empty: 'The battery is empty: the thrusters are off.',
     noHelm: 'Your keys do nothing: you do not have the controls.',
-    otherFlies: (name) => `Your keys do nothing: ${name} flies.`,
-    paused: 'Your keys do nothing: time stands still.',
-    silence: 'Your keys do nothing: nothing arrives from the simulator.',
+    otherFlies: (name) => `Your keys do nothing: ${name} is flying.`,
+    paused: 'Your keys do nothing: the simulation is paused.',
+    silence: 'Your keys do nothing: no data arrive from the simulator.',
   },
   inspection: {
     add: 'Add note',
@@ -292,7 +292,7 @@ const ENGLISH = {
     },
     category: 'Category of the note',
     comment: 'Comment in pictures',
-    commented: 'The comment stands in pictures from now on',
+    commented: 'The comment is now shown in pictures',
     download: 'Download the notes',
     heading: 'Inspection',
     list: 'Notes, newest first',
@@ -313,7 +313,7 @@ const ENGLISH = {
     parameters: 'Parameters',
     reset: (name) => `Reset ${name}`,
     resetAll: 'Reset all',
-    resetTip: 'Back to the scenario’s value',
+    resetTip: 'Restore the scenario’s value',
     search: 'Search',
     searchParameters: 'Search parameters',
     slider: (name) => `${name}, slider`,
@@ -372,14 +372,14 @@ const ENGLISH = {
   flights: {
     about: (scenario, duration, megabytes) => `${scenario}, ${duration}, ${megabytes} MB`,
     branch: (where) => `flown on from ${where}`,
-    hint: 'Every flight is recorded here by itself. The oldest are deleted when there are too many.',
+    hint: 'Every flight is recorded automatically. The oldest are deleted when there are too many.',
     reading: 'Reading the flight …',
     replay: 'Replay',
     replayOf: (begun) => `Replay the flight of ${begun}`,
     title: 'Flights',
   },
   keysDialog: {
-    addUp: 'Presses add up until the opposite key.',
+    addUp: 'Presses add up until you press the opposite key.',
     aheadSideways: 'Ahead, sideways',
     allStop: 'All stop',
     change: (action, keys) => `${action}: ${keys}; change`,
@@ -396,7 +396,7 @@ const ENGLISH = {
     leftStick: 'left stick',
     menu: 'Menu',
     none: 'none',
-    ofStandard: 'Of a standard pad; the menu changes it.',
+    ofStandard: 'For a standard gamepad; change it in the menu.',
     preset: 'Preset',
     press: 'Press a key',
     releaseOrDock: 'Release or dock',
@@ -426,7 +426,7 @@ const ENGLISH = {
     silent: (pilot) => `${pilot} is silent: take over`,
     takeTheControls: 'Take the controls',
     takeThemBack: 'Take them back',
-    toNone: 'No one: let the vehicle rest',
+    toNone: 'No one: stop the vehicle',
     toWhom: 'To whom?',
     youFly: 'You fly',
     youHadTheControls: 'You had the controls',
@@ -436,7 +436,7 @@ const ENGLISH = {
     blackout: ': blackout',
     delay: 'Delay',
     down: 'down',
-    fault: (percent) => `: a fault takes ${percent} %`,
+    fault: (percent) => `: a fault drops ${percent} %`,
     link: 'Link',
     lost: 'Lost',
     quality: 'Quality',
@@ -451,7 +451,7 @@ const ENGLISH = {
     gamepad: 'Gamepad',
     keys: 'Keys',
     menu: 'Menu',
-    onlyThePilotChanges: 'Only the pilot changes the run.',
+    onlyThePilotChanges: 'Only the pilot can control the simulation.',
     paused: 'Paused',
     quitToTheStart: 'Quit to the start screen',
     restarted: 'Restarted',
@@ -460,7 +460,7 @@ const ENGLISH = {
     save: 'Save',
     saveAs: 'Save as',
     saved: 'Saved',
-    youHaveAnotherName: 'You have another name now',
+    youHaveAnotherName: 'Your name has been changed',
     yourName: 'Your name',
   },
   overlay: {
@@ -529,8 +529,8 @@ const ENGLISH = {
     vehicleAtItsStart: 'Vehicle at its start',
   },
   recorder: {
-    more: (name) => `Saved ${name}; the recording goes on in the next file`,
-    noPictures: 'Recording the telemetry: this browser cannot record pictures',
+    more: (name) => `Saved ${name}; the recording continues in the next file`,
+    noPictures: 'Recording only telemetry: this browser cannot record pictures',
     noSnapshot: (why) => `No snapshot: ${why}`,
     record: 'Record',
     saved: (name) => `Saved ${name}`,
@@ -548,8 +548,8 @@ const ENGLISH = {
     have: 'You set the time',
     helm: 'Take the helm',
     idleKeys: 'Your keys do nothing: this is a replay. Take the helm to fly.',
-    over: 'Not flown at this time',
-    overlay: 'Another flight beside this one',
+    over: 'Not in flight at this time',
+    overlay: 'Compare with another flight',
     pause: 'Pause',
     play: 'Play',
     plot: 'Events, and the distance between the two flights, over time',
@@ -606,27 +606,27 @@ const ENGLISH = {
   start: {
     address: 'Address',
     asFastAsPossible: 'As fast as possible',
-    asking: 'Asking the simulator what it offers …',
+    asking: 'Loading the available choices …',
     connect: 'Connect',
-    goOnWith: (name) => `Go on with “${name}”`,
-    here: 'Start one here',
+    goOnWith: (name) => `Continue “${name}”`,
+    here: 'Start a simulator here',
     hereHint: 'In the process that serves this page',
     host: 'Host',
-    hostHint: 'A server of uwsim, such as uwsim serve lake --station.',
-    itsRos: 'Its ROS',
+    hostHint: 'A uwsim server, such as uwsim serve lake --station.',
+    itsRos: 'ROS version',
     linkToTheVehicle: 'Link to the vehicle',
     mission: 'Mission',
     missionTime: 'Mission time',
     noRosbridge: 'none: fly without ROS',
-    own: 'The scenario’s own',
-    ownValue: (value) => `${value} (the scenario’s own)`,
+    own: 'From the scenario',
+    ownValue: (value) => `${value} (from the scenario)`,
     port: 'Port',
-    portHint: 'Empty: 9090, as rosbridge_server has it.',
+    portHint: 'If empty: 9090, the default of rosbridge_server.',
     realTime: (speed) => `${speed} × real time`,
     ros1: 'ROS 1',
     ros2: 'ROS 2',
-    rosbridgeHint: 'The simulator joins the rosbridge_server there, as with uwsim connect, for your nodes to fly it.',
-    savedHint: 'Saved here: all but the speed is as it was, and the map grows on.',
+    rosbridgeHint: 'The simulator joins this rosbridge_server, as with uwsim connect, so that your nodes can fly it.',
+    savedHint: 'Continues a session saved here, including its map; only the speed can be changed.',
     scenario: 'Scenario',
     seed: 'Seed',
     seedHint: 'The same seed and the same controls give the same run.',
@@ -637,7 +637,7 @@ const ENGLISH = {
     there: 'Open another station',
     thereHint: 'Shows and flies a simulator that runs elsewhere',
     timeAndLink: 'Time and link',
-    timeHint: 'The battery lasts as long.',
+    timeHint: 'This is also how long the battery lasts.',
     vehicle: 'Vehicle',
     wrongHost: (host) => `host = '${host}': must be a name or an address, such as 127.0.0.1`,
     wrongPort: (port) => `port = '${port}': must be in [1, 65535]`,
@@ -669,10 +669,10 @@ const ENGLISH = {
     upDownAndTurn: 'Up, down and turn',
   },
   views: {
-    ask: 'Enlarge to ask for it',
+    ask: 'Enlarge to request it',
     enlarge: (title, key) => `Make ${title} the large view${key && ` (key ${key})`}`,
     noPicture: 'No picture',
-    noRoom: (modem) => `${modem} has no room for pictures`,
+    noRoom: (modem) => `${modem} has no capacity for pictures`,
     oldPicture: 'Old picture',
     over: (modem) => `over ${modem}`,
     picture: (title) => `Picture: ${title}`,
@@ -680,9 +680,9 @@ const ENGLISH = {
     waiting: 'Waiting for a picture',
   },
   wire: {
-    noAnswer: (service, seconds) => `${service} gave no answer within ${seconds} s`,
-    noStation: 'This rosbridge has no station that sets pictures.',
-    noVehicle: 'this rosbridge has no vehicle of uwsim: no topic telemetry',
+    noAnswer: (service, seconds) => `${service} did not answer within ${seconds} s`,
+    noStation: 'Without a station, this rosbridge cannot change pictures.',
+    noVehicle: 'this rosbridge has no uwsim vehicle: there is no topic telemetry',
     pilot: (number) => `Pilot ${number}`,
     theConnectionWasLost: 'the connection was lost',
     theSimulatorIsNot: 'the simulator is not connected',
@@ -694,19 +694,19 @@ const STORED = 'uwsim.language';
 export const TABLES = { en: ENGLISH, de: GERMAN };
 export const LANGUAGES = ['system', ...Object.keys(TABLES)];
 
-// The language that was chosen in the menu: 'system' for the browser's.
+// The language chosen in the menu; 'system' means the browser's.
 export function chosenLanguage() {
   const kept = globalThis.localStorage?.getItem(STORED);
   return LANGUAGES.includes(kept) ? kept : 'system';
 }
 
-// Choose a language; the page is loaded again.
+// Store the chosen language and reload the page.
 export function setLanguage(name) {
   localStorage.setItem(STORED, name);
   location.reload();
 }
 
-// The language of the page: as chosen, or the first of the browser's for which there is a table, or English.
+// The language of the page: the chosen one, else the first of the browser's languages that has a table, else English.
 export const LANGUAGE =
   chosenLanguage() !== 'system'
     ? chosenLanguage()

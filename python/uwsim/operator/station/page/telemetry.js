@@ -5,13 +5,13 @@ import { STRINGS } from './strings.js';
 import { Closing, soonest } from './views/closing.js';
 
 const LATE_MS = 1500;
-const LATE_SIM_S = 2; // behind the simulated time, for example over an acoustic link
+const LATE_SIM_S = 2; // lag behind the simulated time, for example over an acoustic link
 
 export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
   message = null;
-  vehicle = ''; // its name
+  vehicle = ''; // the vehicle's name
   joints = new Map(); // the angles [rad] of the vehicle's motors, by name
   #heardMs = -Infinity;
 
@@ -20,7 +20,7 @@ export class Telemetry extends EventTarget {
     this.station = station;
   }
 
-  // joints: the topic of the motors' angles. proximities: { name, topic } of the sensors that look around. Either may be
+  // joints: the topic of the motors' angles. proximities: { name, topic } of each proximity sensor. Either may be
   // missing, for example over a modem.
   watch({ name: vehicle, telemetry: topic, joints = null, proximities = [] }) {
     for (const end of this.#ends) end();
@@ -52,7 +52,7 @@ export class Telemetry extends EventTarget {
       );
   }
 
-  // The soonest contact: { name, time_s }, or null if nothing is near in time.
+  // The next contact: { name, time_s }, or null if none is imminent.
   get contact() {
     return soonest(this.#closings);
   }
@@ -73,12 +73,12 @@ export class Telemetry extends EventTarget {
     return this.message ? seconds(this.message.header.stamp) : NaN;
   }
 
-  // Simulated time by which the values are behind the simulator [s].
+  // The lag of the values behind the simulator, in simulated time [s].
   get lag_s() {
     return Math.max(0, this.station.state.time - this.stamp_s);
   }
 
-  // Whether the values are older than they should be.
+  // Whether the values are late.
   get isStale() {
     const { state, isBlind } = this.station;
     if (!this.message || isBlind) return true;

@@ -1,4 +1,4 @@
-// Dark, light, or night, which is red for eyes that must see in the dark: by default that of the system.
+// Colour themes: dark, light, and night (red, to preserve night vision); by default, the system's.
 
 const STORED = 'uwsim.theme';
 export const THEMES = ['system', 'dark', 'light', 'night'];

@@ -48,7 +48,7 @@ export class TopBar {
     this.#makeCameraModes();
     station.addEventListener('state', () => this.showState());
     telemetry.addEventListener('change', () => this.#showVehicle());
-    // Space is a driving key: it must not press a button again that was clicked before.
+    // Space is a driving key, so it must not press the last clicked button again.
     byId('station').addEventListener('pointerup', (event) => {
       event.target.closest('button, a')?.blur();
     });
@@ -103,7 +103,7 @@ export class TopBar {
       attempt(this.station.command('set_lamp', this.#vehicle.name, { lamp: name, on }));
   }
 
-  // Turn the head while the button is held. The server turns it at its own rate.
+  // Turn the head while the button is held, at the server's rate.
   tilt(sign, isHeld) {
     clearInterval(this.#tiltTimer);
     this.#tiltTimer = 0;

@@ -1,4 +1,4 @@
-// The gamepad's dialog: live values, calibration, and what each stick and button does.
+// The gamepad dialog: live values, calibration, and the functions of sticks and buttons.
 import { byId, el, write } from '../dom.js';
 import { ACTIONS, DRIVING } from '../drive/bindings.js';
 import { connectedPads } from '../drive/gamepad.js';
@@ -23,7 +23,7 @@ const button = (text, onclick, attributes = {}) => el('button', { type: 'button'
 export function showGamepads(gamepads) {
   const dialog = byId('gamepad-dialog');
   const index = connectedPads()[0]?.index;
-  let step = null; // what the next motion or press of the pad means: take(pad), which returns whether it is done
+  let step = null; // the pending calibration or assignment: take(pad) returns whether it is complete
   let outputs = [];
 
   const pad = () => connectedPads().find((each) => each.index === index);

@@ -1,4 +1,4 @@
-// The list of keys: shown by ?, changed by a click and a key.
+// The list of keys, which ? opens; a click on an action and a key press change its key.
 import { byId, el } from '../dom.js';
 import { ACTIONS, DRIVING, keyName, PRESETS, SCREEN, VEHICLE } from '../drive/bindings.js';
 import { openDialog } from './dialog.js';

@@ -1,4 +1,4 @@
-// The pause menu: time stands still while the pilot reads it.
+// The pause menu, which pauses the simulation while it is open.
 import { attempt, byId, el, toast } from '../dom.js';
 import { setTheme, theme, THEMES } from '../theme.js';
 import { setUnit, unit, UNITS } from '../units.js';
@@ -13,7 +13,7 @@ export function showMenu(station, { keys, gamepad }) {
   const dialog = byId('menu-dialog');
   const { isPilot } = station;
   const mayPause = isPilot && station.may('pause');
-  let resumes = mayPause && !station.state.paused; // when it closes
+  let resumes = mayPause && !station.state.paused; // whether to resume when the menu closes
   if (resumes) attempt(station.control('pause'));
   const leave = (act, staysPaused = false) => {
     if (staysPaused) resumes = false;
@@ -21,7 +21,7 @@ export function showMenu(station, { keys, gamepad }) {
     act?.();
   };
   const speak = async (name) => {
-    if (resumes) await attempt(station.control('resume')); // the page is loaded again
+    if (resumes) await attempt(station.control('resume')); // the page reloads
     resumes = false;
     setLanguage(name);
   };

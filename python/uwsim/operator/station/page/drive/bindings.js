@@ -80,7 +80,7 @@ const SHARED = {
   comment: ['Backquote'],
   mute: ['KeyU'],
 };
-// Those of the paper's keyboard node.
+// The keys of the paper's keyboard node.
 const STANDARD = {
   ...SHARED,
   'sway+': ['KeyA'],
@@ -98,7 +98,7 @@ const STANDARD = {
   camLeft: ['ArrowLeft'],
   camRight: ['ArrowRight'],
 };
-// addsUp: each press adds to its axis or subtracts, and the sum lasts; otherwise a key acts while it is held.
+// addsUp: whether each press adds to its axis or subtracts, and the sum lasts. Otherwise a key acts while it is held.
 export const PRESETS = {
   standard: { name: WORDS.standard, keys: STANDARD },
   published: { name: WORDS.published, addsUp: true, keys: { ...STANDARD, zero: ['KeyX'], stop: ['KeyC'] } },
@@ -182,7 +182,7 @@ export class Bindings {
     this.#keep();
   }
 
-  // Bind a key to an action, and unbind it from its old one. Return why this is not possible, or ''.
+  // Bind a key to an action and unbind its previous action. Return the reason if this is impossible, else ''.
   assign(action, code) {
     if (RESERVED.test(code)) return WORDS.isNeeded(keyName(code));
     const owner = this.actionOf(code);
@@ -197,7 +197,7 @@ export class Bindings {
     try {
       localStorage.setItem(STORED, JSON.stringify({ preset: this.preset, changes: this.changes }));
     } catch {
-      /* a browser that stores nothing: the keys last until the page is closed */
+      /* this browser stores nothing: the keys last until the page is closed */
     }
   }
 

@@ -16,12 +16,12 @@ export class Gamepads {
   profiles = new Profiles();
   axes = {};
 
-  // notice(text): a pad's state, for the pilot.
+  // notice(text): shows a pad's state to the pilot.
   constructor(act, notice) {
     [this.#act, this.#notice] = [act, notice];
   }
 
-  // 'unknown', 'centre' (its sticks must be let go first) or 'armed'.
+  // 'unknown', 'centre' (its sticks must be released first) or 'armed'.
   stateOf(pad) {
     if (Object.keys(this.profiles.of(pad).sticks).length === 0) return 'unknown';
     return this.#armings.get(pad.index)?.isArmed ? 'armed' : 'centre';
@@ -68,7 +68,7 @@ export class Gamepads {
     for (const [axis, value] of Object.entries(this.axes)) axes[axis] += value;
   }
 
-  // State once, after a frame or two, why a pad does not drive.
+  // Notify the pilot once, after a frame or two, why a pad does not drive.
   #explain(pad) {
     const [last, frames] = this.#noticed.get(pad.index) ?? ['', 0];
     const state = this.stateOf(pad);

@@ -1,4 +1,4 @@
-// States, where driving keys are pressed, why they move nothing.
+// Explains, while driving keys are pressed, why they have no effect.
 import { ALL_STOPPED } from '../wire/messages.js';
 import { byId, write } from '../dom.js';
 import { keyName } from './bindings.js';
@@ -6,9 +6,9 @@ import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.idleKeys;
 
-const LEAST_MS = 1500; // that a hint stays, so that a tapped key has one, too
+const LEAST_MS = 1500; // minimum duration of a hint, so that it can be read after a tap
 
-// Show the reason from now on, whenever a driving key is held and moves nothing.
+// Start showing the reason whenever a driving key is held without effect.
 export function explainIdleKeys(station, telemetry, pilot, bindings) {
   let timer = 0;
   const look = () => {
@@ -28,7 +28,7 @@ function show(text) {
   byId('hint').hidden = text === '';
 }
 
-// Why a driving key moves nothing; '' if it moves the vehicle.
+// The reason why a driving key has no effect; '' if it moves the vehicle.
 export function reason(station, message, bindings) {
   const { state } = station;
   if (station.isBlind) return WORDS.silence;

@@ -1,4 +1,4 @@
-// The holds that the vehicle keeps by itself: buttons, keys, and their texts on the head-up display.
+// The vehicle's holds: buttons, keys, and their texts on the head-up display.
 import { attempt, byId, el } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { HOLDS as ARGUMENTS } from '../wire/messages.js';
@@ -8,7 +8,7 @@ const WORDS = STRINGS.holds;
 
 const length = (length_m) => `${inUnit(length_m).toFixed(1)} ${unitName()}`;
 
-// Each hold's title, its short name, the hold that it replaces, and the text of its target.
+// Each hold's title, short name, the hold that it replaces, and a function for the text of its target.
 export const HOLDS = {
   heading: { title: WORDS.heading, short: WORDS.hdg, text: (yaw_rad) => `${degrees(yaw_rad)}°` },
   depth: { title: WORDS.depth, short: WORDS.dep, instead: 'altitude', text: length },
@@ -28,7 +28,7 @@ const degrees = (yaw_rad) => {
   return String(((heading % 360) + 360) % 360).padStart(3, '0');
 };
 
-// The arguments of the command that switches one hold, where `active` are now.
+// The arguments of the command that toggles one hold, given the `active` ones.
 export function switched(active, name) {
   const on = new Set(active);
   if (!on.delete(name)) {
@@ -38,8 +38,8 @@ export function switched(active, name) {
   return Object.fromEntries(ARGUMENTS.map((each) => [each, on.has(each)]));
 }
 
-// The displayed text of each active hold: its short name and its target; null while the stick or the braking
-// decides.
+// The displayed text of each active hold: its short name and its target, which is null while the pilot steers or the
+// vehicle brakes.
 export function shownHolds({ holds = [], hold_targets: targets = [] } = {}) {
   return holds.map((name, k) => ({
     name,

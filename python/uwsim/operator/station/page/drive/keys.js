@@ -1,4 +1,4 @@
-// Held or counted keys as efforts, and pressed keys as actions.
+// Converts held or counted keys to efforts, and pressed keys to actions.
 import { ALL_STOP, DRIVING } from './bindings.js';
 
 const TYPING = 'input, select, textarea, [contenteditable]';

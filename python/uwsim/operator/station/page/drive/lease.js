@@ -1,4 +1,4 @@
-// Shows who drives, with a button that takes the controls, requests them or hands them over, and a chip for offers.
+// Shows who has the controls, with a button that takes, requests or hands over the controls, and a chip for offers.
 import { attempt, byId, capital, el, write } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
 import { STRINGS } from '../strings.js';
@@ -6,8 +6,8 @@ import { STRINGS } from '../strings.js';
 const WORDS = STRINGS.lease;
 
 export class Lease {
-  #tried = -1; // the session whose controls this page has tried to take by itself
-  #dismissed = new Set(); // offers that the pilot has put away
+  #tried = -1; // the session whose controls this page has tried to take automatically
+  #dismissed = new Set(); // offers that the pilot has dismissed
   #offered = ''; // the key of the displayed offer
 
   constructor(station) {
@@ -27,9 +27,9 @@ export class Lease {
     this.#showOffer();
   }
 
-  // The first page of a session flies it, unless another client drives, nodes at a rosbridge that the simulator has
-  // joined are to fly it, or a pilot has just lost the connection. A page that gives the controls away does not get them
-  // back by itself.
+  // The first page of a session takes the controls, unless another client is driving, the simulator has joined a
+  // rosbridge whose nodes will drive, or a pilot has just lost the connection. A page that gives up the controls does
+  // not get them back automatically.
   takeOnce() {
     const { state, id, description, isBlind } = this.station;
     if (id === '' || isBlind || this.#tried === description.session) return;
@@ -58,7 +58,7 @@ export class Lease {
     return state.asking.includes(station.id) ? WORDS.asked(pilot) : WORDS.flies(pilot);
   }
 
-  // The offer to be shown: what is offered, and by which button. It takes no focus and releases no key.
+  // The offer to be shown: its text and its button. The offer takes no focus and releases no key.
   #wanted() {
     const { station } = this;
     const { asking } = station.state;

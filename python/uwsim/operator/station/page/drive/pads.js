@@ -1,4 +1,4 @@
-// How a gamepad's axes and buttons become efforts and actions: pure functions of a profile, kept for each kind of pad.
+// Converts a gamepad's axes and buttons to efforts and actions, according to a profile stored for each kind of pad.
 
 const STORED = 'uwsim.pads';
 export const DEAD_ZONE = 0.12;
@@ -6,8 +6,8 @@ export const DEAD_ZONES = [0.02, 0.5];
 const FULL = { rest: 0, low: -1, high: 1 };
 const CURVE = 1.5; // fine control near the middle, full effort at the end
 
-// The mapping `standard` of https://www.w3.org/TR/gamepad. Sticks as on most ROVs: the left one climbs and turns, the
-// right one goes ahead and sideways.
+// The mapping `standard` of https://www.w3.org/TR/gamepad. The sticks work as on most ROVs: the left one climbs and
+// turns, the right one moves ahead and sideways.
 const STANDARD = {
   sticks: {
     yaw: { axis: 0, sign: -1 },
@@ -41,7 +41,7 @@ export function defaultProfile({ mapping }) {
   return { sticks: { ...sticks }, buttons: { ...buttons }, ranges: {}, dead_zone: DEAD_ZONE };
 }
 
-// A value between its axis's ends as -1 to 1: 0 at rest and around it.
+// Scale a value from its axis's range to [-1, 1], with 0 at rest and in the dead zone around it.
 export function shaped(value, { rest, low, high } = FULL, dead_zone = DEAD_ZONE) {
   if (!Number.isFinite(value)) return 0;
   const reach = value < rest ? rest - low : high - rest;
@@ -50,7 +50,7 @@ export function shaped(value, { rest, low, high } = FULL, dead_zone = DEAD_ZONE)
   return size < dead_zone ? 0 : Math.sign(share) * ((size - dead_zone) / (1 - dead_zone)) ** CURVE;
 }
 
-// The efforts and pressed actions of a pad.
+// Return the efforts and the pressed actions of a pad.
 export function readPad({ axes, buttons }, profile) {
   const efforts = {};
   const pull = (number) => shaped(buttons[number]?.value ?? 0, FULL, profile.dead_zone);
@@ -66,7 +66,7 @@ export function readPad({ axes, buttons }, profile) {
   return { efforts, actions };
 }
 
-// A pad drives only once all its sticks have been at rest, since it was connected or the pilot got the controls.
+// A pad may drive only after all its sticks have been at rest since it was connected or the pilot took the controls.
 export class Arming {
   #centred = 0;
 
@@ -76,9 +76,9 @@ export class Arming {
 
   static LOOKS = 5; // consecutive frames at rest
 
-  // Take the efforts of one frame; return those that may act.
+  // Process the efforts of one frame; return those that may take effect.
   pass(efforts, isAllowed) {
-    const values = Object.values(efforts); // none: a pad without sticks is not at rest, it is unknown
+    const values = Object.values(efforts); // empty for a pad without sticks, which is unknown, not at rest
     const isCentred = values.length > 0 && values.every((effort) => effort === 0);
     if (!isAllowed) this.#centred = 0;
     else if (!this.isArmed) this.#centred = isCentred ? this.#centred + 1 : 0;
@@ -90,7 +90,7 @@ export class Arming {
   }
 }
 
-// Learns rest, ends and identity of axes from what they do.
+// Learns the rest positions, ranges and identities of axes from their motion.
 export class Calibration {
   #ranges;
 
@@ -107,8 +107,8 @@ export class Calibration {
     });
   }
 
-  // The ranges of the axes that were moved, by number. An axis that moves to one side only, such as a trigger, ends
-  // there; the short side of a stick that was moved a little to it is as long as the other.
+  // The ranges of the axes that were moved, by number. If an axis moves to one side only, such as a trigger, its range
+  // ends at rest. If a stick was moved only a little to one side, that side gets half the length of the other.
   get ranges() {
     const moved = this.#ranges.map((range, k) => [k, range]).filter(([, { low, high }]) => high - low > 0.2);
     return Object.fromEntries(
@@ -157,14 +157,14 @@ export class Profiles {
     return id in this.#kept;
   }
 
-  // Keep a profile; null: return to the pad's default.
+  // Store a profile; null restores the pad's default.
   keep({ id }, profile) {
     if (profile) this.#kept[id] = profile;
     else delete this.#kept[id];
     try {
       this.storage.setItem(STORED, JSON.stringify(this.#kept));
     } catch {
-      /* a browser that stores nothing: the profile lasts until the page is closed */
+      /* this browser stores nothing: the profile lasts until the page is closed */
     }
   }
 }

@@ -1,4 +1,4 @@
-// Turns keys, gamepads and fingers into efforts: sent on each change, five times a second while held, zero on release.
+// Converts keys, gamepads and touch to efforts, sent on each change and five times a second while held.
 import { toast } from '../dom.js';
 import { AXES } from '../wire/messages.js';
 import { ALL_STOP } from './bindings.js';
@@ -68,7 +68,7 @@ export class Pilot extends EventTarget {
     this.#read();
   }
 
-  // A speed hold lasts only while efforts arrive: send them, even if they are zero, as long as the pilot is here.
+  // A speed hold lasts only while efforts arrive, so send them, even if zero, as long as the pilot is present.
   repeat(isCruising) {
     this.#isCruising = isCruising;
     if (this.#mustRepeat && !this.#timer) this.#later(PERIOD_MS);
@@ -78,7 +78,7 @@ export class Pilot extends EventTarget {
     return this.#isCruising && this.mayAct && document.hasFocus();
   }
 
-  // While a dialog is open no control acts.
+  // Disable all controls while a dialog is open.
   suspend(isSuspended) {
     this.#isOpen = !isSuspended;
     if (isSuspended) this.letGo();
@@ -96,7 +96,7 @@ export class Pilot extends EventTarget {
     this.dispatchEvent(new Event('efforts'));
   }
 
-  // Set all efforts to zero, whatever keys are held: each key must be pressed again.
+  // Set all efforts to zero even if keys are held; each key must be pressed again.
   stop() {
     this.letGo();
     this.#send();
@@ -139,7 +139,7 @@ export class Pilot extends EventTarget {
       this.answers_ms = [...this.answers_ms.slice(-199), ms];
       this.dispatchEvent(new CustomEvent('answer', { detail: { ...answer, ms } }));
     } catch {
-      /* a lost connection is shown by the banner; the server puts efforts to zero */
+      /* the banner shows a lost connection; the server sets the efforts to zero */
     }
   }
 }

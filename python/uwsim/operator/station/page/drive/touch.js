@@ -1,4 +1,4 @@
-// Two sticks for fingers: the left one climbs and turns, the right one goes ahead and sideways.
+// Two on-screen sticks for touch: the left one climbs and turns, the right one moves ahead and sideways.
 import { el } from '../dom.js';
 import { STRINGS } from '../strings.js';
 
@@ -16,7 +16,7 @@ export class Touch {
   #changed;
   #allowed;
 
-  // Only fingers, since a mouse comes with a keyboard.
+  // Only for touch, since a computer with a mouse has a keyboard.
   constructor({ changed, allowed }) {
     [this.#changed, this.#allowed] = [changed, allowed];
     for (const side of Object.keys(STICKS)) this.element.append(this.#stick(side));

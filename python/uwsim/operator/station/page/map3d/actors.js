@@ -55,7 +55,7 @@ export class Track {
   }
 }
 
-// Poles at the places of notes.
+// Poles at the positions of notes.
 export class Marks {
   group = new Group();
   count = 0;
@@ -102,14 +102,14 @@ export class Vessel {
     this.group.add(hull);
   }
 
-  // The true pose, if it may be shown, at which the sonar draws the map.
+  // Move the vehicle to its true pose, from which the sonar maps, or else to the estimated one.
   move({ position, true_position: truth, is_truth: isTruth, orientation }) {
     this.group.position.set(...(isTruth ? truth : position));
     this.group.quaternion.set(...orientation);
     this.track.add(this.group.position);
   }
 
-  // Draw the newest ping. tilt_rad: of the head, up is positive; a range without an echo ends at the maximum range.
+  // Draw the newest ping. tilt_rad: the head's tilt, positive up. Beams without an echo end at the maximum range.
   setFan({ angle_min, angle_increment, ranges, range_max }, tilt_rad) {
     const positions = this.#fan.geometry.attributes.position;
     positions.setXYZ(0, 0, 0, 0);

@@ -1,5 +1,5 @@
 // Requests a frame only when the last one has left the graphics queue, and measures how long that took. Software GL
-// draws in another process: without this gate its queue grows, and pictures and keys are delayed.
+// draws in a separate process; without this gate, its queue would grow and delay pictures and keys.
 
 const SMOOTHING = 0.2;
 

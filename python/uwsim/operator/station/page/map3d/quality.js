@@ -3,7 +3,7 @@
 const SLOW_MS = 150;
 const FAST_MS = 55;
 const PATIENCE = 4; // frames that must agree before anything changes
-// Canvas pixels per page pixel along an axis, and levels of detail left out. Software GL pays for both.
+// Canvas pixels per page pixel along an axis, and levels of detail left out. Both are costly with software GL.
 const STEPS = [
   [1, 0],
   [1, 1],

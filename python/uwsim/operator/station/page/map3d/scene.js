@@ -1,4 +1,4 @@
-// The 3D view: the lake, the live map, the vehicle with its track and its sonar's fan. Drawn when pictures leave time.
+// The 3D view: the lake, the live map, the vehicle with its track and sonar fan; drawn when pictures leave time for it.
 import {
   Color,
   DirectionalLight,
@@ -44,7 +44,7 @@ export class SceneView {
   #scenery = [];
   #terrain = null;
   #followed = '';
-  #hasLooked = false; // at the vehicle's first pose
+  #hasLooked = false; // whether the camera has been aimed at the vehicle's first pose
 
   constructor() {
     this.canvas = el('canvas', {
@@ -106,7 +106,7 @@ export class SceneView {
     this.marks.clear();
   }
 
-  // Show further parts, or draw those shown again, since they have moved.
+  // Add parts to the scene, or redraw those that have moved.
   show(...parts) {
     if (parts.length) this.scene?.add(...parts);
     this.#isDue = true;
@@ -142,14 +142,14 @@ export class SceneView {
     this.#isDue = true;
   }
 
-  // Set a pole at each note's place.
+  // Draw a pole at each note's position.
   showNotes(notes) {
     this.marks.clear();
     for (const { position_m } of notes) this.marks.add(position_m);
     this.#isDue = true;
   }
 
-  // Return the view as it is now, since a WebGL canvas keeps its picture for no longer than a frame.
+  // Return the view redrawn now, since a WebGL canvas keeps its picture only for one frame.
   picture(take) {
     if (!this.scene) return;
     this.#draw();

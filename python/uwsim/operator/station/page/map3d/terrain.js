@@ -9,7 +9,7 @@ import {
   MeshBasicMaterial,
 } from '../vendor/three.js';
 
-const MOST = 192; // vertices along an axis; more would not be visible and cost every frame
+const MOST = 192; // maximum vertices along an axis; more would be invisible, but slow every frame
 const DEEP = [22, 36, 50]; // sRGB
 const SHOAL = [74, 92, 100];
 const LAND = [70, 82, 62];

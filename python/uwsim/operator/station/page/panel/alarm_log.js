@@ -11,7 +11,7 @@ export class AlarmLog {
   collisions = 0; // since the last acknowledgement
   #last = null;
 
-  // Take the telemetry at a simulated time; return whether there are other entries than before. contact: see Telemetry.
+  // Process the telemetry at a simulated time; return whether the entries have changed. contact: see Telemetry.
   take(message, time_s, contact = null) {
     const last = this.#last;
     const was = this.entries[0];
@@ -26,7 +26,7 @@ export class AlarmLog {
     };
     this.#last = now;
     if (!last || time_s < last.time_s) {
-      const hadAny = this.entries.length > 0; // another run, or the same from its start
+      const hadAny = this.entries.length > 0; // from a different run, or from before a restart
       [this.entries, this.collisions] = [[], 0];
       return hadAny;
     }

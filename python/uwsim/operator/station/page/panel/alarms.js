@@ -61,7 +61,7 @@ export class Alarms {
     this.#showSound(isLoud ? 'on' : 'off');
   }
 
-  // Warn a pilot that nothing arrives any more: also with the sound as it is by default, but not if it was switched off.
+  // Warn a pilot that data no longer arrive: also with the sound in its default state, but not if it was switched off.
   warnOfSilence() {
     if (!this.#isMuted) this.#beep('silence', SILENCE.beep, SILENCE.period_ms);
   }
@@ -78,7 +78,7 @@ export class Alarms {
     this.acknowledge.hidden = true;
   }
 
-  // A collision's lamp stays on until the collision is acknowledged; that of proximity follows the time to contact, too.
+  // The collision lamp stays on until a collision is acknowledged. The proximity lamp also follows the time to contact.
   #isOn(name, message, contact) {
     if (name === 'collision' && this.log.collisions > 0) return true;
     return Boolean(message?.[LAMPS[name].field]) || (name === 'proximity' && contact !== null);

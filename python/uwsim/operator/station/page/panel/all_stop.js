@@ -1,4 +1,4 @@
-// All stop: a button and a key that send it from any page, and a button that releases it, for the pilot.
+// All stop: a button and a key that set it from any page, and a button with which the pilot releases it.
 import { attempt, byId, el, toast, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
 import { STRINGS } from '../strings.js';
@@ -32,7 +32,7 @@ export class AllStop {
     this.#vehicle = vehicle.name;
   }
 
-  // Stop the vehicle. Every press is sent; one that is lost is sent again until it is answered.
+  // Stop the vehicle. Every press is sent, and repeated until it is answered.
   press() {
     if (!this.station.isRunning || !this.#vehicle || this.station.description?.replay) return;
     this.pilot.stop();

@@ -1,4 +1,4 @@
-// The exercise, if one is flown: its task, the score so far, goals and broken limits, and the sheet at its end.
+// The current exercise, if any: its task, score so far, goals, broken limits, and the score sheet at the end.
 import { clockText, el, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { exercise } from '../wire/messages.js';

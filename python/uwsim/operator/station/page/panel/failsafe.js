@@ -1,4 +1,4 @@
-// The vehicle's failsafe: its action, the reason, its findings, and the button that takes control back.
+// The vehicle's failsafe: its action, the reason, its findings, and the button that takes back control.
 import { attempt, el, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
 import { STRINGS } from '../strings.js';
@@ -42,7 +42,7 @@ export class Failsafe {
     this.#vehicle = vehicle.name;
   }
 
-  // Show the state from the telemetry, which servers of other versions may not send.
+  // Show the state from the telemetry, which servers of other versions may lack.
   show(message, isStale) {
     const { failsafe = '', failsafe_cause: cause = '' } = message ?? {};
     const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED);

@@ -1,4 +1,4 @@
-// Inspection: the comment that stands in pictures, and notes with category, picture and place.
+// Inspection: the comment shown in pictures, and notes with category, picture and position.
 import { attempt, clockText, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { notes as request } from '../wire/messages.js';
@@ -21,12 +21,12 @@ const line = (label, id) =>
     spellcheck: false,
   });
 
-// Events: 'notes', when there are others than before.
+// Events: 'notes', when the notes have changed.
 export class Inspection extends EventTarget {
   notes = []; // as the server lists them
   #vehicle = '';
-  #shown = ''; // of which run and how many notes
-  #own = ''; // the comment of a page whose server keeps none
+  #shown = ''; // the run and the number of notes shown
+  #own = ''; // this page's comment, if the server stores none
 
   constructor(station, views) {
     super();
@@ -79,18 +79,18 @@ export class Inspection extends EventTarget {
     this.#look();
   }
 
-  // The comment that stands in pictures now.
+  // The comment currently shown in pictures.
   get shownComment() {
     return this.station.isPlain ? this.#own : (this.station.state.comment ?? '');
   }
 
-  // Let the pilot type.
+  // Focus the field so that the pilot can type.
   focus() {
     this.comment.focus();
     this.comment.select();
   }
 
-  // Write a note with the text of the form, and a picture of the large view if a camera's is.
+  // Write a note with the form's text, and a picture if the large view is a camera's.
   async add() {
     const { largeView } = this.views;
     const answer = await attempt(
@@ -127,7 +127,7 @@ export class Inspection extends EventTarget {
     act();
   }
 
-  // Follow the state: the comment, and how many notes there are.
+  // Follow the state: the comment and the number of notes.
   async #look() {
     const { state, isPilot, isPlain, isRunning } = this.station;
     if (document.activeElement !== this.comment && this.comment.value !== this.shownComment)

@@ -1,5 +1,5 @@
-// The link through the water, if the scenario has one: its quality between station and vehicle. Without one it is
-// shown only while a fault has cut the vehicle off.
+// The quality of the link between station and vehicle. In a scenario without a link, it is shown only while a fault
+// has cut the vehicle off.
 import { el, fixed, write } from '../dom.js';
 import { TYPES } from '../wire/messages.js';
 import { STRINGS } from '../strings.js';
@@ -8,7 +8,7 @@ const WORDS = STRINGS.link;
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
-const LATE = 2.5; // times the interval between the last two messages, over a slow modem
+const LATE = 2.5; // over a slow modem, in multiples of the interval between the last two messages
 const NONE = 'none';
 const VALUES = [
   [WORDS.quality, '%', (m) => fixed(100 * m.quality, 0)],

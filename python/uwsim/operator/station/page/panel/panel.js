@@ -14,8 +14,8 @@ const WORDS = STRINGS.panel;
 
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
-const OLD_S = 1.5; // age of a measurement from which it greys, plus the interval of slow instruments
-// The field of the telemetry that each value shows, where it is measured aboard.
+const OLD_S = 1.5; // age from which a measurement is greyed out, plus the interval of slow instruments
+// The telemetry field of each value that is measured aboard.
 const GAUGES = {
   [WORDS.depth]: 'depth',
   [WORDS.altitude]: 'distance_to_seabed',
@@ -36,10 +36,10 @@ const LENGTH = 'length'; // in the pilot's unit
 const RANGE = (value, digits = 1) => (value === Infinity ? WORDS.none : fixed(value, digits));
 
 const DEG = 180 / Math.PI;
-// "1.20 ahead, -0.10 to port, 0.00 up": a vector along the body's axes.
+// Format a vector in body axes, such as "1.20 ahead, -0.10 to port, 0.00 up".
 const components = (vector, names) => names.map((name, k) => `${fixed(vector[k], 2)} ${name}`).join(', ');
 
-// Each value: name, unit, how it follows from the telemetry m, and possibly the text shown when it is pointed at.
+// Each value: name, unit, a function of the telemetry m, and optionally a tooltip.
 const BIG = [
   [WORDS.depth, LENGTH, (m) => fixed(inUnit(m.depth), 1)],
   [WORDS.altitude, LENGTH, (m) => RANGE(inUnit(m.distance_to_seabed))],
@@ -81,26 +81,26 @@ const AROUND = [
   [WORDS.collisions, '', (m) => String(m.collisions)],
 ];
 
-// The age of a measured value [s]; 0 if the telemetry does not carry it.
+// The age of a measured value [s]; 0 if the telemetry does not report it.
 export function ageOf(field, { gauges = [], gauge_ages: ages = [] }) {
   const k = gauges.indexOf(field);
   return k < 0 ? 0 : ages[k];
 }
 
-// "measured 3.0 s ago", for a value that is old.
+// "measured 3.0 s ago", for an old value.
 export function ageText(age_s) {
   if (age_s <= OLD_S) return '';
   return Number.isFinite(age_s) ? WORDS.old(age_s.toFixed(1)) : WORDS.noValidMeasurement;
 }
 
-// The accuracy of the estimated position, and its true error where that may be shown.
+// The accuracy of the estimated position, and its true error if that may be shown.
 function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
   if (!Number.isFinite(position[0])) return '';
   const off_m = Math.hypot(...position.map((value, k) => value - truth[k]));
   return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? WORDS.truly(fixed(off_m, 2)) : ''}`;
 }
 
-// "2.0° S": to starboard.
+// Format an angle to a side: "2.0° S" is to starboard.
 function sided(value, positive, negative) {
   const text = fixed(Math.abs(value), 1);
   return Number(text) ? `${text}° ${value > 0 ? positive : negative}` : `${text}°`;
@@ -212,7 +212,7 @@ export class Panel {
       element.title = age || (tip?.(message) ?? '');
     }
     write(this.kind, estimateText(message));
-    const isOff = !message.released || message.battery <= 0; // then a commanded effort moves nothing
+    const isOff = !message.released || message.battery <= 0; // efforts then have no effect
     this.thrusters.show(isOff ? [] : this.hasThrusters ? message.thrusters : message.efforts);
     const percent = Math.max(0, Math.min(100, message.battery));
     this.battery.style.width = `${percent}%`;

@@ -1,4 +1,4 @@
-// The start screen's list of automatically recorded flights, each with a button that replays it or the reason why not.
+// The start screen's list of recorded flights, each with a button to replay it or the reason why this is impossible.
 import { byId, clockText, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 
@@ -62,7 +62,7 @@ export class Flights {
     );
   }
 
-  // The server reads the whole flight first, and refuses one that it cannot repeat.
+  // The server reads the whole flight first, and refuses it if it cannot be repeated.
   async #open(name, wrong, button) {
     if (this.#isOpening) return;
     this.#isOpening = true;
@@ -84,7 +84,7 @@ export class Flights {
     this.status.dataset.kind = kind;
   }
 
-  // Say once why a flight is not recorded.
+  // Report once why a flight is not recorded.
   #warn() {
     const trouble = this.station.state.flight_trouble ?? '';
     if (trouble && trouble !== this.#trouble) toast(trouble, 'error');

@@ -1,4 +1,4 @@
-// Another flight beside the one that is replayed: its hull and track in the 3D map and on the chart, and its distance.
+// A second flight, shown beside the replayed one: its hull and track in the 3D map and on the chart, and its distance.
 import { GLTFLoader, Vector3 } from '../vendor/three.js';
 import { attitude } from '../attitude.js';
 import { Vessel } from '../map3d/actors.js';
@@ -6,7 +6,7 @@ import { drawVessel } from '../views/chart.js';
 
 const COLOUR = '#b06cff';
 
-// The index of the last time at or before one; -1 before all.
+// The index of the last entry at or before a time; -1 if there is none.
 export function lastBefore(times, time_s) {
   let [low, high] = [0, times.length];
   while (low < high) {
@@ -17,7 +17,7 @@ export function lastBefore(times, time_s) {
   return low - 1;
 }
 
-// The pose [x, y, z, qx, qy, qz, qw] at a time: straight between samples, as turned at the last one; null outside.
+// The pose [x, y, z, qx, qy, qz, qw] at a time: position interpolated, orientation of the last sample; null outside.
 export function poseAt({ times_s: times, poses }, time_s) {
   const k = lastBefore(times, time_s);
   if (k < 0 || time_s > times.at(-1)) return null;
@@ -28,7 +28,7 @@ export function poseAt({ times_s: times, poses }, time_s) {
 
 export class Ghost {
   found = null; // { flight, track, times_s, apart_m }
-  pose = null; // at the present time
+  pose = null; // at the current time
   #vessel = null;
   #count = 0;
 
@@ -37,7 +37,7 @@ export class Ghost {
     chart.layers.push((context, frame) => this.#chartLayer(context, frame));
   }
 
-  // Show another flight; '' for none. Rejects with the server's sentence.
+  // Show another flight; '' for none. Rejects with the server's message.
   async show(flight) {
     const count = (this.#count += 1);
     this.#drop();
@@ -63,7 +63,7 @@ export class Ghost {
     this.scene.show(vessel.group, vessel.track.line);
   }
 
-  // Move it to where it was at a time.
+  // Move the second flight's vehicle to its pose at a time.
   moveTo(time_s) {
     if (!this.found) return;
     this.pose = poseAt(this.found.track, time_s);
@@ -78,7 +78,7 @@ export class Ghost {
     this.chart.draw();
   }
 
-  // The distance [m] between the two at a time; NaN unless both were there.
+  // The distance [m] between the two flights at a time; NaN unless both cover it.
   apart(time_s) {
     const { times_s: times = [], apart_m: apart = [] } = this.found ?? {};
     return times.length && time_s <= times.at(-1) + 0.5 ? (apart[lastBefore(times, time_s)] ?? NaN) : NaN;

@@ -3,7 +3,7 @@ const HEIGHT = 46;
 const EVENTS_PX = 10;
 const COLOURS = { command: '--text-soft', alarm: '--alarm', collision: '--warn' };
 
-// from_s, to_s: the ends of the time line; inset: of the slider's ends from those of the canvas [px].
+// from_s, to_s: the ends of the time line; inset: distance of the slider's ends from the canvas's ends [px].
 export function drawPlot(canvas, { from_s, to_s, now_s, inset, events, ghost }) {
   const width = canvas.clientWidth;
   if (!width) return;

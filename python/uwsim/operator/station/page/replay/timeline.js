@@ -12,9 +12,9 @@ const option = (value, text) => el('option', { value }, text);
 export class Timeline {
   now_s = 0;
   #replay = null; // as described by the server
-  #wanted_s = NaN; // time that is being sought
+  #wanted_s = NaN; // the time to go to next
   #isSeeking = false;
-  #isHeld = false; // the slider, by the user
+  #isHeld = false; // whether the user is holding the slider
 
   constructor(station, telemetry, { scene, chart, panel }) {
     [this.station, this.panel] = [station, panel];
@@ -68,7 +68,7 @@ export class Timeline {
     this.#be(this.station.state.time);
   }
 
-  // Go to a time; while the server goes to one, only the newest is kept.
+  // Go to a time. While the server is moving to an earlier request's time, only the newest request is kept.
   async seek(time_s) {
     const { start_s, end_s } = this.#replay;
     this.#wanted_s = Math.max(start_s, Math.min(end_s, time_s));

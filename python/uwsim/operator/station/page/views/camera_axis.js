@@ -19,8 +19,8 @@ function product([ax, ay, az, aw], [bx, by, bz, bw]) {
 const about = (axis, angle_rad) =>
   [0, 1, 2].map((k) => (k === axis ? Math.sin(0.5 * angle_rad) : 0)).concat(Math.cos(0.5 * angle_rad));
 
-// pan is to port and tilt down, as a motor's angles [rad]; mount is yaw, pitch, roll [deg]. Returned, in degrees: up and
-// roll (to starboard) of the axis in the world; starboard and down of the axis relative to the vehicle's bow.
+// pan (to port) and tilt (down) are a motor's angles [rad]; mount is yaw, pitch, roll [deg]. Return, in degrees, the
+// axis's elevation (up) and roll (to starboard) in the world, and its direction from the bow (starboard, down).
 export function cameraAxis(orientation, { yaw_pitch_roll_deg: mount }, { pan_rad = 0, tilt_rad = 0 } = {}) {
   const [yaw, pitch, roll] = mount.map((degrees) => degrees * RAD);
   const aboard = [about(2, yaw), about(1, pitch), about(0, roll), about(2, pan_rad), about(1, tilt_rad)].reduce(
@@ -37,16 +37,16 @@ export function cameraAxis(orientation, { yaw_pitch_roll_deg: mount }, { pan_rad
   };
 }
 
-// The distance of the picture's plane, in pixels: a direction at an angle from the axis is at tan(angle) times it.
+// The focal length in pixels: a direction at an angle from the axis is at tan(angle) times this distance.
 export const focalPixels = (width, { horizontal_fov_deg: fov_deg }) => (0.5 * width) / Math.tan(0.5 * fov_deg * RAD);
 
-// How far below the picture's middle a direction at elevation_deg is, if the axis is at up_deg; null beside the picture.
+// The distance of a direction at elevation_deg below the picture's middle if the axis is at up_deg; null if far off it.
 export function pixelsBelow(elevation_deg, up_deg, focal) {
   const off_deg = up_deg - elevation_deg;
   return Math.abs(off_deg) < 80 ? focal * Math.tan(off_deg * RAD) : null;
 }
 
-// "12° starboard, 30° down": where the camera looks from the bow.
+// The camera's direction from the bow, such as "12° starboard, 30° down".
 export function axisText({ starboard_deg: side, down_deg: down }) {
   if (Math.abs(down) > 80) return `${Math.round(Math.abs(down))}° ${down > 0 ? WORDS.down : WORDS.up}`;
   const parts = [];

@@ -32,7 +32,7 @@ export class ChartView {
   frame = new ChartFrame();
   points = []; // waypoints [x, y, z], in odom
   flown = []; // [x, y]
-  layers = []; // functions that draw more, of a context and a frame
+  layers = []; // additional drawing functions (context, frame)
   #notes = []; // with position_m
   #isLarge = false;
   #bed = null; // { canvas, heights, grid, surface_m }
@@ -341,7 +341,7 @@ export class ChartView {
   }
 }
 
-// An arrow in a vehicle's place, along its heading.
+// An arrow at a vehicle's position, along its heading.
 export function drawVessel(c, [x, y], heading_deg, colour) {
   c.save();
   c.translate(x, y);
@@ -360,7 +360,7 @@ export function drawVessel(c, [x, y], heading_deg, colour) {
   c.restore();
 }
 
-// The bed as a picture, one pixel a grid point: darker where deeper, with lines of equal depth.
+// The bed as a picture with one pixel per grid point: darker where deeper, with depth contours.
 function coloured(heights, grid, surface_m) {
   const { rows, columns } = grid;
   const canvas = new OffscreenCanvas(columns, rows);

@@ -1,4 +1,4 @@
-// The chart's frame: metres in the world to pixels, with panning and zooming; and its measures.
+// The chart's frame converts metres in the world to pixels, with panning and zooming; and functions for measuring.
 export class ChartFrame {
   scale = 1; // pixels per metre
   middle = [0, 0]; // metres, in the middle of the canvas
@@ -43,7 +43,7 @@ export function measured([x0, y0], [x1, y1]) {
 export const pathLength = (points) =>
   points.slice(1).reduce((sum, point, k) => sum + Math.hypot(...point.map((value, i) => value - points[k][i])), 0);
 
-// The height of the bed at a place by its grid, NaN outside. heights: rows from the south, each from the west.
+// The height of the bed at a position, NaN outside the grid. heights: rows from the south, each from the west.
 export function heightAt(heights, { rows, columns, west_m, south_m, spacing_m: [dx, dy] }, [x, y]) {
   const [i, j] = [Math.round((x - west_m) / dx), Math.round((y - south_m) / dy)];
   return i >= 0 && j >= 0 && i < columns && j < rows ? heights[j * columns + i] : NaN;

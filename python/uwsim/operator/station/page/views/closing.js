@@ -1,17 +1,17 @@
-// The time until something is reached, from successive ranges to it.
+// Estimates the time to contact from successive ranges.
 
 const SMOOTH_S = 0.6; // time constant of the closing speed
-const GAP_S = 2; // after which earlier ranges say nothing any more
-const SLOWEST_M_S = 0.03; // below which noise decides
+const GAP_S = 2; // gap after which earlier ranges are ignored
+const SLOWEST_M_S = 0.03; // lower speeds are indistinguishable from noise
 export const WARN_S = 5;
 
 export class Closing {
   #range_m = NaN;
   #time_s = NaN;
-  #speed_m_s = NaN; // at which the range decreases
-  time_s = Infinity; // until contact; Infinity while it is not being approached, or nothing is in range
+  #speed_m_s = NaN; // closing speed
+  time_s = Infinity; // time to contact; Infinity while nothing is being approached or in range
 
-  // Take a range [m], NaN or Infinity for none, measured at a simulated time [s].
+  // Process a range [m] (NaN or Infinity for none) measured at a simulated time [s].
   take(range_m, time_s) {
     const step_s = time_s - this.#time_s;
     if (step_s === 0) return this.time_s;
@@ -30,7 +30,7 @@ export class Closing {
   }
 }
 
-// The soonest contact among named ranges: { name, time_s }, or null. closings: a Map of name to Closing.
+// Return the next contact among named ranges, { name, time_s }, or null. closings: a Map from name to Closing.
 export function soonest(closings) {
   let found = null;
   for (const [name, { time_s }] of closings)

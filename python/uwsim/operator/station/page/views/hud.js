@@ -12,7 +12,7 @@ const SOFT = 'rgb(242 248 251 / .72)';
 const STALE = '#9aa6ae';
 const SHADE = 'rgb(5 10 13 / .62)';
 const WARN = '#ffc247';
-const STEEPEST = 70; // of a camera's axis [deg], beyond which a horizon makes no sense
+const STEEPEST = 70; // elevation of a camera's axis [deg] beyond which no horizon is drawn
 const HELD = '#7be0a2';
 
 export class Hud {
@@ -27,8 +27,8 @@ export class Hud {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  // axis: of the camera, see cameraAxis; null if its angles are unknown. focal: in pixels per picture width. contact: what
-  // will be touched first.
+  // axis: see cameraAxis; null if the camera's angles are unknown. focal: in pixels per picture width. contact: see
+  // Telemetry.
   draw(message, { isStale, axis, focal, aspect, proximity_m, contact }) {
     this.shown = { axis, contact, tapes: {} };
     const { canvas, context: c } = this;
@@ -247,7 +247,7 @@ export class Hud {
     this.#outlined(WORDS.contact(name.toUpperCase(), time_s.toFixed(1)), middle, y, WARN);
   }
 
-  // Lines at true elevations in the picture: the horizon's lies on the horizon.
+  // Lines at true elevations in the picture, so that the line at 0 coincides with the horizon.
   #ladder(x, y, scale, { up_deg: up, roll_deg: roll }, focal) {
     const { context: c } = this;
     const radius = 92 * scale;

@@ -17,8 +17,8 @@ const CAMERAS = new Set(['camera', 'station', 'chase']);
 const KEYS = 10;
 const ROW = 6; // small views that fit side by side
 const LARGE = { credit: 2 };
-const LATE_PERIODS = 3; // times the period of pictures that come over a link
-const SELDOM_S = 0.5; // between pictures: after a longer interval the view shows it
+const LATE_PERIODS = 3; // in periods of the pictures that arrive over a link
+const SELDOM_S = 0.5; // longer intervals between pictures are displayed
 
 // A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s is
 // null if there is no capacity for pictures. large_only: only pictures of the large view are carried.
@@ -158,7 +158,7 @@ export class Views extends EventTarget {
     return { ...frame, view: { name, kind, title } };
   }
 
-  // Request no pictures for a hidden tab, so that they are not even rendered.
+  // Request no pictures for a hidden tab, so that none are rendered.
   #choosePictures() {
     const [cameras, sonars] = [[], []];
     let large = null;
@@ -171,10 +171,10 @@ export class Views extends EventTarget {
     }
     this.#cameras.show(cameras);
     this.#sonars.show(sonars); // sonar pictures come at their own pace
-    large?.picture.show(large.topic, LARGE); // last: a preview of the same topic has ended before
+    large?.picture.show(large.topic, LARGE); // last, after the preview of the same topic has ended
   }
 
-  // link: that of a view whose pictures come over a link.
+  // link: the entry `link` of a view whose pictures arrive over a link.
   #whyNone(name, link) {
     if (link && link.period_s === null) return WORDS.noPicture;
     return link?.large_only && name !== this.#large ? WORDS.ask : WORDS.waiting;
@@ -206,7 +206,7 @@ export class Views extends EventTarget {
     }
   }
 
-  // The direction of a camera's axis, by the angles that its motor reports; null if they are unknown.
+  // The direction of a camera's axis from the reported motor angles; null if these are unknown.
   #axis({ name, optics }) {
     const { message, joints } = this.telemetry;
     if (!message || !optics) return null;

@@ -1,4 +1,4 @@
-// A stream of JPEG pictures on a canvas: only the newest is drawn, and each is acknowledged after that.
+// A stream of JPEG pictures on a canvas. Only the newest picture is drawn, and then acknowledged.
 import { seconds } from '../wire/rosbridge.js';
 
 // Events: 'drawn'.
@@ -58,7 +58,7 @@ export class Picture extends EventTarget {
         if (from === this.#topic) this.#draw(bitmap, header.stamp, cameMs);
         bitmap.close();
       } catch {
-        /* a picture that is damaged: the next one comes */
+        /* skip a damaged picture */
       }
       if (this.#hasCredit && from === this.#topic) this.bridge.acknowledge(from);
     }

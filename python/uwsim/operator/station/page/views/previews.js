@@ -1,9 +1,9 @@
-// The small views, refreshed one after the other, with pauses of a multiple of the time that the last one took: on any
-// machine, most of the time is left to the large view.
+// The small views, refreshed one after the other. Each pause is a multiple of the time that the last one took, so that
+// on any machine most of the time is left for the large view.
 
 const REST = 3; // times the duration of the last picture
 const LEAST_REST_MS = 100;
-const PATIENCE_MS = 3000; // for a picture that does not come
+const PATIENCE_MS = 3000; // maximum wait for a picture
 
 export class Previews {
   #streams = []; // { picture, topic }, the next one first
@@ -12,7 +12,7 @@ export class Previews {
   #timer = 0;
   #drawn = () => this.#rest();
 
-  // streams: all that are small now; none while the page is hidden.
+  // streams: the streams of all small views; none while the page is hidden.
   show(streams) {
     this.#streams = streams;
     if (this.#current && !streams.some(({ topic }) => topic === this.#current.topic)) this.#end();

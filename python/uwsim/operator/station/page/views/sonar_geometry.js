@@ -1,4 +1,4 @@
-// Where ranges and bearings lie in a sonar's picture, and its colours. Bearings in radians, positive to starboard.
+// The geometry and colours of a sonar's picture. Bearings are in radians, positive to starboard.
 
 // The colours in which the server draws, from the weakest to the strongest level (AMBER in pixels.py), and others.
 export const PALETTES = {
@@ -14,7 +14,7 @@ const RINGS = 6;
 // The distance between range rings, of at most RINGS up to a reach in any unit of length.
 export const ringStep = (reach) => STEPS.find((step) => reach / step <= RINGS) ?? reach;
 
-// The ranges that can be shown of a sonar that reaches reach_m: all, half, a quarter ..., at least about 2 m.
+// The selectable ranges of a sonar with maximum range reach_m: all, half, a quarter ..., at least about 2 m.
 export function reaches(reach_m) {
   const found = [reach_m];
   while (found[0] >= 4) found.unshift(found[0] / 2);
@@ -45,7 +45,7 @@ export class Fan {
     return range_m <= this.shown_m && Math.abs(bearing_rad) <= this.half_rad + 1e-9 ? { range_m, bearing_rad } : null;
   }
 
-  // Where the server's picture, which shows the whole reach, belongs: x, y, width, height.
+  // The position of the server's picture, which shows the whole range: x, y, width, height.
   get picture() {
     const [side, back] = this.#bounds(this.reach_m);
     const [x, y] = this.apex;
@@ -100,7 +100,7 @@ export function recolouring(name, gain_db) {
   };
 }
 
-// The level, 0..1, for each sum of red, green and blue in the server's colours, which grows with the level.
+// The level, 0..1, by the sum of red, green and blue in the server's colours, which increases with the level.
 function levelOfBrightness() {
   const found = new Float64Array(766);
   let level = 0;

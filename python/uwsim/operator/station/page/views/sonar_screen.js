@@ -30,7 +30,7 @@ export class SonarScreen {
 
   setLarge(isLarge) {
     this.#isLarge = isLarge;
-    if (!isLarge) this.tools.freeze(false); // a small view never hides that it is old
+    if (!isLarge) this.tools.freeze(false); // a small view must never show an old picture unnoticed
     this.draw();
   }
 

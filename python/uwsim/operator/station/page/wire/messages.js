@@ -193,7 +193,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} turns
  */
 
-/** How an imaging sonar's picture lies. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
+/** The layout of a sonar picture. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
 
     fov_rad: the fan's angle; 0 for a waterfall.
     
@@ -210,7 +210,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} large_only
  */
 
-/** A view: its topics and the size of its pictures; 0 if each picture has its own size.
+/** A view: its topics and the size of its pictures, 0 if that varies.
  * @typedef {object} ViewDescription
  * @property {string} name
  * @property {string} title
@@ -235,7 +235,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} text
  */
 
-/** The flight that is replayed. start_s, end_s: simulated time of its time line.
+/** The flight being replayed. start_s, end_s: the ends of its time line, in simulated time.
  * @typedef {object} ReplayDescription
  * @property {string} flight
  * @property {number} start_s
@@ -296,21 +296,21 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} tick
  */
 
-/** A goal of an exercise. share: how far it is met, 0 to 1.
+/** A goal of an exercise. share: the fraction achieved, 0 to 1.
  * @typedef {object} GoalState
  * @property {string} title
  * @property {number} points
  * @property {number} share
  */
 
-/** A limit of an exercise that was broken, and what it cost.
+/** A broken limit of an exercise, and the points that it cost.
  * @typedef {object} BrokenLimit
  * @property {string} title
  * @property {number} cost
  * @property {number} time_s
  */
 
-/** How an exercise stands. points: the most that can be had; lost: by limits; has_sheet: whether it is written.
+/** The state of an exercise. points: the maximum; lost: deducted for limits; has_sheet: whether the sheet exists.
  * @typedef {object} ExerciseState
  * @property {true} success
  * @property {string} title
@@ -330,7 +330,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} error
  */
 
-/** A vehicle as it truly is.
+/** A vehicle's true state.
  * @typedef {object} VehicleTruth
  * @property {string} name
  * @property {number[]} position_world_m
@@ -368,13 +368,13 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Instruction[]} log
  */
 
-/** All parameters. descriptions_json: as of /simulation/describe_parameters.
+/** All parameters. descriptions_json: as returned by /simulation/describe_parameters.
  * @typedef {object} ParameterList
  * @property {true} success
  * @property {string} descriptions_json
  */
 
-/** How the plan stands. reached: the number of the last waypoint.
+/** The state of the plan. reached: the number of the last waypoint reached.
  * @typedef {object} PlanState
  * @property {true} success
  * @property {string} message
@@ -394,7 +394,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} picture
  */
 
-/** The notes of the run so far, and the comment that stands in pictures.
+/** The notes of the run so far, and the comment shown in pictures.
  * @typedef {object} NotesState
  * @property {true} success
  * @property {string} message
@@ -432,7 +432,10 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {'published' | 'instrument'} kind
  */
 
-/** The choice on the start screen; a missing or null field keeps the scenario's value. rosbridge_*: the user's.
+/** The choice on the start screen; a missing or null field keeps the scenario's value.
+
+    rosbridge_*: the user's server.
+    
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
@@ -474,7 +477,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {RecordedFlight[]} flights
  */
 
-/** A choice is valid, or has been started.
+/** The response to a choice that is valid or has been started.
  * @typedef {object} ChoiceTaken
  * @property {true} success
  * @property {string} message
@@ -511,7 +514,7 @@ export const handOver = (bridge, { to }) => bridge.call('/station/hand_over', { 
 export const drive = (bridge, { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms }) =>
   bridge.call('/station/drive', { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms });
 
-// Stop a vehicle regardless of all commands, or, as the pilot, release it.
+// Set all stop for a vehicle, or, as the pilot, release it.
 /** @returns {Promise<Commanded | Refused>} */
 export const allStop = (bridge, { vehicle, on }) => bridge.call('/station/all_stop', { vehicle, on });
 
@@ -539,7 +542,7 @@ export const overview = (bridge) => bridge.call('/station/overview');
 /** @returns {Promise<ParameterList | Refused>} */
 export const parameters = (bridge) => bridge.call('/station/parameters');
 
-// Save, fly or stop waypoints drawn on the chart, or report.
+// Save, fly, stop or report on a plan drawn on the chart.
 /** @returns {Promise<PlanState | Refused>} */
 export const plan = (bridge, { action, vehicle, points_m, speed_m_s, name }) =>
   bridge.call('/station/plan', { action, vehicle, points_m, speed_m_s, name });

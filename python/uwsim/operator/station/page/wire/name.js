@@ -1,4 +1,4 @@
-// The name of this page for the others at the station.
+// The name of this page as shown to the other members of the station.
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.wire;

@@ -1,5 +1,5 @@
 // A rosbridge without a station, such as `uwsim serve lake`: the same requests, answered by ROS topics and services.
-// There is no lease, and no server that zeroes the efforts of a page that is gone, so the page shows a notice.
+// There is no lease, and no server that zeroes the efforts of a closed page, so the page shows a notice.
 import { AXES, SERVICES } from './messages.js';
 import { seconds } from './rosbridge.js';
 import { STRINGS } from '../strings.js';
@@ -10,7 +10,7 @@ const PACE_MS = 500;
 const CAMERA = /^\/(?:(\w+)\/)?camera\/(\w+)\/image_raw\/compressed$/;
 const TILT = { min_rad: -Math.PI / 2, max_rad: Math.PI / 2, rate_rad_s: (5 * Math.PI) / 180 }; // of the published wire
 const FIXED = {
-  // functions that a page without a station has to leave to others
+  // functions that are unavailable without a station
   truth_allowed: true,
   warnings: { proximity_m: 10 },
   scene: '',
@@ -24,7 +24,7 @@ export class PlainBackend {
   #session = 1;
   #time_s = 0;
 
-  // learn(state): takes what /station/state would publish.
+  // learn(state): receives the state in the format of /station/state.
   constructor(bridge, learn) {
     [this.#bridge, this.#learn] = [bridge, learn];
   }
@@ -157,7 +157,7 @@ export class PlainBackend {
         recording: '',
       });
     } catch {
-      /* not connected: the banner says so */
+      /* the banner shows that there is no connection */
     }
   }
 }

@@ -1,4 +1,4 @@
-// A rosbridge v2 client: JSON out, JSON and CBOR in. It reconnects and resubscribes by itself.
+// A rosbridge v2 client that sends JSON and receives JSON and CBOR. It reconnects and resubscribes automatically.
 import { Decoder } from '../vendor/cbor.js';
 import { STRINGS } from '../strings.js';
 
@@ -23,7 +23,7 @@ export class Rosbridge extends EventTarget {
   #waitMs = FIRST_WAIT_MS;
   #timer = 0;
   #closed = false;
-  heardMs = -Infinity; // when anything was last received
+  heardMs = -Infinity; // time of the last message received
 
   constructor(url) {
     super();
@@ -40,12 +40,12 @@ export class Rosbridge extends EventTarget {
     return this.#socket?.readyState === WebSocket.OPEN;
   }
 
-  // Bytes in this browser that wait to be sent.
+  // The number of bytes waiting in this browser to be sent.
   get backlog() {
     return this.#socket?.bufferedAmount ?? 0;
   }
 
-  // Give up a connection over which nothing arrives any more, and connect again.
+  // Abandon a connection over which nothing arrives any longer, and reconnect.
   drop() {
     this.#forsake();
     this.#lost();
@@ -75,17 +75,17 @@ export class Rosbridge extends EventTarget {
     };
   }
 
-  // With credit: a message has been drawn, and another may come.
+  // Return one credit: a message has been processed, and another may be sent.
   acknowledge(topic, count = 1) {
     this.#send({ op: 'ack', topic, count });
   }
 
-  // Return whether the message was handed to an open socket; none is kept for later.
+  // Return whether the message was passed to an open socket. Messages are not stored for later.
   publish(topic, msg) {
     return this.#send({ op: 'publish', topic, msg });
   }
 
-  // Return the answer's values. Rejects with a ServiceError that has the server's message.
+  // Return the values of the answer. Rejects with a ServiceError that contains the server's message.
   call(service, args = {}) {
     const id = `call${(this.#count += 1)}`;
     return new Promise((resolve, reject) => {

@@ -1,4 +1,4 @@
-// The station as the page knows it: its state, this page's identity, and its requests.
+// The station as seen by the page: the state, this page's identity, and its requests.
 import * as messages from './messages.js';
 import { PlainBackend } from './plain_backend.js';
 import { Rosbridge } from './rosbridge.js';
@@ -15,9 +15,9 @@ export function bridgeUrl(location) {
 }
 
 const SILENT_MS = 1500; // the state comes twice a second
-const DEAD_MS = 10000; // then another connection is tried
+const DEAD_MS = 10000; // silence after which the page reconnects
 const WATCH_MS = 250;
-const FREE_S = 3; // silence of a pilot after which the server lets others take the controls
+const FREE_S = 3; // silence of a pilot after which the server allows others to take the controls
 
 // Events: 'open', 'close', 'state', 'session' (another simulator, or a restart of the same), 'description' (its
 // parameters have changed), 'trouble' (detail: a sentence).
@@ -25,7 +25,7 @@ export class Station extends EventTarget {
   state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [], driver: '', lost_by: '' };
   description = null;
   id = '';
-  flew = false; // whether this page had the controls when it last knew who has them
+  flew = false; // whether this page had the controls in the last known state
   isSilent = false; // whether nothing arrives, although the connection seems open
   #backend;
   #isAsking = false;
@@ -58,17 +58,17 @@ export class Station extends EventTarget {
     return this.state.phase === 'running';
   }
 
-  // Seconds without a message from the pilot, if that is another page whose connection seems dead, else 0.
+  // Seconds since the last message from the pilot if the pilot is another page whose connection seems dead, else 0.
   get pilotSilence() {
     return this.isPilot || this.state.pilot === '' ? 0 : (this.state.pilot_silence ?? 0);
   }
 
-  // Seconds for which nothing has been received.
+  // Seconds since the last message.
   get silence_s() {
     return (performance.now() - this.bridge.heardMs) / 1000;
   }
 
-  // True if nothing arrives, so that all that this page shows is old.
+  // True if nothing arrives, so that everything on this page is out of date.
   get isBlind() {
     return !this.connected || this.isSilent;
   }
@@ -85,7 +85,7 @@ export class Station extends EventTarget {
     return this.#backend.isPlain;
   }
 
-  // True if the pilot may use a control, such as 'pause'; with an instructor, few.
+  // True if the pilot may use a control, such as 'pause'. With an instructor, only a few are permitted.
   may(action) {
     return this.description?.controls?.includes(action) ?? true;
   }
@@ -96,7 +96,7 @@ export class Station extends EventTarget {
     return k < 0 ? id : this.state.member_names[k] || id;
   }
 
-  // Change the name that the others see.
+  // Change the name shown to the other members.
   async rename(name) {
     const { id } = await this.#backend.join(name);
     [this.name, this.id] = [name, id];
@@ -132,7 +132,7 @@ export class Station extends EventTarget {
     return this.#backend.command(name, vehicle, args);
   }
 
-  // Set all stop, which any page may, or release it, which the pilot may.
+  // Set all stop, which any page may do, or release it, which only the pilot may do.
   allStop(vehicle, on) {
     return this.#backend.allStop(vehicle, on);
   }
@@ -141,17 +141,17 @@ export class Station extends EventTarget {
     return this.#backend.control(action, args);
   }
 
-  // The names of all parameters that apply now.
+  // The names of all current parameters.
   async parameterNames() {
     return (await this.bridge.call('/simulation/list_parameters')).names;
   }
 
-  // Their descriptions: name, type, unit, low, high, choices, value, default and so on.
+  // The parameters' descriptions: name, type, unit, low, high, choices, value, default and so on.
   async describeParameters(names) {
     return JSON.parse((await this.bridge.call('/simulation/describe_parameters', { names })).descriptions_json);
   }
 
-  // Their values by name.
+  // The parameters' values by name.
   async parameterValues(names) {
     return JSON.parse((await this.bridge.call('/simulation/get_parameters', { names })).values_json);
   }
@@ -161,7 +161,7 @@ export class Station extends EventTarget {
     return this.#backend.setParameters(changes);
   }
 
-  // Return to the scenario's values at and below a name; null: all.
+  // Restore the scenario's values at and below a name; null restores all.
   resetParameters(name) {
     return this.#backend.resetParameters(name);
   }
@@ -193,7 +193,7 @@ export class Station extends EventTarget {
     this.dispatchEvent(new Event('state'));
   }
 
-  // Notice that nothing arrives. A page that was itself at a standstill cannot know, and waits again.
+  // Detect that nothing arrives. A page that was itself suspended cannot tell, so it waits again.
   #watch() {
     const now = performance.now();
     if (now - this.#watchedMs > 3 * WATCH_MS) this.bridge.heardMs = now;
@@ -235,7 +235,7 @@ export class Station extends EventTarget {
   }
 }
 
-// Whether a description belongs to the simulator and the parameters of a state. A server may have no editions.
+// Whether a description matches the simulator and the parameters of a state. Some servers have no editions.
 function isOf({ session, edition }, description) {
   return description?.session === session && description.edition === edition;
 }
