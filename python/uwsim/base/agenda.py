@@ -52,7 +52,7 @@ class Due(Protocol):
 
     @property
     def due_tick(self) -> int:
-        """The tick at which the item acts next; must increase each time the item acts."""
+        """The next tick at which the item acts. It must increase each time the item acts."""
 
 
 class _Entry(NamedTuple):
@@ -63,7 +63,10 @@ class _Entry(NamedTuple):
 
 
 class Agenda:
-    """The agenda of one simulation. Items may be added and removed on any thread; they act on the stepping thread."""
+    """The agenda of one simulation.
+
+    Items may be added and removed on any thread, but they act on the stepping thread.
+    """
 
     def __init__(self, tick: Callable[[], int]) -> None:
         """tick: returns the simulation's current tick."""
@@ -125,10 +128,10 @@ class Agenda:
         return due_tick(self._entries)
 
     def parts(self, steps: int) -> Iterator[int]:
-        """Split `steps` wherever items act: let due items act, then yield the number of steps until the next are due.
+        """Split `steps` at ticks where items act: run the items that are due, then yield the steps until the next.
 
-        Ends early if the simulation is not at the expected tick after a part: its steps failed, or an item reset or
-        restored the simulation.
+        The split ends early if the simulation is not at the expected tick after a part, because its steps failed or an
+        item reset or restored the simulation.
         """
         tick = self._tick()
         end = tick + steps
@@ -157,7 +160,7 @@ def due_tick(entries: Iterable[_Entry]) -> int:
 
 
 def act(entries: Iterable[_Entry], tick: int) -> bool:
-    """Let the entries that are due act, in order; return whether there were any."""
+    """Run the entries that are due, in order. Return whether there were any."""
     acted = False
     for one in entries:
         if one.item.due_tick <= tick:
@@ -167,6 +170,6 @@ def act(entries: Iterable[_Entry], tick: int) -> bool:
 
 
 def next_tick(tick: int, period_ns: int, step_ns: int) -> int:
-    """Return the first tick at or after the next multiple of a period following `tick`."""
+    """Return the first tick at or after the next multiple of a period after `tick`."""
     periods = tick * step_ns // period_ns + 1
     return -(-periods * period_ns // step_ns)

@@ -16,7 +16,7 @@ UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
 
 
 def number(value: Any, name: str, unit: str = "") -> float:
-    """Convert a real number, NumPy's included, to float. Raises ValueError for text, booleans and anything else."""
+    """Convert a real number (Python's or NumPy's) to float. Raises ValueError for anything else, including booleans."""
     if not isinstance(value, bool | np.bool_ | str | bytes):
         try:
             return float(value)
@@ -29,7 +29,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 def require_positive(step: str = "", /, **values: float) -> None:
     """Raise ValueError unless all values are positive and finite. The name of each ends in its unit.
 
-    step: the name of the function that received the values, for use in the message.
+    step: the name of the function that received the values, to begin the message with.
     """
     for name, value in values.items():
         if not 0.0 < value < math.inf:
@@ -73,6 +73,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Make an array read-only and return it. It is a copy of the state, so writing to it should fail."""
+    """Mark an array as read-only and return it, so that writing to this copy of the state raises an error."""
     array.setflags(write=False)
     return array

@@ -1,4 +1,4 @@
-"""A warning about truncated text files: "-12.5" at the end of a file may be all that is left of "-12.53"."""
+"""A warning about truncated text files, in which the last number may have lost its final digits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Optional dependencies, which a plain `pip install uwsim` omits: which extra provides each, and how to install it."""
+"""Optional dependencies, which a plain `pip install uwsim` omits, and the extras that install them."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class MissingExtraError(ImportError, ValueError):
 
 
 def need_extra(module: str, extra: str, what: str) -> None:
-    """Raise MissingExtraError, stating the command that installs the module, if it cannot be found."""
+    """Raise MissingExtraError, with the command that installs the module, if the module cannot be found."""
     if find_spec(module) is None:
         message = f"{what} needs '{module}', which is not installed: pip install 'uwsim[{extra}]'"
         raise MissingExtraError(message, name=module)
@@ -64,7 +64,7 @@ def explained(error: ImportError) -> str:
 
 
 class _MissingExtras(MetaPathFinder):
-    """The last import finder: explains failed imports in uwsim, and ignores those in other packages."""
+    """An import finder, placed last, that explains failed imports in uwsim and ignores those in other packages."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
@@ -75,7 +75,7 @@ class _MissingExtras(MetaPathFinder):
 
 
 def _importing_module() -> str:
-    """Return the name of the module that is executing an import; "" for mere look-ups, such as find_spec."""
+    """Return the name of the module that is executing an import, or "" for a look-up such as find_spec."""
     frame, imports = sys._getframe(2), False
     while frame.f_globals.get("__name__", "").partition(".")[0] in ("importlib", "_frozen_importlib"):
         imports |= frame.f_code.co_name == "_find_and_load"

@@ -1,4 +1,4 @@
-"""A lock on an output folder: without it, two runs could overwrite each other's files, and neither could be resumed."""
+"""A lock on an output folder, so that two runs cannot overwrite each other's files."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def alone_in(folder: Path) -> Iterator[None]:
 
 
 def require_free(folder: Path) -> None:
-    """Raise OSError if the path is not a folder or another run has locked it; called early, before a world is built."""
+    """Raise OSError if the path is not a folder, or if another run has locked it. Called before a world is built."""
     if os.path.lexists(folder) and not folder.is_dir():
         raise OSError(f"--out {folder}: is not a folder")
     if (folder / LOCK).exists():
@@ -40,7 +40,7 @@ def require_free(folder: Path) -> None:
 
 
 def _locked(path: Path) -> int:
-    """Lock the file and return its descriptor, having made sure that it was not unlinked in the meantime."""
+    """Lock the file and return its descriptor, after checking that the file was not unlinked in the meantime."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

@@ -21,14 +21,14 @@ class CommandObserver(Protocol):
 
 
 class Observer(Due, Protocol):
-    """Observes the simulator when due, before any command of that tick; must not change it."""
+    """An object that observes the simulator when due, before any command of that tick, without changing it."""
 
     def observe(self) -> None:
         """Observe the current state, and advance due_tick."""
 
 
 class Journal:
-    """Reports commands to observers. Without observers, a command costs only a check of an empty tuple."""
+    """Reports commands to observers. Without observers, reporting a command costs only the check of an empty tuple."""
 
     def __init__(self, agenda: Agenda) -> None:
         """agenda: schedules the observers."""

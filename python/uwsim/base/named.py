@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 
 class UnknownNameError(KeyError, ValueError):
-    """Unknown name of a sensor, camera or vehicle. The message lists the known names and suggests the closest match."""
+    """Raised for an unknown name of a sensor, camera or vehicle. The message lists the known names."""
 
     def __str__(self) -> str:
         return str(self.args[0])  # KeyError would show its repr

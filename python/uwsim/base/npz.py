@@ -17,7 +17,10 @@ _READING = threading.Lock()  # NumPy parses headers with ast: not thread-safe in
 
 
 def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an .npz file (a path or the content) by name. Raises ValueError if invalid, or OSError."""
+    """Return the arrays in an .npz file, keyed by name. Raises ValueError if the file is invalid, or OSError.
+
+    source: the path of the file, or its content.
+    """
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:

@@ -1,6 +1,6 @@
 """Single rotations as quaternions (x, y, z, w).
 
-For a single rotation, SciPy's Rotation takes 20 us and this module 1 us; importing SciPy takes longer than creating a
+For a single rotation, SciPy's Rotation takes 20 us and this module 1 us. Importing SciPy takes longer than creating a
 simulator.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def product(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
-    """Return the Hamilton product of two unit quaternions, (4,): a_from_c for a_from_b and b_from_c."""
+    """Return the Hamilton product (4,) of two unit quaternions, such as a_from_c from a_from_b and b_from_c."""
     x, y, z, w = np.asarray(first_xyzw, np.float64).tolist()
     p, q, r, s = np.asarray(then_xyzw, np.float64).tolist()
     return np.array([

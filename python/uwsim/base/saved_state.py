@@ -1,7 +1,7 @@
 """Saved states: each part of a simulator saves its own state, and restores it after validation by a model.
 
 A saved state consists of the state of the native simulation and a JSON object with the state of each Python part, by
-name. It may come from an untrusted source, so none of it is used before all of it has been checked.
+name. It may come from an untrusted source, so it is checked completely before any part of it is used.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Part(Protocol):
         """Return the state, as JSON values."""
 
     def restore(self, state: Any) -> None:
-        """Continue from a state of type STATE. Raises ValueError if it belongs to another simulator."""
+        """Continue from a state of type STATE. Raises ValueError if the state belongs to a different simulator."""
 
 
 class SavedState:

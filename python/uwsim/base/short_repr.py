@@ -1,4 +1,4 @@
-"""Short descriptions of objects that hold arrays: one line, with an array's type and shape instead of its values."""
+"""One-line descriptions of objects with arrays, which show each array's type and shape instead of its values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Long runs that Ctrl-C or SIGTERM stops at their next pause; SIGTERM also skips work that can be done later."""
+"""Long runs that can be stopped at their next pause by Ctrl-C or SIGTERM. SIGTERM also skips deferrable work."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class Stoppable:
 
 @contextmanager
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
-    """During the block, a first Ctrl-C or SIGTERM ends the flight at its next pause, a second one immediately.
+    """During the block, a first Ctrl-C or SIGTERM ends the flight at its next pause, and a second one ends it at once.
 
     After SIGTERM, work that can be done later is skipped, and KeyboardInterrupt is raised if there is no pause within
-    GRACE_S, for example during a long computation. Only the main thread receives signals: in other threads this does
-    nothing.
+    GRACE_S, for example during a long computation. Since only the main thread receives signals, this does nothing on
+    other threads.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""Wall time by stage. Blocks may be nested; each second is counted once, for the innermost block."""
+"""Measures wall time by stage. Blocks may be nested; time is counted only for the innermost block."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class WallTimer:
-    """Accumulates wall time by stage, starting from that of an earlier flight, if any. One thread times each stage."""
+    """Accumulates wall time by stage, on top of an earlier flight's, if any. Only one thread may time a given stage."""
 
     def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}

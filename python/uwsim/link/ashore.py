@@ -44,9 +44,9 @@ class MapAshore(PingMap):
         self._changes_said: tuple[int, Any] = (-1, None)
 
     def read(self, sim: Simulator) -> Any:
-        """Return the map if pings have arrived since the last one, at most once a second; otherwise None.
+        """Return the map if new pings have arrived, at most once a second; otherwise None.
 
-        All readers at one time get the same map.
+        Readers at the same simulated time get the same map.
         """
         if self._whole_said[0] != sim.time_ns:
             self._whole_said = sim.time_ns, self._new_map(sim)
@@ -55,7 +55,7 @@ class MapAshore(PingMap):
     def read_changes(self, sim: Simulator) -> Any:
         """Return the changes made by the pings that have arrived since the last call, or None.
 
-        All readers at one time get the same changes.
+        Readers at the same simulated time get the same changes.
         """
         if self._changes_said[0] != sim.time_ns:
             self._changes_said = sim.time_ns, self._new_changes(sim)
@@ -116,7 +116,7 @@ def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64
 
 
 def with_scans(seen: Iterable[Channel]) -> list[Channel]:
-    """Return the station's channels, with `ping` derived from the placed pings if it is not carried itself."""
+    """Return the station's channels, with `ping` derived from the placed pings if the link does not carry it."""
     found = list(seen)
     names = {channel.name for channel in found}
     for channel in list(found):
@@ -153,7 +153,7 @@ def maps_ashore(
     carried: dict[str, Carried],
     looked_for: LookedFor | None = None,
 ) -> list[Channel]:
-    """Return the channels, with onboard maps replaced by maps built ashore; the table's services then save these."""
+    """Return the channels, with onboard maps replaced by maps built ashore, which the table's services then save."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
     made: dict[str, Channel] = {}
     for source in table.sources:

@@ -20,7 +20,7 @@ class Carried(NamedTuple):
 
 
 def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
-    """Return the vehicle to which a channel belongs, by its name prefix; None if it belongs to several vehicles."""
+    """Return the vehicle to which a channel belongs, according to its prefix; None if it belongs to several."""
     names = list(sim.vehicles)
     if len(names) == 1:
         return names[0]

@@ -1,4 +1,4 @@
-"""Carrier: sends messages from vehicles over the link, and applies those from the station when they arrive."""
+"""Carrier: sends the vehicles' messages over the link, and applies the station's messages when they arrive."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ class Carrier:
         with LiveSimulator("lake", ...) as live, Carrier(live, table) as carrier:
             table.channels, table.services = carrier.channels, carrier.over(table.services)
 
-    simulator: a live simulator, or one stepped by its owner. table: contains all of its channels. Every message is sent
-    by a logged command, so that a replay sends the same messages; arriving messages are unpacked from the bytes
-    carried. Over a modem, every channel named in the scenario is sent at a rate within the modem's capacity (`rates`);
-    over a cable or the ideal link, only the channels that the station reads are sent. A picture is sent only after the
-    previous one has been read. only: name endings of the channels that vehicles may send, unless the scenario selects
-    them with `carries`.
+    simulator: a live simulator, or a simulator that is stepped by its owner. table: the table of all its channels.
+    Every message is sent by a logged command, so that a replay sends the same messages. Arriving messages are unpacked
+    from the bytes that were carried. Over a modem, every channel named in the scenario is sent at a rate within the
+    modem's capacity (`rates`); over a cable or the ideal link, only the channels that the station reads are sent. A
+    picture is sent only after the previous one has been read. only: name endings of the channels that vehicles may
+    send, unless the scenario selects them with `carries`.
     """
 
     def __init__(
@@ -119,7 +119,7 @@ class Carrier:
         self.close()
 
     def over(self, services: Iterable[Service]) -> list[Service]:
-        """Return services whose commands go over the link and that respond as soon as the command is queued."""
+        """Return variants of the services that send their commands over the link and respond once these are queued."""
         return [replace(service, call=self._called(service)) for service in services]
 
     def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
@@ -170,7 +170,7 @@ class Carrier:
         return replace(channel, apply=apply, abandoned=gone)
 
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
-        """Submit a message to the link. is_vital: whether to send it even if late, and to repeat it."""
+        """Submit a message to the link. is_vital: whether to send the message even if it is late, and to repeat it."""
         repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
         return self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
@@ -287,7 +287,7 @@ class Carrier:
 
 
 def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | None) -> list[Channel]:
-    """Return the channels, except those that would cross the link but are not selected."""
+    """Return the channels without those that would cross the link but are not selected."""
     setup, ends = sim.scenario.link, None if only is None else tuple(only)
     if ends is None or setup is None or "carries" in setup.model_fields_set:
         return list(channels)
@@ -295,7 +295,7 @@ def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | N
 
 
 def _size(one: Carried, sim: Simulator) -> int:
-    """Return the packed size of a channel's messages in bytes: the usual size, or that of the current message."""
+    """Return the packed size [bytes] of a channel's messages: the usual size or, if unknown, the current size."""
     if one.packing.usual_bytes is not None:
         return one.packing.usual_bytes
     message = one.channel.read(sim)

@@ -1,4 +1,4 @@
-"""Offline: the interface that a Carrier needs, for a simulator that is stepped by its owner."""
+"""Offline: provides the interface that a Carrier needs, for a simulator that is stepped by its owner."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ T = TypeVar("T")
 
 
 class Offline:
-    """The LiveSimulator methods used by a Carrier; calls are executed immediately on the caller's thread."""
+    """Implements the LiveSimulator methods that a Carrier uses, by executing each call immediately."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Issue a command; an error is stored in the future."""
+        """Issue a command. Any error is stored in the future."""
         return self.read(bound_command(name, arguments))
 
     def read(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Call a function with the simulator; its result or ValueError is stored in the future."""
+        """Call a function with the simulator, and store its result or ValueError in the future."""
         future: Future[T] = Future()
         try:
             future.set_result(function(self.simulator))

@@ -1,4 +1,4 @@
-"""Computes how much of a modem's time is taken up by pings of the instruments that share it."""
+"""Computes the share of a modem's time taken up by the pings of instruments that share the modem."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
 
 
 def sharers(relays: Mapping[str, str], vehicle: str, vehicles: Iterable[str]) -> int:
-    """Return the number of vehicles whose messages pass the last relay on a vehicle's route, or the vehicle itself."""
+    """Return the number of vehicles, including this one, whose messages reach the station through the same relay."""
 
     def last(name: str) -> str:
         while name in relays:
@@ -46,7 +46,7 @@ def sharers(relays: Mapping[str, str], vehicle: str, vehicles: Iterable[str]) ->
 
 
 def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
-    """Return the time for which a message of `size` bytes occupies the modem, in seconds; TDMA slots are not split."""
+    """Return the time [s] for which a message of `size` bytes occupies the modem. TDMA packets do not span slots."""
     full, rest = divmod(size, modem.packet_bytes)
     packets = [modem.packet_bytes] * full + ([rest] if rest or not full else [])
     lengths_s = [modem.packet_s(part) for part in packets]
@@ -66,11 +66,11 @@ def send_rates(
     taken: float = 0.0,
     shared_by: int = 1,
 ) -> dict[str, float]:
-    """Return the rates [Hz] of a vehicle's channels by name; channels that cannot be sent are missing.
+    """Return the rates [Hz] of a vehicle's channels, keyed by name, without the channels that cannot be sent.
 
     Capacity is assigned by priority: the channels of one priority get their desired rates, but at most SHARE of the
-    remaining capacity. The channels of the last priority that gets any capacity also get what remains unused. Pictures
-    take turns: the rate returned for each is that of all pictures together. sizes: packed message sizes in bytes.
+    remaining capacity. The last priority that gets any capacity also gets the unused capacity. Pictures take turns, so
+    the rate returned for each of them is the rate of all pictures together. sizes: packed message sizes in bytes.
     times: how many times each message is sent, by default once. taken: share of time used by the vehicle's instruments.
     shared_by: number of vehicles whose messages pass the same relay. Acknowledgements and retransmissions are not
     allowed for.
@@ -100,7 +100,10 @@ def send_rates(
 
 
 def _shared_out(costs_s: Mapping[str, float], wanted_hz: float, budget: float) -> dict[str, float]:
-    """Return rates for channels of one priority: equal or, if that is too low, SHARE of the rest to each in turn."""
+    """Return rates for channels of one priority.
+
+    All rates are equal unless that rate would be too low. In that case, each channel in turn gets SHARE of the rest.
+    """
     even_hz = min(wanted_hz, budget / sum(costs_s.values()))
     if even_hz * EVEN_S >= 1.0:
         return dict.fromkeys(costs_s, even_hz)

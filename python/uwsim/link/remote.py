@@ -1,4 +1,4 @@
-"""The simulator as seen from the station: commands to vehicles go over the link; all others are applied directly."""
+"""The simulator as seen from the station. Commands to vehicles go over the link; others are applied directly."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class RemoteSimulator:
 
 
 def crosses_link(name: str) -> bool:
-    """Return whether a command goes to a vehicle; other commands, such as `place`, are for the simulator."""
+    """Return whether a command goes to a vehicle rather than, like `place`, to the simulator."""
     return name in COMMANDS and COMMANDS[name].crosses_link
 
 

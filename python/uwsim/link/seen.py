@@ -1,4 +1,4 @@
-"""The station's end: the channels of a simulator as seen through its link."""
+"""The channels of a simulator as seen from the station, through the link."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MODEM_HZ, QUICK_HZ = 20.0, 100.0
 def seen_channels(
     sim: Simulator, table: Table, given: Iterable[Channel] | None = None, looked_for: LookedFor | None = None
 ) -> list[Channel]:
-    """Return a table's channels as seen at the station: those that cross the link deliver arrived messages.
+    """Return a table's channels as seen at the station, where channels that cross the link deliver arrived messages.
 
     Channels that could go over the link but are not carried are left out; maps, including the table's own, are built
     ashore. Messages depend only on the simulator's state, so that a replay reads the same messages. given: the table's
@@ -44,7 +44,7 @@ def seen_channels(
 
 
 def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
-    """Return whether these are channels as seen from the station, through a link."""
+    """Return whether these channels are those seen from the station, through a link."""
     return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 

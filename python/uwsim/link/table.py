@@ -1,4 +1,4 @@
-"""The link table of a report: numbers of messages sent, delivered, lost and late, by topic and sender."""
+"""The table in a report with the numbers of messages sent, delivered, lost and late, by topic and sender."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class LinkRow(NamedTuple):
 
 
 def link_rows(sim: Simulator) -> list[LinkRow]:
-    """Return the rows for a simulator's link so far, with messages from the station last; empty without a link."""
+    """Return the rows for a simulator's link so far, with the station's messages last, or no rows without a link."""
     counts = [] if sim.link is None else sim.link.counts()
     rows = [
         LinkRow(

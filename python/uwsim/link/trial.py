@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Leg:
-    """The result at one place: its range from the station's transducer, and how many messages arrived from there.
+    """The result at one place: its range from the station's transducer, and the number of messages that arrived.
 
     delay_s: travel time of the sound, NaN if there is no path. uneven: whether reflections other than those of a flat
     bottom contribute (Reception.bed_is_uneven). waited_s: mean time from `send` to arrival. goodput_bit_s: rate at
@@ -50,7 +50,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Curve:
-    """Theoretical values by range in water without a bed: the share of packets that arrive, and their delay."""
+    """The theoretical share of packets that arrive, and their delay, by range in water without a bed."""
 
     range_m: Floats
     delivery: Floats
@@ -76,7 +76,7 @@ class Trial:
 def run_trial(
     scenario: str | Path | Scenario, modem: str | None, *, seed: int | None = None, depth_m: float = 10.0
 ) -> Trial:
-    """Move out along the longest clear path at a depth, and back; send messages at each place.
+    """Move the vehicle out along the longest clear path at a depth, and back, and send messages at each place.
 
     Raises ValueError if there is no link or no clear path.
     """
@@ -95,7 +95,7 @@ def run_trial(
 
 
 def _places(sim: Simulator, depth_m: float) -> list[Floats]:
-    """Return places along the bearing on which a vehicle can move farthest at that depth."""
+    """Return places along the bearing on which a vehicle can move farthest at this depth."""
     start = np.asarray(sim.scenario.station.position_m, np.float64)
     best: list[Floats] = []
     for bearing in np.linspace(0.0, 2.0 * np.pi, BEARINGS, endpoint=False):

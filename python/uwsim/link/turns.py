@@ -17,7 +17,7 @@ Send = Callable[[str], bool]
 
 
 class Turn:
-    """Channels that take turns, or a single channel. names: starts with the channel whose turn is next."""
+    """One or several channels that take turns. names: starts with the channel whose turn is next."""
 
     def __init__(self, name: str, rate_hz: float, step_ns: int, send: Send) -> None:
         self.names = deque([name])

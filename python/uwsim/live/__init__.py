@@ -1,4 +1,4 @@
-"""A simulator paced by the wall clock: one thread steps it; commands come from any thread and are logged by tick."""
+"""A simulator paced by the wall clock. One thread steps it, and commands from any thread are logged by tick."""
 
 from uwsim.base.commands import COMMANDS
 from uwsim.live.clock import LiveClock, MissionClock

@@ -1,4 +1,4 @@
-"""Clocks for missions on a live simulator: a mission waits while the stepping thread makes steps."""
+"""Clocks for missions on a live simulator, with which a mission waits while another thread steps the simulator."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from uwsim.live.step_loop import StepLoop
 
 
 class LiveClock:
-    """A Clock (uwsim.navigation.control.Clock) for one mission on one thread; the simulator does not wait for it.
+    """A Clock (uwsim.navigation.control.Clock) for one mission on one thread.
 
-    A wait ends duration_s after the end of the previous wait if that is in the future, else duration_s from now, so
-    that a control loop keeps its period despite the computation between waits.
+    The simulator does not wait for the mission. A wait is measured from the end of the previous wait, so that a control
+    loop keeps its period despite the computation between waits. If the resulting time is already past, the wait is
+    measured from now.
     """
 
     def __init__(self, loop: StepLoop) -> None:

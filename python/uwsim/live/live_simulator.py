@@ -41,16 +41,16 @@ class LiveSimulator:
     simulator: a Simulator, which this object takes over, or the scenario to create one from. speed: simulated seconds
     per wall second, or "max". paused: whether the simulator starts paused.
 
-    Commands from all threads form one queue in order of arrival; they take effect between two steps, or immediately
-    while paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` reproduces the same
-    bytes. If the simulator cannot keep the pace, it catches up after short delays and lets the schedule slip after
-    longer delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the
-    reason, and `reset` continues.
+    Commands from all threads are queued in order of arrival. They take effect between two steps, or immediately while
+    the simulator is paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` reproduces
+    the same bytes. If the simulator cannot keep the pace, it catches up after short delays and lets the schedule slip
+    after longer delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error`
+    contains the reason, and `reset` allows it to continue.
 
-    refusal: if not empty, the reason for which commands, calls and resets raise ValueError, as during a replay.
+    refusal: if not empty, commands, calls and resets raise ValueError with this reason, as during a replay.
 
-    The attribute simulator is for fixed properties and single readings; do not step or command it directly. vehicles,
-    rov: accept commands from any thread. log: the CommandLog.
+    The attribute `simulator` is for fixed properties and single readings; do not step or command it directly.
+    `vehicles` and `rov` accept commands from any thread. `log` is the CommandLog.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class LiveSimulator:
 
     @contextmanager
     def mission_clock(self) -> Iterator[MissionClock]:
-        """Return a clock for one mission, with which simulated time pauses while the mission computes.
+        """Return a clock for one mission that pauses simulated time while the mission computes.
 
             with live.mission_clock() as clock:
                 run(mission, live.rov, clock)
@@ -111,7 +111,7 @@ class LiveSimulator:
         return self
 
     def stop(self) -> None:
-        """Stop stepping, within a second; pending requests raise NotRunningError. `start` continues."""
+        """Stop stepping within a second. Pending requests raise NotRunningError. `start` can resume stepping."""
         self._loop.close()
         if self._thread is None or self._on_loop:
             return
@@ -216,7 +216,7 @@ class LiveSimulator:
         self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
 
     def reset(self, state: bytes | None = None) -> None:
-        """Go to a state returned by save_state, by default the initial state; return once there.
+        """Restore a state returned by save_state, by default the initial state; return once it is in effect.
 
         Raises ValueError if the state does not fit this simulator.
         """
@@ -226,8 +226,8 @@ class LiveSimulator:
     def call(self, function: Callable[[Simulator], T]) -> Future[T]:
         """Call function(simulator) at the start of the next step. From then on, the log cannot be written to a file.
 
-        The function must be brief, since it delays the steps. The future receives its error. Raises NotRunningError if
-        the simulator is not running.
+        The function must be brief, since it delays the steps. The future receives its result or error. Raises
+        NotRunningError if the simulator is not running.
         """
         return self._submit(function, CALL, {"function": function, "raised": False})
 
@@ -236,7 +236,10 @@ class LiveSimulator:
         return self._submit(function, None, {})
 
     def follow(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Call function(simulator) between two steps, even if commands are refused; for a replay that sets the time."""
+        """Call function(simulator) between two steps, even if commands are refused.
+
+        Used by a replay to set the time.
+        """
         return self._submit(function, None, {})
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:

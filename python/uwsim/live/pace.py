@@ -1,4 +1,4 @@
-"""The pace: when steps are due on the wall clock, and how well the simulator keeps up."""
+"""The pace of a live simulator: determines when steps are due, and measures how well the simulator keeps up."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ BATCH_STEPS_MAX = 10_000
 class Pace:
     """The schedule of steps at a given speed: simulated seconds per wall second, or "max".
 
-    All now_s arguments are times on the same monotonic clock. lateness_s: largest delay of a step behind its schedule,
-    or behind the time until which it was allowed to wait, if that is later. slipped_s: total wall time by which the
-    schedule has slipped. factor: speed achieved over the last second.
+    All now_s arguments are times on the same monotonic clock. lateness_s: the largest delay of a step relative to its
+    schedule or, if that is later, to the time until which it was allowed to wait. slipped_s: total wall time by which
+    the schedule has slipped. factor: speed achieved over the last second.
     """
 
     def __init__(self, speed: Speed, step_s: float) -> None:
@@ -39,7 +39,7 @@ class Pace:
 
     @property
     def factor(self) -> float:
-        """Simulated seconds per wall second, over the last second of running; 0 before any step."""
+        """The simulated seconds per wall second during the last second of running, or 0 before the first step."""
         if len(self._marks) < 2 or self._marks[-1][0] <= self._marks[0][0]:
             return 0.0
         (first_s, made_first_s), (last_s, made_last_s) = self._marks[0], self._marks[-1]
@@ -76,9 +76,9 @@ class Pace:
         return min(self.batch, 1 + int(late_s * self.speed / self._step_s))
 
     def wait_s(self, now_s: float, steps: int | None) -> float:
-        """Return the wall time until steps must be made; zero or less if they are due.
+        """Return the wall time until steps must be made, which is zero or less if they are due.
 
-        steps: number of steps after which a reading, alarm or similar is due; None if nothing is. All steps within
+        steps: the number of steps until a reading, alarm or similar is due, or None if nothing is due. All steps within
         REST_S may be made together, since waking up costs more than stepping.
         """
         if self.speed == "max" or math.isnan(self._start_s):

@@ -16,10 +16,10 @@ class NotRunningError(RuntimeError):
 
 @dataclass(eq=False)
 class Request:
-    """A function to call with the simulator between two steps; the future receives its result or error.
+    """A function to call with the simulator between two steps. The future receives its result or error.
 
-    name, arguments: its entry in the log; if name is None, it changes nothing and is not logged. is_vital: whether it
-    is accepted even if the queue is full.
+    name, arguments: the entry in the log. If name is None, the function changes nothing and is not logged. is_vital:
+    whether to accept the request even if the queue is full.
     """
 
     function: Callable[[Simulator], Any]

@@ -1,4 +1,4 @@
-"""The loop of the thread that owns a simulator: answers requests and makes the steps due on the wall clock."""
+"""The loop of the thread that owns a simulator. It answers requests and makes the steps that are due."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ class StepLoop:
     """The state shared by the stepping thread and other threads, guarded by `lock`.
 
     An alarm is a future that resolves when the loop has made a given number of steps. steps_made keeps increasing even
-    when a reset moves simulated time back. holds: by holder, the value of steps_made beyond which no step may be made.
-    error: why the simulation stopped, if it did.
+    when a reset moves simulated time back. holds: the value of steps_made beyond which no step may be made, by holder.
+    error: the error that stopped the simulation, if any.
     """
 
     def __init__(self, sim: Simulator, pace: Pace, log: CommandLog, *, paused: bool) -> None:
@@ -80,7 +80,7 @@ class StepLoop:
             self.lock.notify_all()
 
     def in_turn(self, function: Callable[[], T]) -> T:
-        """Call a function on the stepping thread after all earlier requests; return its result or raise its error."""
+        """Call a function on the stepping thread after all earlier requests. Return its result, or raise its error."""
         request = Request(lambda sim: function())
         self.submit(request)
         return request.future.result()  # type: ignore[no-any-return]
@@ -101,8 +101,8 @@ class StepLoop:
     def alarm(self, until: int, *, holder: object = None) -> Future[None]:
         """Return a future that resolves when steps_made is `until`.
 
-        holder: if given, no step beyond `until` is made before its next alarm or release. Raises NotRunningError if not
-        running, and the error that stopped the simulation, if any.
+        holder: if given, no step beyond `until` is made before the holder's next alarm or release. Raises
+        NotRunningError, or the error that stopped the simulation, if any.
         """
         with self.lock:
             self._require_open()
@@ -111,9 +111,9 @@ class StepLoop:
             return self._alarm(until)
 
     def hold(self, holder: object) -> int:
-        """Make no more steps until this holder's `release` or `alarm`.
+        """Stop making steps until this holder's `release` or `alarm`.
 
-        Return steps_made once stepping has stopped.
+        Return steps_made once no step is in progress.
         """
         with self.lock:
             self._require_open()
@@ -129,9 +129,9 @@ class StepLoop:
             self.lock.notify_all()
 
     def step_when_paused(self, steps: int) -> Future[None]:
-        """Run a number of steps; return a future that resolves after the last one.
+        """Request a number of steps; return a future that resolves after the last one.
 
-        Raises ValueError if the simulator is not paused, and otherwise the same errors as `alarm`.
+        Raises ValueError if the simulator is not paused, or the same errors as `alarm`.
         """
         with self.lock:
             self._require_open()
@@ -190,7 +190,7 @@ class StepLoop:
             return False
 
     def _time_to_step_s(self, now_s: float, awaited: int) -> float | None:
-        """Return how long to wait before the next step; None: until something changes. awaited: as in `_steps_left`."""
+        """Return the time to wait before the next step, or None to wait for a change. awaited: as in `_steps_left`."""
         if self.holds and min(self.holds.values()) <= self.steps_made:
             return None
         if self.paused:
@@ -234,7 +234,7 @@ class StepLoop:
             self.log.append(Entry(arguments["from_tick"], name, arguments))
 
     def _notice_jump(self, request: Request, before: int) -> None:
-        """If a request has changed simulated time, end all waits for times that no longer apply."""
+        """If a request has changed the simulated time, end all waits, since their times no longer apply."""
         tick = self.sim.tick
         if tick == before and request.name != RESET:
             return

@@ -13,9 +13,10 @@ logger = logging.getLogger("uwsim.live")
 
 
 class Subscription:
-    """A reading taken at all multiples of a period and passed to a sink; see LiveSimulator.every.
+    """A reading that is taken at all multiples of a period and passed to a sink; see LiveSimulator.every.
 
-    error: the last error raised by read or sink. errors: number of such errors, which do not end the subscription.
+    error: the last error raised by the reading or the sink. errors: the number of such errors, which do not end the
+    subscription.
     """
 
     def __init__(
@@ -29,7 +30,8 @@ class Subscription:
     ) -> None:
         """Create a subscription.
 
-        period_ns: None to read only now and after each jump in time. leads: whether it precedes the others at a tick.
+        period_ns: None to take readings only now and after each jump in time. leads: whether readings precede others at
+        the same tick.
         """
         self.leads = leads
         self.error: Exception | None = None
@@ -56,7 +58,10 @@ class Subscription:
         self.due_tick = tick
 
     def act(self, tick: int) -> None:
-        """Pass a reading to the sink, and become due at the next multiple of the period; log a new error once."""
+        """Take a reading and pass it to the sink, then become due at the next multiple of the period.
+
+        A repeated error is logged only once.
+        """
         if self.cancelled:
             return
         self.due_tick = NEVER if self._period_ns is None else next_tick(tick, self._period_ns, self._step_ns)

@@ -1,4 +1,4 @@
-"""Vehicles of a live simulator: readings return immediately; commands are logged."""
+"""Vehicles of a live simulator. Readings return immediately, and commands are logged."""
 
 from __future__ import annotations
 

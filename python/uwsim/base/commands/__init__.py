@@ -1,4 +1,4 @@
-"""The table of all commands for a simulator and its vehicles. This package imports neither.
+"""The table of all commands for a simulator and its vehicles, neither of which this package imports.
 
 Live simulators, logs, replays, links, services, remote vehicles and the station's page are all built from COMMANDS. A
 new command is one entry in `table.py`; if callers need a method for it, add the method to `Commandable`.

@@ -39,7 +39,7 @@ class Argument:
         return self.default is REQUIRED
 
     def check(self, value: Any, path: str) -> None:
-        """Raise ValueError, naming the path, value, unit and rule, unless the value is allowed."""
+        """Raise ValueError if the value is not allowed. The message states the path, value, unit and rule."""
         if value is None and self.default is None:
             return
         if self.type == "number":
@@ -79,9 +79,9 @@ VEHICLE, ANY_VEHICLE = Argument("vehicle", "text"), Argument("vehicle", "text", 
 class Command:
     """A command that can be issued to a vehicle or the simulator.
 
-    name: used in Python, in logs and recordings, and in every protocol. of: the kind of target: a vehicle, the
-    simulator, or either, depending on whether the argument `vehicle` names one. apply: changes the target; called with
-    the target, plus the arguments as keywords; raises ValueError without changing anything; if None, the vehicle's
+    name: used in Python, in logs and recordings, and in every protocol. of: the kind of target, which is a vehicle, the
+    simulator, or either of them (a vehicle if the argument `vehicle` is given). apply: applies the command; called with
+    the target and the arguments as keywords; raises ValueError without changing anything. If it is None, the vehicle's
     method with the same name is called. notes_itself: whether `apply` reports to the simulator's journal, as methods
     do. takes_more: whether arguments that are not listed are passed on. crosses_link: whether the command travels over
     the link to its vehicle. replaces: whether it replaces an older command of the same name that is still waiting to be
@@ -141,9 +141,9 @@ class Command:
         return give
 
     def named(self, vehicle: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the arguments plus the vehicle's name, after checking them.
+        """Check the arguments, and return them with the vehicle's name added.
 
-        Raises ValueError, also for a command that targets the simulator.
+        Raises ValueError if they are invalid or the command targets the simulator.
         """
         if self.of == "simulator":
             raise ValueError(f"command '{self.name}': is for the simulator, not for vehicle '{vehicle}'")

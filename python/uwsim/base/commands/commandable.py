@@ -1,7 +1,7 @@
 """The commands that are methods of a vehicle, defined once for simulated, live and remote vehicles and for missions.
 
-These protocols have method bodies: a class that inherits from one gets its methods, which call the class's `command`; a
-class that implements the methods itself, such as the simulated vehicle, conforms without inheriting.
+These protocols have method bodies. A class that inherits from a protocol gets its methods, which call the class's
+`command`. A class that implements the methods itself, such as the simulated vehicle, conforms without inheriting.
 """
 
 from __future__ import annotations
@@ -35,7 +35,10 @@ class Steerable(Protocol):
 
 
 class Commandable(Steerable, Protocol):
-    """A vehicle that accepts every command that a real one could. A command that raises ValueError changes nothing."""
+    """A vehicle that accepts every command that a real vehicle could.
+
+    A command that raises ValueError has no effect.
+    """
 
     def command(self, name: str, /, **arguments: Any) -> Any:
         """Issue a command by its name in uwsim.base.commands."""

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class HoldKind:
-    """A hold. keeps: its target. axes: the efforts that it sets, all of which the vehicle must have.
+    """A kind of hold. keeps: the quantity that it holds.
 
-    sensors: the kinds of sensor that measure its target; one is needed. patience_s: how long they may be silent before
-    the hold is lost. then: the hold that takes over if it is lost; "" for none.
+    axes: the axes that it controls, all of which the vehicle needs. sensors: the kinds of sensor that measure the
+    quantity; the vehicle needs one of them. patience_s: how long the sensor may be silent before the hold is lost.
+    then: the hold that takes over after a loss, or "".
     """
 
     keeps: str

@@ -12,7 +12,7 @@ NOTE = "note"
 
 
 def require_note(text: str, category: str, picture: str) -> None:
-    """Raise ValueError if a note is too long, has unprintable characters, or is in no known category."""
+    """Raise ValueError if a note is too long, contains unprintable characters or has an unknown category."""
     for name, value, longest in (("text", text, TEXT_MAX), ("picture", picture, PICTURE_MAX)):
         if len(value) > longest or not all(char.isprintable() for char in value):
             raise ValueError(f"command 'note': {name} = {value[:40]!r}: must be at most {longest} printable characters")

@@ -1,4 +1,4 @@
-"""Packs messages into a few bytes for a modem, and unpacks them; content that is not packed does not arrive."""
+"""Packs messages into a few bytes for a modem, and unpacks them. Content that is not packed is lost."""
 
 from uwsim.link.packing.packings import PACKINGS, Packing, packing_of
 

@@ -1,6 +1,6 @@
-"""Table of packings, which convert messages to bytes and back. Adding a packing takes one line here.
+"""The table of packings, which convert messages to bytes and back. Adding a packing takes one line here.
 
-Anything left out or rounded is lost: listeners receive the unpacked message, not the original.
+Receivers get the unpacked message, not the original, so anything omitted or rounded is lost.
 """
 
 from __future__ import annotations

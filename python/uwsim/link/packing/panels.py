@@ -61,7 +61,7 @@ INFINITE = ("distance_to_seabed",)
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return about 110 bytes: positions in cm, accelerations in mm/s2 and mrad/s2, commands to 1 %, alarms as text."""
+    """Pack /telemetry into about 110 bytes: positions in cm, accelerations in mm/s2, commands in %, alarms as text."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
@@ -126,7 +126,7 @@ def unpack_failsafe(byte: int) -> dict[str, str]:
 
 
 def pack_holds(message: Any) -> bytes:
-    """Return one bit for each kind of hold, and the targets of the active ones, in their order."""
+    """Return one bit for each kind of hold, followed by the targets of the active holds in the same order."""
     bits = sum(1 << bit for bit, name in enumerate(HOLDS) if name in message.holds)
     return struct.pack(f"<B{len(message.holds)}i", bits, *(quantised(x, 0.01, "i") for x in message.hold_targets))
 
@@ -140,7 +140,7 @@ def unpack_holds(data: bytes) -> tuple[dict[str, Any], bytes]:
 
 
 def _pack_notices(message: Any) -> bytes:
-    """Return the failsafe byte, the holds, and, if there are any, the note on holds and the alarms, as text."""
+    """Return the failsafe byte, the holds and, as text, the note on holds and the alarms (if any)."""
     notes = [message.hold_note, *message.alarms]
     return bytes([pack_failsafe(message)]) + pack_holds(message) + ("\n".join(notes) if any(notes) else "").encode()
 

@@ -50,7 +50,10 @@ def unpack_key(data: bytes, channel: Channel) -> Any:
 
 
 def is_plain_key(message: Any) -> bool:
-    """Return whether a key message contains only efforts and so may be replaced; a function must not be lost."""
+    """Return whether a key message contains only efforts.
+
+    Such a message may be replaced; a function must not be lost.
+    """
     return bool(message.orientation.w == 0)
 
 

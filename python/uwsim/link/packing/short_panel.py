@@ -1,4 +1,4 @@
-"""The panel in a single packet of a slow modem: the values that matter most to a pilot, within 32 bytes."""
+"""A packing of the values that matter most to a pilot, within 32 bytes, a single packet of a slow modem."""
 
 from __future__ import annotations
 

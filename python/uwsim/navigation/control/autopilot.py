@@ -74,7 +74,7 @@ class Autopilot(Sealed):
 
     @property
     def integrals(self) -> tuple[float, float, float]:
-        """The integrals for surge, sway and height, in units of effort: the only state kept between periods."""
+        """The integrals for surge, sway and height, in units of effort. No other state is kept between periods."""
         surge, sway, height = self._core.integrals.tolist()
         return surge, sway, height
 
@@ -86,7 +86,7 @@ class Autopilot(Sealed):
 def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
     """Return reduced gains if the vehicle turns too fast for a loop with this period. authority: see Vehicle.
 
-    A rate loop sampled at T is stable if rate gain x authority x T < 2, and well below 1 it does not overshoot.
+    A rate loop sampled with period T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.
     """
     if authority is None:
         return gains

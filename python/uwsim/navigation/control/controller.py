@@ -1,4 +1,4 @@
-"""A cascaded controller with a vehicle model: holds positions, courses and velocities, and follows paths."""
+"""A cascaded controller with a vehicle model, which holds positions, courses and velocities."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class ControlSettingsLike(Protocol):
 
 
 class Controller(Sealed):
-    """Converts a target to efforts: call one of `hold`, `steer` and `velocity` once per control period.
+    """Converts targets to efforts. Call `hold`, `steer` or `velocity` once per control period.
 
-    estimate: the vehicle's motion as known to the controller; defaults to that of the vehicle itself, which for a
-    simulated vehicle is the truth. settings: the model and gains from the vehicle file; defaults to `vehicle.control`.
-    A remote vehicle has none: pass `uwsim.scenario.control_settings("bluerov2_heavy")`. The control law is in
+    estimate: the source of the vehicle's motion; defaults to the vehicle itself, which provides the true motion if it
+    is simulated. settings: the model and gains from the vehicle file; defaults to `vehicle.control`. For a remote
+    vehicle, which has no `control`, pass `uwsim.scenario.control_settings("bluerov2_heavy")`. The control law is in
     cpp/uwsim/control/motion_controller.h; see also docs/guides/control.md. Axes without actuators are not controlled.
     """
 
@@ -93,7 +93,7 @@ class Controller(Sealed):
 
         altitude_m: target and measured altitude. Without z_world_m and altitude_m, the vertical velocity is held at
         zero, and a vehicle without vertical thrust holds its pitch instead. pitch_rad: positive nose down.
-        across_first: if the thrust is insufficient, force across the vehicle has priority over force along it.
+        across_first: whether lateral force has priority over longitudinal force if the thrust is insufficient.
         """
         if altitude_m is not None:
             wanted_m, measured_m = altitude_m
@@ -104,7 +104,7 @@ class Controller(Sealed):
         self._reach((free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first)
 
     def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
-        """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; stay level unless a rate about x or y is commanded."""
+        """Hold a velocity (6,) in body axes [m/s, rad/s], and stay level unless a rate about x or y is commanded."""
         self.vehicle.set_effort(*self.velocity_efforts(velocity_body))
 
     def velocity_efforts(

@@ -18,11 +18,11 @@ Vector = NDArray[np.float64]
 class PathFollower(Sealed):
     """Guides a controller along a path; call `steer` once per control period.
 
-    The vehicle faces along the path, or along its course if it cannot sway. points_m: (n, 3), waypoints. lookahead_m:
-    distance ahead on the path at which the course is aimed: near the path, the cross-track error decays at the rate
-    speed / lookahead. integral_m_s: gain of the cross-track integral, for a vehicle that drifts in a current because it
-    does not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is insufficient for
-    both speed and path, the vehicle stays on the path and slows down.
+    The vehicle faces along the path, or along its course if it cannot sway. points_m: waypoints (n, 3). lookahead_m:
+    the distance ahead on the path to the point at which the vehicle aims. Near the path, the cross-track error decays
+    at the rate speed / lookahead. integral_m_s: gain of the cross-track integral, for a vehicle that drifts in a
+    current because it does not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is
+    insufficient for both speed and path, the vehicle stays on the path and slows down.
     """
 
     controller: Controller
@@ -50,7 +50,7 @@ class PathFollower(Sealed):
         return f"<PathFollower at {self.speed_m_s:g} m/s, {self.lookahead_m:g} m ahead, by {self.controller!r}>"
 
     def steer(self) -> _core.Guidance:
-        """Set the efforts for one control period; return the guidance, which shows whether the end has been passed."""
+        """Set the efforts for one control period. Return the guidance, which shows whether the end has been passed."""
         guidance = self._core.guide(self.controller.estimate.pose.position_world_m)
         velocity = self._core.pace(guidance.course_rad, self.speed_m_s, self.controller.force_share)
         heading = guidance.path_rad if self.controller.drives_sway else guidance.course_rad

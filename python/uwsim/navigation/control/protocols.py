@@ -1,4 +1,4 @@
-"""The vehicle and clock interfaces for missions; uwsim.Simulator implements them, and remote vehicles can too."""
+"""The vehicle and clock interfaces for missions, implemented by uwsim.Simulator and by remote vehicles."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Watch(Protocol):
 
 
 class Clock(Watch, Protocol):
-    """A clock that lets time pass: a simulator's advances it, a remote vehicle's sleeps."""
+    """A clock that can wait. A simulator's clock advances simulated time; a remote vehicle's clock sleeps."""
 
     def wait(self, duration_s: float) -> None:
         """Return after duration_s seconds."""
@@ -85,7 +85,7 @@ class PanelLike(Protocol):
 
 
 class EstimateLike(Protocol):
-    """A vehicle's motion as known to a filter, or the true motion; a simulated vehicle provides its own true motion."""
+    """The estimated or true motion of a vehicle. A simulated vehicle itself provides its true motion."""
 
     @property
     def pose(self) -> PoseLike: ...

@@ -1,4 +1,4 @@
-"""The instruments that correct the filter: for each kind in AIDS, one class prepares the samples."""
+"""The instruments that correct the filter. One class for each kind in AIDS prepares its samples."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_BIAS = _core.BiasModel()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a vehicle knows about its surroundings. imu_body_m (3,): position of its IMU."""
+    """Known properties of a vehicle and its surroundings. imu_body_m (3,): the position of the IMU."""
 
     imu_body_m: Array
     station_world_m: Array
@@ -166,7 +166,7 @@ AIDS: dict[str, Aid] = {
 
 
 def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:
-    """Return the sensors that aid the filter, keyed by name: the first of each kind.
+    """Return the sensors that aid the filter, keyed by name. They are the first of each kind.
 
     Depth is preferred to the equivalent pressure, and the IMU's own orientation is used only without a compass.
     """

@@ -35,11 +35,11 @@ YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will m
 class Navigator(Sealed):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
-    vehicle: has named sensors, of which the first of each kind is used. start: the initial motion; by default at rest
-    at the first USBL fixes. station_world_m: the origin of the USBL fixes. gravity_m_s2: the acceleration due to
-    gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. The filter's error
-    models follow from the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with neither a
-    start nor a USBL.
+    vehicle: provides named sensors; the first of each kind is used. start: the initial motion; by default, at rest at
+    the position of the first USBL fixes. station_world_m: the origin of the USBL fixes. gravity_m_s2: the acceleration
+    due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. The filter's
+    error models follow from the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with
+    neither a start nor a USBL.
 
     Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
     that happens. See docs/guides/estimation.md.
@@ -116,9 +116,10 @@ class Navigator(Sealed):
         self._listen({**dict.fromkeys(self._aids, now_ns + 1), IMU: now_ns}, now_ns)
 
     def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
-        """Collect samples from now on.
+        """Start collecting samples.
 
-        from_ns: first time stamp for each sensor. imu_ns: end of the filter's IMU samples.
+        from_ns: the first time stamp to collect from each sensor. imu_ns: the time up to which the filter has IMU
+        samples.
         """
         for stream in self._open:
             stream.close()
@@ -182,7 +183,7 @@ class Navigator(Sealed):
         self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
 
     def _be_silent(self, before_ns: int, after_ns: int) -> int:
-        """Step the filter through an IMU gap at fixed times between two stamps; return the last of these times."""
+        """Step the filter through a gap in the IMU samples, at fixed times between two stamps; return the last time."""
         while before_ns + self._silence_ns < after_ns:
             before_ns += self._silence_ns
             self._filter.add_silence(before_ns)
@@ -217,7 +218,8 @@ class Navigator(Sealed):
     def covariance(self) -> Array:
         """Covariance (15, 15) of position [m] and velocity [m/s] in world axes, attitude [rad], and the IMU biases.
 
-        The last three are in body axes: attitude, gyroscope [rad/s], accelerometer [m/s2]. Valid at the IMU centre.
+        Attitude and the biases of gyroscope [rad/s] and accelerometer [m/s2] are in body axes. Position and velocity
+        refer to the IMU's centre.
         """
         with self._lock:
             return np.asarray(self._current().covariance[:15, :15])

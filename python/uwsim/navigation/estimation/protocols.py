@@ -1,4 +1,4 @@
-"""The vehicle and sensor interfaces that navigation requires; uwsim.Simulator implements them."""
+"""The vehicle and sensor interfaces that navigation requires, as implemented by uwsim.Simulator."""
 
 from __future__ import annotations
 

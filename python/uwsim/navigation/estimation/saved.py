@@ -18,9 +18,9 @@ class WaterState(State):
 
 
 class NavigatorState(State):
-    """A saved Navigator. version: version of `filter`; version 1 lacked `figures`.
+    """A saved Navigator. version: the version of `filter`; in version 1, there was no `figures`.
 
-    from_ns: earliest possible stamp of each sensor's next sample.
+    from_ns: the earliest possible stamp of each sensor's next sample.
     """
 
     version: Literal[1, 2] = 1
