@@ -45,7 +45,7 @@ def parts(action_type: str) -> tuple[str, str, str]:
 
 @cache
 def load_action_types(distro: Distro = "jazzy") -> None:
-    """Add all action types, and the service that cancels goals, to the message types, on first use."""
+    """Add all action types, and the service that cancels goals, to the message types. Repeated calls do nothing."""
     load_service_types(distro)
     found = {part: made for name in ACTION_TYPES for part, made in parsed(action_texts(name, *parts(name))).items()}
     for store in (typestore(), ros1_typestore(), store_of(distro)):

@@ -1,4 +1,4 @@
-"""Chunked Base64: a single call on megabytes of data holds the GIL and would block all other threads."""
+"""Base64 in chunks, because a single call on megabytes of data would hold the GIL and block all other threads."""
 
 from __future__ import annotations
 

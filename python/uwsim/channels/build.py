@@ -28,7 +28,7 @@ FAN_XYZW = (
 
 
 def message(name: str, /, **fields: Any) -> Any:
-    """Return a message of a type such as "sensor_msgs/msg/Imu"; omitted fields get their ROS defaults."""
+    """Return a message of a type such as "sensor_msgs/msg/Imu". Omitted fields get their ROS defaults."""
     cls, defaults = _plan(name)
     if not fields.keys() <= defaults.keys():
         raise AttributeError(f"{name}: has no field {min(fields.keys() - defaults.keys())!r}")
@@ -39,7 +39,7 @@ def message(name: str, /, **fields: Any) -> Any:
 
 @cache
 def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
-    """Return a type's class and, for each field, a factory for its default, called only if the field is omitted."""
+    """Return a type's class and, for each field, a factory that creates its default value."""
     if not fields_of(name, 2):
         return (lambda: default_message(name)), {}
     made: dict[str, Callable[[], Any]] = {
@@ -110,6 +110,6 @@ def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float
 
 
 def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:
-    """Return the rotation, about y, of a sonar head tilted to an elevation; positive elevations are nose up."""
+    """Return the rotation about y of a sonar head that is tilted to an elevation (positive: nose up)."""
     half = -0.5 * elevation_rad
     return 0.0, float(np.sin(half)), 0.0, float(np.cos(half))

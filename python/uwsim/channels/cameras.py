@@ -100,7 +100,7 @@ def jpeg_message(picture: Picture, frame_id: str, format_text: str = RGB_JPEG) -
 
 
 def compressed_image(jpeg: bytes, time_ns: int, frame_id: str, format_text: str = RGB_JPEG) -> Any:
-    """Return a JPEG as a CompressedImage. format_text: by default image_transport's; the published wire has "jpeg"."""
+    """Return a JPEG as a CompressedImage. format_text: the message's format field, by default as in image_transport."""
     return build.message(
         "sensor_msgs/msg/CompressedImage",
         header=build.header(time_ns, frame_id),
@@ -110,7 +110,7 @@ def compressed_image(jpeg: bytes, time_ns: int, frame_id: str, format_text: str 
 
 
 def image_message(picture: Picture, frame_id: str, pixels: NDArray[Any]) -> Any:
-    """Return pixels as an Image: (h, w, 3) uint8 as rgb8, or depth (h, w) float32 [m] as 32FC1."""
+    """Return an Image in rgb8 from pixels (h, w, 3) uint8, or in 32FC1 from depths (h, w) float32 [m]."""
     is_depth = pixels.ndim == 2
     return build.message(
         "sensor_msgs/msg/Image",

@@ -44,7 +44,7 @@ def store_of(distro: Distro) -> Typestore:
 
 @cache
 def is_as_in_jazzy(name: str, distro: Distro) -> bool:
-    """Return whether a type has the same fields, and so the same serialised form, in a distribution as in Jazzy."""
+    """Return whether a type has the same fields, and thus the same serialised form, in Jazzy and in a distribution."""
     return schema(name, distro).text == schema(name).text
 
 
@@ -66,9 +66,9 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
 
 def _blank(size: int, message: Any) -> memoryview:
-    """Return a buffer for a message, zeroed except for the part that a large `data` field will fill.
+    """Return a buffer for a message that is zeroed except where a large `data` field will be written.
 
-    All other fields lie within `rest` bytes of either end, wherever `data` is.
+    All other fields are within `rest` bytes of the buffer's ends, regardless of the position of `data`.
     """
     field = getattr(message, "data", None)
     length = field.nbytes if isinstance(field, np.ndarray) else 0

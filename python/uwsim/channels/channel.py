@@ -27,7 +27,7 @@ def _no_command(live: LiveSimulator, message: Any) -> None:
 
 
 class Drops:
-    """Counts the messages of a channel that did not reach a peer because the peer or its network was too slow."""
+    """Counts a channel's messages that were not delivered because a peer or the network was too slow."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -44,24 +44,31 @@ class Channel:
     """A topic.
 
     name: without a leading slash. type: in ROS 2's spelling, such as "sensor_msgs/msg/LaserScan". rate_hz: the rate of
-    readings in simulated time; None: one reading when the first subscriber connects. latched: whether later subscribers
-    receive the latest message immediately. leads: whether it is read before the other channels at a tick, because their
-    messages refer to its readings. over_link: whether the channel crosses the acoustic link. priority: on the link,
-    COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into a few bytes for the link, a
-    name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real time,
-    messages are published as soon as they are ready, and some are skipped, as with pictures; their timing, but not
-    their content, then depends on the machine. pieced: whether a late picture is assembled from earlier ones, so that
-    its content also depends on the machine. on_request: whether it is sent and recorded only when requested by name,
-    because its messages are large. catch_up: for a channel whose messages build on each other: returns one message with
-    everything since a cursor (None: since the beginning), and the next cursor; called on any thread. keep_up: called
-    between two steps at rate_hz as soon as a server offers the channel, with or without subscribers, since the content
-    of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the simulator's thread;
-    returns a message of `messages.typestore()` stamped with simulated time, or None if there is none. apply: for "in":
-    called on any thread; must not block; raises ValueError for impossible commands. abandoned: for "in": called like
-    `apply` when the last publisher has left. idle: for "in": the message that means "no command"; `abandoned` applies
-    it, and a channel with such a message is also abandoned after some time without a command. watch: the vehicle's
-    watchdog, for channels that steer. rights: for channels that command a vehicle; bridges apply only commands that
-    these admit. drops: counted by the sinks; /diagnostics reports it.
+    readings in simulated time, or None for a single reading when the first subscriber connects. latched: whether later
+    subscribers receive the latest message immediately. leads: whether the channel is read before the others at a tick,
+    because their messages refer to its readings. over_link: whether the channel crosses the acoustic link. priority:
+    the priority on the link, from COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed
+    into a few bytes for the link, a key of uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry.
+
+    late: whether, in real time, messages are published as soon as they are ready, and some are skipped, as with
+    pictures. Their timing, but not their content, then depends on the machine. pieced: whether a late picture is
+    assembled from earlier ones, so that its content also depends on the machine. on_request: whether the channel is
+    sent and recorded only when requested by name, because its messages are large.
+
+    catch_up: for a channel whose messages build on each other, returns one message with everything since a cursor
+    (None: since the beginning), and the next cursor. It may be called on any thread. keep_up: called between two steps
+    at rate_hz, even without subscribers, once a server offers the channel, because the content of its messages keeps
+    growing; see `keep_up`.
+
+    read: for direction "out", called between two steps on the simulator's thread. It returns a message of
+    `messages.typestore()`, stamped with simulated time, or None if there is no message. apply: for direction "in",
+    called on any thread. It must not block, and raises ValueError for impossible commands. abandoned: for direction
+    "in", called like `apply` when the last publisher has left. idle: for direction "in", the message that means "no
+    command", which `abandoned` applies. A channel with such a message is also abandoned after some time without a
+    command.
+
+    watch: the vehicle's watchdog, for channels that steer. rights: for channels that command a vehicle, determines
+    which commands the bridges apply. drops: counted by the sinks and reported on /diagnostics.
     """
 
     name: str
@@ -90,7 +97,7 @@ class Channel:
 
     @property
     def has_timeout(self) -> bool:
-        """Whether a command expires if no other command follows within some time."""
+        """Whether the channel's command expires if no further command arrives within the timeout."""
         return self.idle is not None
 
 
@@ -98,9 +105,9 @@ class Channel:
 class Service:
     """A service.
 
-    call: receives the request as a dict of plain values and returns the response; may wait for steps. Raises
-    ValueError, whose text is sent to the caller. is_vital: whether it must not wait for calls of other services.
-    rights: for services that command a vehicle; bridges make only calls that these admit.
+    call: receives the request as a dict of plain values and returns the response. It may wait for steps. If it raises
+    ValueError, the message is sent to the caller. is_vital: whether a call must not wait for calls of other services.
+    rights: for services that command a vehicle, determines which calls the bridges accept.
     """
 
     name: str
@@ -119,7 +126,10 @@ def require_live(live: LiveSimulator | None) -> LiveSimulator:
 
 
 def keep_up(live: LiveSimulator | None, channels: Iterable[Channel]) -> list[Subscription]:
-    """Start the work that channels do even without subscribers. Servers call this once, and cancel it on shutdown."""
+    """Start the work that channels do even without subscribers.
+
+    Servers call this at startup, and cancel it on shutdown.
+    """
     going_on: list[Subscription] = []
     if live is None:
         return going_on

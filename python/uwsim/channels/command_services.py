@@ -1,4 +1,4 @@
-"""A vehicle's command services: one for each command in the command table that has a service type."""
+"""A vehicle's command services, one for each entry of the command table with a service type."""
 
 from __future__ import annotations
 

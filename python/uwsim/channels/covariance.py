@@ -1,8 +1,8 @@
 """Variances of sensor readings, derived from the noise parameters, for the covariance fields of messages.
 
-A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the turn-on bias, the Gauss-Markov
-bias and the flicker noise in their stationary state, the random walk so far, and rounding, quantum^2 / 12 (uniform over
-one step). Their variances add up. Limits and lost samples are not included.
+The variance of a reading is the sum of the variances of independent errors: white noise (std, or density x sqrt(rate)),
+turn-on bias, Gauss-Markov bias and flicker noise in their stationary state, the random walk so far, and rounding,
+quantum^2 / 12 (uniform over one step). Limits and lost samples are not included.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of an unkn
 
 
 def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) -> float:
-    """Return the error variance of a channel [unit^2] at a given time since the start; 0 for an exact sensor.
+    """Return the error variance of a channel [unit^2] at a time since the start, or 0 for an exact sensor.
 
     rate_hz: the sensor's sampling rate.
     """

@@ -1,4 +1,4 @@
-"""/diagnostics: pace and message delivery of a live simulator, and each vehicle's all stop, for ROS monitors."""
+"""The /diagnostics channel, which reports pace, message delivery and each vehicle's all stop to ROS monitors."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _status(level: int, name: str, text: str, values: Mapping[str, Any], hardwar
 
 
 def _vehicles(sim: Simulator) -> list[Any]:
-    """Report whether each vehicle obeys commands; across a link, this is known only from its delayed telemetry."""
+    """Report whether each vehicle accepts commands. Across a link, this is known only from its delayed telemetry."""
     return [
         _status(
             WARN if vehicle.all_stopped else OK,

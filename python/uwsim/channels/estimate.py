@@ -1,4 +1,4 @@
-"""A vehicle's own estimate of its motion as nav_msgs/Odometry; the true motion is on `odom`."""
+"""Publishes a vehicle's own estimate of its motion as nav_msgs/Odometry. The true motion is on `odom`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ def has_estimate(source: Source) -> bool:
 
 
 def estimate_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
-    """Return the channels of a vehicle's estimate, including /odom if /tf carries the estimate; none without an IMU."""
+    """Return the channels of a vehicle's estimate. The list is empty for a vehicle without an IMU.
+
+    It includes /odom if /tf carries the estimate.
+    """
     if not has_estimate(source):
         return []
     return [

@@ -18,7 +18,7 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Reading:
-    """One message from a channel. time_ns: the simulated time at which it was read; tick: that time in steps."""
+    """One message from a channel. time_ns, tick: the simulated time at which it was read, also in steps."""
 
     __slots__ = ("_cdr", "_lock", "_make", "_message", "channel", "tick", "time_ns")
 
@@ -43,13 +43,13 @@ class Reading:
 
     @property
     def message(self) -> Any:
-        """The message; built, or decoded from recorded bytes, on first access. Raises ValueError."""
+        """The message, which is built or decoded from recorded bytes on first access. Raises ValueError."""
         with self._lock:
             return self._made()
 
     @property
     def cdr(self) -> memoryview:
-        """The message in CDR; encoded on first access, on any thread, and shared by all sinks."""
+        """The message in CDR, which is encoded on first access (on any thread) and shared by all sinks."""
         with self._lock:
             if self._cdr is None:
                 self._cdr = encode(self._made())
@@ -101,7 +101,8 @@ class Feed:
         """Pass each reading of a channel to a sink from now on; return a function that unsubscribes it.
 
         A latched channel's latest reading is passed immediately, on the calling thread. A channel without a rate is
-        read when its first sink joins, as is any channel while the simulator is paused. Raises NotRunningError.
+        read when its first sink joins. While the simulator is paused, that applies to every channel. Raises
+        NotRunningError.
         """
         with self._lock:
             tap = self._taps.get(channel.name)
@@ -153,7 +154,7 @@ class Feed:
 
 
 class _Tap:
-    """A subscription to a channel. sinks: replaced, never mutated, as the stepping thread reads it without a lock."""
+    """A subscription to a channel. sinks: never mutated, since the stepping thread reads it without a lock."""
 
     def __init__(self, live: LiveSimulator, channel: Channel, fresh: Mapping[str, Reading]) -> None:
         """fresh: readings shared by a recorder, by channel name."""

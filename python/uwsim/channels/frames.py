@@ -1,6 +1,6 @@
 """Channels for time, frames and motion: /clock, /tf, /tf_static, odometry and joint states.
 
-The source of odom -> base_link on /tf is chosen by the user: `Tf`.
+The user chooses the source of odom -> base_link on /tf; see `Tf`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def clock_channel() -> Channel:
 
 
 def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "") -> list[Channel]:
-    """Return the channels that all vehicles share. prefix: prefix of frames that belong to no vehicle."""
+    """Return the channels that all vehicles share. prefix: the prefix of frames that do not belong to a vehicle."""
     return [
         clock_channel(),
         Channel(
@@ -47,7 +47,7 @@ def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "
 
 
 def vehicle_channels(source: Source, tf: Tf = "truth", *, truth: bool = True) -> list[Channel]:
-    """Return a vehicle's joint-state channel, and those of its true motion if the truth may be published."""
+    """Return a vehicle's joint-state channel and, if the truth may be published, the channels of its true motion."""
     found = [
         Channel(
             source.topic(name), "nav_msgs/msg/Odometry", "out", "the true pose and velocity; covariances are 0",

@@ -1,4 +1,4 @@
-"""The panel's values as measured aboard, by the vehicle's instruments and its estimate, never from the true world."""
+"""The panel's values, which come from the vehicle's instruments and its estimate, never from the true world."""
 
 from __future__ import annotations
 
@@ -23,14 +23,17 @@ PORT = "proximity_port"
 
 @dataclass
 class Gauges:
-    """Measured fields of /telemetry, and the age [s] of each; NaN and an infinite age if nothing measures a field."""
+    """The measured fields of /telemetry, and the age [s] of each.
+
+    A field without a sensor has NaN and an infinite age.
+    """
 
     values: dict[str, Any]
     ages_s: dict[str, float]
 
 
 def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges:
-    """Read the gauges. The gauge of a failed sensor fails too: if stuck, it shows its last value; if off, NaN."""
+    """Read the gauges. If a sensor is stuck, its gauge shows the last value; if it is off, NaN."""
     sensors = source.of(sim).sensors
     found = Gauges({}, {})
 

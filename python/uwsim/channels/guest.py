@@ -1,4 +1,4 @@
-"""Guests: participants in a graph that are not simulators and may outlive them, such as the operator's station."""
+"""Guests: participants in a graph, such as the operator's station, that may outlive simulators."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ class GuestTopic:
 class GuestService:
     """A service that a guest offers.
 
-    call: receives the caller's name and the request; returns the response or a Future of it; raises ValueError.
-    is_brief: whether it is called on the network thread, which it must not block.
+    call: receives the caller's name and the request, and returns the response or a Future of it. It may raise
+    ValueError. is_brief: whether `call` runs on the network thread, which it must not block.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Node(Protocol):
         """Return whether a topic has subscribers."""
 
     def is_awaited(self, name: str) -> bool:
-        """Return True if a subscriber was ready for a topic's last message, or if none has been published yet."""
+        """Return True if a subscriber was ready for a topic's last message, or if there has been no message yet."""
 
     def silence_s(self, client: str) -> float:
         """Return the time [s] since anything, including a ping reply, was last received from a client."""

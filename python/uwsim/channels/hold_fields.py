@@ -12,7 +12,7 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 def hold_fields(vehicle: Vehicle, estimate: Navigator | None) -> dict[str, Any]:
-    """Return the names of the active holds, a number for each target, and the note about the last lost hold."""
+    """Return the names of the active holds, their targets, and a note about the last hold that was lost."""
     holds = vehicle.holds
     if holds is None:
         return {"holds": [], "hold_targets": np.empty(0, np.float32), "hold_note": ""}

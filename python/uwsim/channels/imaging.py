@@ -1,7 +1,7 @@
 """Imaging sonar channels: echo levels, and pictures for an operator. VIEWS maps each kind of sonar to a class.
 
-Pings are computed in parallel with the steps, like camera pictures. A side-scan or profiling sonar's picture combines
-several pings, which are stored in its view.
+Like camera pictures, pings are computed in parallel with the steps. The picture of a side-scan or profiling sonar
+combines several pings, which its view stores.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SOUND_SPEED_M_S = 1500.0
 class Look(NamedTuple):
     """The result of one reading. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port.
 
-    sound_speed_m_s: at the sonar, as its own probe would measure it; it varies along the rays.
+    sound_speed_m_s: the speed of sound at the sonar, as its own probe would measure it.
     """
 
     time_ns: int
@@ -46,7 +46,7 @@ class Look(NamedTuple):
 
 
 class View(Protocol):
-    """Produces the display of one kind of sonar. rate_hz: the default rate of results."""
+    """Produces the results of one kind of sonar for display. rate_hz: their default rate."""
 
     rate_hz: float
 
@@ -74,7 +74,10 @@ class Ahead:
 
 
 class Aside:
-    """A side-scan sonar: the picture is a waterfall of recent pings, latest at the top and port on the left."""
+    """A side-scan sonar.
+
+    The picture is a waterfall of recent pings, with the latest at the top and port on the left.
+    """
 
     rate_hz = RATE_HZ
 
@@ -105,7 +108,7 @@ class Aside:
 
 
 class Across:
-    """A profiling sonar: a motor steps its beam back and forth, and the picture shows the last echo in each direction.
+    """A profiling sonar, whose motor steps its beam back and forth. The picture shows the last echo in each direction.
 
     In each period of 1 / RATE_HZ, the sonar pings as often as the travel time of sound allows.
     """
@@ -246,7 +249,7 @@ def _levels(sonar: ImagingSonar) -> Callable[[Look, str], Any]:
 
 
 def _coarser(level_db: Levels, width: int) -> Levels:
-    """Average the power in adjacent columns of levels (rows, columns), leaving at most about `width` columns."""
+    """Average the power of adjacent columns of levels (rows, columns), to reduce them to about `width` columns."""
     together = -(-level_db.shape[1] // width)
     columns = level_db.shape[1] // together
     power = 10.0 ** (level_db[:, : columns * together].astype(np.float64) / 10.0)

@@ -43,8 +43,8 @@ Write = Callable[[Any, Any, Errors], Any]
 class FilterInput(NamedTuple):
     """A second message for one kind of sensor, of a type that filters accept as input.
 
-    write(value, header, errors, origin_m): builds one; origin_m: the world's origin in odom. frame: the message's
-    frame; "" means the sensor's.
+    write(value, header, errors, origin_m): builds the message; origin_m is the world's origin in odom. frame: the
+    message's frame; "" means the sensor's frame.
     """
 
     suffix: str
@@ -55,9 +55,9 @@ class FilterInput(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """How one kind of sensor is published.
+    """The publication of one kind of sensor. write(value, header, errors): builds a message.
 
-    write(value, header, errors): builds a message. even_invalid: whether samples without an echo are published as well.
+    even_invalid: whether samples without an echo are published as well.
     """
 
     type: str
@@ -66,7 +66,7 @@ class Kind(NamedTuple):
 
 
 def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channels of a vehicle's sensors, each named after its sensor, and of its battery."""
+    """Return the channels of a vehicle's sensors and battery. Each sensor's channel has the sensor's name."""
     found = [
         Channel(
             source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
@@ -133,7 +133,7 @@ def _height_m(source: Source, sim: Simulator) -> float:
 
 
 def _is_out_of_reach(value: Any) -> bool:
-    """Return whether a sample is invalid because there was no echo, as opposed to having been lost."""
+    """Return whether a sample is invalid because there was no echo, rather than because it was lost."""
     return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
 
 
@@ -225,12 +225,12 @@ def _plain(name: str, field: str, channel: str) -> Write:
 
 
 def _bare(name: str, convert: Callable[[float], Any]) -> Write:
-    """Return a function that builds a message containing nothing but a scalar."""
+    """Return a function that builds a message that contains only a scalar."""
     return lambda value, header, errors: build.message(name, data=convert(value))
 
 
 def _usbl(value: Any, header: Any, errors: Errors) -> Any:
-    """Return a message with the position relative to the station in world axes: east, north, up."""
+    """Return a message with the position relative to the station, in world axes (east, north, up)."""
     header.frame_id = "world"
     return build.message(
         "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)
@@ -248,7 +248,7 @@ def _depth_pose(value: float, header: Any, errors: Errors, origin_m: Any) -> Any
 
 
 def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
-    """Return an Imu message with the heading alone: yaw is counter-clockwise from east (REP 103)."""
+    """Return an Imu message that contains only the heading, as a yaw counter-clockwise from east (REP 103)."""
     unknown = np.array([UNKNOWN, *[0.0] * 8])
     return build.message(
         "sensor_msgs/msg/Imu",

@@ -1,4 +1,4 @@
-"""The `key` message of the paper's keyboard node: a function code and efforts (sway, yaw positive to starboard)."""
+"""The `key` message of the paper's keyboard node: a function code, and efforts with sway and yaw to starboard."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class _Late:
 class PingMap:
     """A map, in the odom frame, of all pings since a server began to offer it, with or without subscribers.
 
-    For each ping, the simulation waits only for ray casting and the processing chain; insertion and serialisation run
+    For each ping, the simulation waits only for ray casting and the processing chain. Insertion and serialisation run
     in order on a separate thread. Each map is published one ping later, except the first, which is published at once.
     """
 
@@ -105,14 +105,14 @@ class PingMap:
         ]  # fmt: skip
 
     def read(self, sim: Simulator) -> Any:
-        """Insert the latest ping; return the map as of the previous reading once a second, otherwise None."""
+        """Insert the latest ping. Return the map of the previous reading once a second, otherwise None."""
         self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
         said = self._whole.said
         return None if said is None else self._message(*said)
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Insert the latest ping; return the changes up to the previous reading, if any, four times a second."""
+        """Insert the latest ping. Return the changes up to the previous reading, if any, four times a second."""
         self.keep_up(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
         said = self._news.said
@@ -121,7 +121,7 @@ class PingMap:
         return self._changes_message(said[0], (said[1], None))[0]
 
     def go_on_from(self, path: Path) -> None:
-        """Continue from a map in a file; call before the first ping. Raises ValueError or OSError."""
+        """Continue from a map in a file. Must be called before the first ping. Raises ValueError or OSError."""
         self._map = OccupancyMap.read(path, on_outside="count")
         self._worker.submit(self.changes.forget, self._map.resolution_m)
 
@@ -148,7 +148,7 @@ class PingMap:
             self._insert(sim, taken)
 
     def _insert(self, sim: Simulator, taken: TakenPing) -> None:
-        """Process a ping and insert its points into the map; start a new map if simulated time has gone back."""
+        """Process a ping and insert its points into the map. If simulated time has gone back, start a new map."""
         if self._map is None or taken.ping.time_ns < self._newest_ns:
             self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
@@ -211,12 +211,12 @@ class PingMap:
 
 
 def empty_map(scenario: Scenario) -> OccupancyMap:
-    """Return an empty map with the voxel size of the scenario's survey, or 0.2 m if it has none."""
+    """Return an empty map with the voxel size of the scenario's survey, or 0.2 m for a scenario without a survey."""
     return OccupancyMap(scenario.survey.voxel_m if scenario.survey else 0.2, on_outside="count")
 
 
 def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
-    """Process a ping (scan, point cloud, removal of echoes off the hull); return points (n, 3) in odom."""
+    """Process a ping (scan, point cloud, removal of echoes from the hull), and return the points (n, 3) in odom."""
     cloud_m = ranging.to_point_cloud(scan_of(head, taken))
     return placed_echoes(cloud_m, hull, taken.odom_from_body, taken.odom_from_sonar)
 

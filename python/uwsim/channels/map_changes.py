@@ -1,4 +1,4 @@
-"""The occupied voxels of a growing map, stored as bits in blocks, and their changes, for live views."""
+"""The occupied voxels of a growing map, stored as blocks of bits, and their changes, for live views."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Part(NamedTuple):
 
 
 class MapChanges:
-    """Records changes on one thread, and gives readers on other threads the changes that they do not have yet.
+    """Records changes on one thread, and provides readers on other threads with the changes that they lack.
 
-    A cursor is the number of changes that a reader has received.
+    A reader's cursor is the number of changes that it has received.
     """
 
     def __init__(self) -> None:
@@ -48,7 +48,7 @@ class MapChanges:
             self._begin_anew(resolution_m)
 
     def note(self, changes: OccupancyChanges) -> Part:
-        """Record changes to the map since the last call; return them as the fields of a message."""
+        """Record the changes to the map since the last call, and return them as the fields of a message."""
         blocks, counts, cells = in_blocks(changes)
         with self._lock:
             return self._add(Part(0, False, self._resolution_m, blocks.ravel(), counts, cells))

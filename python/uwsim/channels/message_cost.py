@@ -1,6 +1,6 @@
-"""The memory cost of a message: predicted before it is built, and measured afterwards.
+"""The memory cost of a message, predicted before the message is built and measured afterwards.
 
-A message with empty lists has a fixed size, which depends on its type. A client can add to it only through lists, whose
+A message with empty lists has a fixed size, which depends on its type. A client can increase it only with lists, whose
 lengths are known, so the cost is bounded before anything is built.
 """
 
@@ -93,9 +93,9 @@ def element_cost(kind: Kind) -> Cost:
 class Meter:
     """Counts the objects that one frame creates, and rejects excessive frames before they are built.
 
-    limit_bytes: the limit for the decoded frame and the message together, and later for the message and its written
-    form. spent_bytes: the size of the decoded frame. objects: the maximum number of messages within the message. pause:
-    called between chunks of the work. made_bytes: the size of the message as counted so far.
+    limit_bytes: the limit on the size of the decoded frame plus the message, and later on the size of the message plus
+    its written form. spent_bytes: the size of the decoded frame. objects: the maximum number of messages within the
+    message. pause: called between chunks of the work. made_bytes: the size of the message as counted so far.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class Meter:
 
 
 def held_bytes(message: Any) -> int:
-    """Return a message's approximate size [bytes]: the fixed size of its type plus its lists, arrays and strings."""
+    """Return a message's approximate size [bytes]: its type's fixed size, plus lists, arrays and strings."""
     return _holder(message.__msgtype__)(message)
 
 
@@ -154,7 +154,7 @@ def _holder(name: str) -> Callable[[Any], int]:
 
 
 def _part_holder(kind: Kind) -> Callable[[Any], int] | None:
-    """Return a function that measures what a field adds to the fixed size of its type, or None if it adds nothing."""
+    """Return a function that measures a field's memory beyond the fixed size of its type, or None if there is none."""
     if kind.is_message:
         if kind.length is None:
             return lambda value: _holder(kind.base)(value) if _varies(kind.base) else 0

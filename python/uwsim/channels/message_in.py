@@ -1,7 +1,7 @@
-"""Conversion of plain values, from a client's JSON or CBOR, to a message object, with every field checked.
+"""Conversion of plain values, from a client's JSON or CBOR, to a message object. Every field is checked.
 
 A missing or null field gets its default, except that null for a floating-point number means NaN, as in our output. An
-error states the path of the field, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
+error states the field's path, its value and the rule, as in `msg.linear.x = 'fast': must be a number (float64)`.
 
 The contents of a list are counted against a budget before they are allocated, and the conversion is done in chunks.
 """
@@ -47,9 +47,9 @@ _ARRAYS |= {tag: np.dtype(name) for tag, name in _BIG_ENDIAN.items()}
 
 
 def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = None) -> Any:
-    """Build a message of type `name` from plain values; fields may be spelled as in ROS 1 or ROS 2.
+    """Build a message of type `name` from plain values, whose fields may be spelled as in ROS 1 or ROS 2.
 
-    meter: the budget for the objects built; None: no limit. Raises ValueError that names path, value and rule.
+    meter: the budget for the objects built, or None for no limit. Raises ValueError that states path, value and rule.
     """
     meter = Meter() if meter is None else meter
     meter.charge(cost_of(name), 1, path)
@@ -229,7 +229,7 @@ def _array_reader(kind: Kind) -> Reader:
 
 
 def _count(value: Any) -> int:
-    """Return an upper bound on the elements in a value; in base64, four characters encode three bytes."""
+    """Return an upper bound on the number of elements in a list, array or base64 string."""
     if isinstance(value, cbor2.CBORTag):
         return len(value.value) if isinstance(value.value, bytes) else 0
     if isinstance(value, np.ndarray):
@@ -253,7 +253,7 @@ def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dty
 
 
 def _numbers(value: list[Any], kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
-    """Convert a list to an array whose type NumPy chooses, or to an array of strings if not all items are numbers."""
+    """Convert a list to an array of a type chosen by NumPy, or of strings if not all items are numbers."""
     types = set(map(type, value))
     if kind.base.startswith("float") and type(None) in types:
         value = [np.nan if v is None else v for v in value]
@@ -284,7 +284,7 @@ def _rule(element: np.dtype[Any]) -> str:
 
 
 def _first_bad(value: Any, kind: Kind, start: int) -> str:
-    """Return `[index] = value` for the first element that breaks the rule. start: the index of the first element."""
+    """Return `[index] = value` for the first element that breaks the rule. start: the index at which `value` begins."""
     read_one = _scalar_reader(Kind(kind.base, None, 0))
     for k, element in enumerate(value if isinstance(value, list) else ()):
         try:

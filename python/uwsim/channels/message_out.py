@@ -1,6 +1,6 @@
 """Conversion of a message object to plain values, for JSON (orjson) or CBOR (cbor2), or to a ROS serialisation.
 
-A writer is composed for each type on first use, so that types need not be inspected for every message.
+A writer is composed for each type on first use, which avoids inspecting types for every message.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ def numpy_type(base: str) -> np.dtype[Any]:
 
 
 def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
-    """Return a message as a dict, with the field names that a client of `ros` expects.
+    """Return a message as a dict, with the field names that clients of ROS generation `ros` expect.
 
-    form "json": numbers may be NaN, and arrays are NumPy arrays; orjson writes them as null and lists. uint8[] is
-    base64. form "literal": the same, but NaN and infinity are written as the words NaN, Infinity and -Infinity, as by
-    Python's json; rosbridge_server reads them, and rejects null in place of a number. form "cbor": arrays of numbers
-    are typed arrays of RFC 8746, uint8[] is bytes.
+    form "json": numbers may be NaN, and arrays are NumPy arrays, which orjson writes as null and as lists. uint8[] is
+    base64. form "literal": the same, but NaN and infinity become the words NaN, Infinity and -Infinity, as in Python's
+    json; rosbridge_server accepts these, and rejects null in place of a number. form "cbor": arrays of numbers are
+    typed arrays of RFC 8746, and uint8[] is bytes.
     """
     return _writer(message.__msgtype__, ros, form)(message)  # type: ignore[no-any-return]
 
@@ -62,7 +62,7 @@ def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
 def to_bytes(message: Any, ros: Ros = 2, sequence: int = 0) -> bytes:
     """Serialise a message for ROS 1, or for ROS 2 (little-endian CDR with a four-byte header).
 
-    sequence: number of messages on the topic before this one, the header.seq of ROS 1.
+    sequence: the number of earlier messages on the topic, which is header.seq in ROS 1.
     """
     name = message.__msgtype__
     if ros == 2:
@@ -72,7 +72,7 @@ def to_bytes(message: Any, ros: Ros = 2, sequence: int = 0) -> bytes:
 
 
 def numbered(data: bytes | memoryview, name: str, sequence: int) -> bytes:
-    """Return a message serialised for ROS 1, with the sequence number in its header.seq if it begins with a header."""
+    """Return a message serialised for ROS 1, with its header.seq (if it begins with a header) set to `sequence`."""
     return struct.pack("<I", sequence & 0xFFFFFFFF) + bytes(data[4:]) if begins_with_header(name) else bytes(data)
 
 
@@ -154,7 +154,7 @@ def _array_writer(base: str, form: Form) -> Writer:
 
 
 def _literal_array(values: np.ndarray[Any, np.dtype[Any]]) -> Any:
-    """Return a value that orjson writes as a list of numbers, with words where it would otherwise write null."""
+    """Return a value that orjson writes as a list of numbers in which words replace NaN and infinity."""
     words = [_word(value) for value in values[~np.isfinite(values)]]
     if not words:
         return values
@@ -167,7 +167,7 @@ def _word(value: float) -> bytes:
 
 
 def default_value(kind: Kind) -> Any:
-    """Return ROS's default for a field that is not set: zero, "", an empty or zero array, a message of defaults."""
+    """Return ROS's default for an unset field: zero, "", an empty or zero-filled array, or a default message."""
     if kind.length is None:
         return default_message(kind.base) if kind.is_message else DEFAULTS.get(kind.base, 0)
     if kind.base in NUMBERS:

@@ -86,8 +86,8 @@ class Kind(NamedTuple):
     """The type of a field.
 
     base: the name of a primitive ("float32") or a message type ("std_msgs/msg/Header"). length: None for a single
-    value, 0 for a list of any length, else the fixed length. limit: the maximum length of a sequence or a string; 0 for
-    none.
+    value, 0 for a list of any length, or else the fixed length. limit: the maximum length of a sequence or a string, or
+    0 for no limit.
     """
 
     base: str
@@ -101,7 +101,10 @@ class Kind(NamedTuple):
 
 
 class Field(NamedTuple):
-    """A field. name: as spelled by the client. attribute: its name in the message object; None if absent there."""
+    """A field. name: as spelled by the client.
+
+    attribute: its name in the message object, or None if it has no such field.
+    """
 
     name: str
     attribute: str | None
@@ -140,10 +143,10 @@ def without_placeholder(parts: Any) -> Any:
 
 
 def resolve(name: object) -> tuple[str, Ros | None]:
-    """Return a type's ROS 2 name, and the ROS generation that spells it as passed, or None if both do.
+    """Return a type's ROS 2 name, and the ROS generation that uses this spelling, or None if both do.
 
-    Both generations write "sensor_msgs/LaserScan", only ROS 2 "sensor_msgs/msg/LaserScan". Raises ValueError for an
-    invalid name.
+    Both generations use "sensor_msgs/LaserScan", but only ROS 2 uses "sensor_msgs/msg/LaserScan". Raises ValueError for
+    an invalid name.
     """
     match = _NAME.fullmatch(name) if isinstance(name, str) and len(name) < 200 else None
     if match is None:
@@ -198,7 +201,7 @@ def kind_of(description: Any) -> Kind:
 
 
 def is_unicode(text: str) -> bool:
-    """Return whether text is valid Unicode: a client may send an unpaired surrogate in JSON or CBOR."""
+    """Return whether a text is valid Unicode. In JSON or CBOR, a client may send an unpaired surrogate."""
     return not any("\ud800" <= character <= "\udfff" for character in text)
 
 

@@ -1,4 +1,4 @@
-"""Names of topics and services in a graph shared with other programs: a namespace, and names from earlier versions."""
+"""Names of topics and services in a graph shared with other programs: namespaces, and names of earlier versions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def node_name(namespace: str) -> str:
 
 
 def channels_in(namespace: str, channels: Iterable[Channel]) -> list[Channel]:
-    """Return channels with their names in a namespace; "" changes none. Raises ValueError."""
+    """Return the channels with their names moved to a namespace; "" changes nothing. Raises ValueError."""
     plain = checked_namespace(namespace)
     return [
         replace(channel, name=f"{plain}/{channel.name}") if plain and channel.name not in SHARED else channel
@@ -38,13 +38,13 @@ def channels_in(namespace: str, channels: Iterable[Channel]) -> list[Channel]:
 
 
 def services_in(namespace: str, services: Iterable[Service]) -> list[Service]:
-    """Return services with their names in a namespace; "" changes none. Raises ValueError."""
+    """Return the services with their names moved to a namespace; "" changes nothing. Raises ValueError."""
     plain = checked_namespace(namespace)
     return [replace(service, name=f"{plain}/{service.name}") if plain else service for service in services]
 
 
 def with_earlier_names(channels: Iterable[Channel]) -> list[Channel]:
-    """Return channels, plus copies under their names in earlier versions, for a graph without ROS."""
+    """Return the channels, plus copies with the names that they had in earlier versions, for a graph without ROS."""
     found = list(channels)
     taken = {channel.name for channel in found}
     for channel in list(found):

@@ -1,4 +1,4 @@
-"""Outgoing messages, from the simulator's thread to a network: bounded queues and the writer thread."""
+"""Bounded queues and a writer thread for messages from the simulator's thread to a network."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Job = Callable[[], bool]
 
 
 def queue_of(type_name: str) -> int:
-    """Return the maximum number of queued messages of a type; smaller for large messages."""
+    """Return the maximum number of queued messages of a type, which is smaller for large messages."""
     return LARGE_QUEUE if type_name in NEWEST_ONLY else QUEUE
 
 
@@ -31,7 +31,7 @@ class Line(Generic[T]):
     """One topic's queue. length: the maximum number of queued items.
 
     written: the number of messages written. drops: counts the messages that were dropped in favour of newer ones or not
-    accepted; by default, a new count.
+    accepted.
     """
 
     def __init__(self, name: str, length: int, drops: Drops | None = None) -> None:
@@ -64,7 +64,7 @@ class Turns(Generic[T]):
         self._order.put(line)
 
     def take(self, *, wait: bool) -> tuple[Line[T], T] | None:
-        """Return the next item and its line; None if nothing is queued or, when waiting, after `wake`."""
+        """Return the next item and its line, or None if nothing is queued or `wake` has ended the wait."""
         try:
             line = self._order.get(block=wait)
         except Empty:

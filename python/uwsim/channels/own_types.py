@@ -1,4 +1,4 @@
-"""uwsim's own message types, as .msg definitions, for content that no existing package covers.
+"""uwsim's own message types, for content that no existing package covers, as .msg definitions.
 
 docs/connections/station-wire.md explains the fields.
 """

@@ -1,4 +1,4 @@
-"""Services that list, get, set and reset the simulator's parameters. Values are JSON in strings."""
+"""Services that list, get, set and reset the simulator's parameters. Values are strings that contain JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of cameras and imaging sonars; each is rendered once for all clients, in parallel with the steps."""
+"""Pictures of cameras and imaging sonars, each rendered once for all clients, in parallel with the steps."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Stream:
         return 1 + RATE_HZ / self.rate_hz
 
     def is_due(self, slot: int) -> bool:
-        """Return whether a picture is sent in the period with this index; periods are 1 / RATE_HZ long."""
+        """Return whether a picture is sent in the period with this index. A period lasts 1 / RATE_HZ."""
         share = self.rate_hz / RATE_HZ
         return self.enabled and int(slot * share + 1e-6) != int((slot - 1) * share + 1e-6)
 
@@ -58,7 +58,7 @@ Part = Literal["image", "rectified", "rectified_depth"]
 
 
 class Picture:
-    """A frame, its JPEG, and the stream settings at that time. capture: from Camera.later()."""
+    """A frame, its JPEG and the stream's settings at the time. capture: the result of Camera.later()."""
 
     def __init__(self, frame: Frame, stream: Stream, capture: Callable[..., Frame] | None = None) -> None:
         self.frame, self.stream, self._capture = frame, stream, capture
@@ -80,8 +80,8 @@ class Picture:
     def part(self, part: Part) -> NDArray[Any]:
         """Return a part, making it on first access.
 
-        image: (h, w, 3) uint8, at the size at which the picture is sent. rectified: the same, as seen through a
-        pinhole. rectified_depth: (H, W) float32 at full size, along the optical axis of the rectified camera [m].
+        image: (h, w, 3) uint8, at the size at which the picture is sent. rectified: the same, as seen by a pinhole
+        camera. rectified_depth: (H, W) float32 [m] at full size, along the optical axis of the pinhole camera.
         """
         if part not in self._parts:
             self._parts[part] = self._made(part)
@@ -115,10 +115,10 @@ class Pictures:
 
     Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts rendering the scene as
     it is at that time, on a separate thread. If the steps may wait, the next reading in a later period waits for the
-    picture and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in
-    the first period in which it is ready, and no other picture is started until then, so pictures are skipped if the
-    machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber receives none
-    of them.
+    picture and returns it, so results do not depend on how long rendering takes. If the steps may not wait, the picture
+    is returned in the first period in which it is ready. No other picture is started until then, so pictures are
+    skipped if the machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber
+    receives none of them.
 
     may_wait: called at each reading; returns whether the steps may wait.
     """
@@ -151,8 +151,8 @@ class Pictures:
     def read(self, sim: Simulator, name: str, camera: Camera, part: Part | None = None) -> Picture | None:
         """Return the picture from the last period, or None if none was due.
 
-        part: a part that the picture must have. If the part is missing, because it has never been read before, it is
-        made now if the steps may wait; otherwise None is returned.
+        part: a part that the picture must have. A part that has never been read before is missing. It is then made now
+        if the steps may wait; otherwise None is returned.
         """
         slot = _slot(sim)
         if part is not None:
@@ -205,7 +205,7 @@ class Pictures:
 
 
 def _is_read(job: _Job, slot: int, waits: bool) -> bool:
-    """Return whether readings in this period get the picture; usually, those in the next period with readings do."""
+    """Return whether readings in this period get the picture, which is usually the next period with readings."""
     if waits and job.is_first and job.slot == slot:
         return True
     if job.read_in is None and job.slot < slot and (waits or job.picture.done()):
@@ -226,7 +226,7 @@ def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
 
 
 def resized(rgb: NDArray[np.uint8], width: int) -> Any:
-    """Return a picture (height, width, 3) as a PIL image of another width; 0 keeps the original width."""
+    """Resize a picture (height, width, 3) to a width; return a PIL image. A width of 0 keeps the original size."""
     from PIL import Image
 
     height, own_width = rgb.shape[:2]

@@ -18,7 +18,7 @@ SLOT_S = 0.02
 
 @dataclass(frozen=True, eq=False)
 class TakenPing:
-    """A ping, and the poses when it was taken: odom_from_body, odom_from_sonar (4, 4)."""
+    """A ping, and the poses at which it was taken: odom_from_body, odom_from_sonar (4, 4)."""
 
     ping: _core.Ping
     odom_from_body: NDArray[np.float64]
@@ -28,8 +28,8 @@ class TakenPing:
 class Pings:
     """The pings of a vehicle's multibeam. interval_s: a multiple of SLOT_S, at least the travel time of sound.
 
-    All readers at one time get the same ping; without readers, none is computed. model: the sonar model at the latest
-    ping.
+    Readers at the same simulated time get the same ping. Without readers, no pings are computed. model: the sonar model
+    at the latest ping.
     """
 
     def __init__(self, source: Source, sim: Simulator) -> None:
@@ -48,7 +48,7 @@ class Pings:
         return 1.0 / self.interval_s
 
     def newest(self, sim: Simulator) -> TakenPing:
-        """Return the latest ping; first take a new one if a new interval has begun or simulated time has gone back."""
+        """Return the latest ping, or a new one if a new interval has begun or simulated time has gone back."""
         now_ns, last = sim.time_ns, self._newest
         if last is None or now_ns < last.ping.time_ns or self._interval(now_ns) != self._interval(last.ping.time_ns):
             vehicle = self.source.of(sim)

@@ -1,4 +1,4 @@
-"""The `link` channel of a scenario without a link: reports whether a fault has cut the vehicle off."""
+"""The `link` channel of a scenario without a link, which reports whether a fault has cut off the vehicle."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NONE = "none"
 
 
 def plain_link_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channel in a list, which is empty if the scenario has a link, as the link has its own channel."""
+    """Return the channel in a list. The list is empty if the scenario has a link, which has its own channel."""
     if sim.link is not None:
         return []
 

@@ -1,6 +1,6 @@
 """The protocol of the paper's simulator: topics and strings in the format that its nodes expect.
 
-Numbers in strings are formatted as in C#, with up to seven significant digits, and each is followed by the letter a.
+Strings contain numbers in C#'s format, with up to seven significant digits, each followed by the letter a.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ def join(values: Iterable[float]) -> str:
 
 
 def state_text(sim: Simulator, source: Source) -> str:
-    """Return the text of `stateData`: the nine values on the panel; an infinite distance is "Infinity".
+    """Return the text of `stateData`, the nine values on the panel. An infinite distance is "Infinity".
 
-    The mission time counts whole seconds from the start of the scene, as in the published simulator; the battery's
-    charge is the vehicle's own, which starts to fall at its release.
+    As in the published simulator, the mission time counts whole seconds from the start of the scene. The battery's
+    charge is the simulated vehicle's and starts to fall at its release.
     """
     panel = source.of(sim).telemetry()
     return join(
@@ -163,7 +163,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
 
 
 def station_picture(pictures: Pictures, sim: Simulator, frame_prefix: str = "") -> list[Channel]:
-    """Return the channel of the published picture, from the camera above the station's deck, or else the first."""
+    """Return the channel of the published picture, which is from the deck camera or else from the first camera."""
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
@@ -195,7 +195,7 @@ def _next_picture(source: Source, pictures: Pictures, cameras: Sequence[str], si
 
 
 def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: Any) -> None:
-    """Apply a published `key` message. Raises ValueError without applying any of it."""
+    """Apply a published `key` message, all of it or, raising ValueError, none of it."""
     efforts, function = key_efforts(message), message.orientation.w
     for axis, effort in efforts.items():
         if math.isnan(effort):
@@ -213,13 +213,13 @@ def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: 
 
 
 def let_go(live: LiveSimulator, steering: Steering) -> None:
-    """Set efforts to zero if they came from the keyboard; called when it has disconnected."""
+    """Set efforts to zero if they came from the keyboard. Called when the keyboard has disconnected."""
     if steering.by_keys:
         steering.give(live, "set_effort")
 
 
 def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:
-    """Return each function's command, or "" if the vehicle lacks the required part and so ignores the key."""
+    """Return the command of each function, or "" if the vehicle lacks the required part and ignores the key."""
     vehicle = source.of(live.simulator)
 
     def lamp(name: str, on: bool) -> tuple[str, dict[str, Any]]:

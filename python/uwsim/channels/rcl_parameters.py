@@ -1,4 +1,4 @@
-"""The parameter services of a ROS 2 node (rcl_interfaces), with the simulator's parameters."""
+"""The parameter services of a ROS 2 node (rcl_interfaces), for the simulator's parameters."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def value_of(value: Any) -> Any:
 
 
 def plain_value(value: Any) -> Request:
-    """Return a value as a rcl_interfaces/ParameterValue in plain values; types unknown to ROS become JSON text."""
+    """Return a value in the form of a rcl_interfaces/ParameterValue. Types unknown to ROS become JSON text."""
     kind = type_of(value)
     if kind == NOT_SET:
         return {"type": NOT_SET}

@@ -5,8 +5,8 @@
   command topics (/key, /cmd_vel, ...), its command services (/release, /dock, ...), its lamps, and the release of all
   stop. Any command in effect when the pilot takes the controls ends at that moment.
 - Services of the simulation stay open, since they do not drive: pace, parameters, pictures, maps.
-- Without a pilot, the last command takes effect. The station shows who issued it, and no page takes the controls by
-  itself.
+- Without a pilot, the last command takes effect. The station shows who issued it, and no page takes the controls
+  automatically.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class Head(Protocol):
 class PingTopic:
     """A topic with one message per ping. At the 50 Hz of the paper's node, maps would count each ping several times.
 
-    make: called with head, ping and frame; returns None for no message. packing: see Channel.
+    make: builds the message from head, ping and frame, or returns None for no message. packing: see Channel.
     """
 
     name: str
@@ -64,7 +64,7 @@ class PingTopic:
 
 
 def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
-    """Convert a ping to a LaserScan; ranges beyond the limit of the model are infinite, as in the published decoder."""
+    """Convert a ping to a LaserScan. As in the published decoder, ranges beyond the model's limit are infinite."""
     ranges = np.where(taken.ping.ranges_m > head.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
     return ranging.to_laser_scan(ranges, head.model, 1e-9 * taken.ping.time_ns, ping_interval_s=head.interval_s)
 
@@ -121,7 +121,7 @@ def _depths(head: Head, taken: TakenPing, frame_id: str) -> Any:
 
 
 def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str) -> Any:
-    """Build a PointCloud2 from float32 columns: xyz is (n, 3), the others are (n,)."""
+    """Build a PointCloud2 from float32 columns: xyz (n, 3), and any others (n,)."""
     names = ["x", "y", "z", *(name for name in columns if name != "xyz")]
     data = np.column_stack(list(columns.values())).astype("<f4")
     fields = [

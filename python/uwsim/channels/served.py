@@ -25,10 +25,10 @@ def served_table(
     tf: Tf = "truth",
     frame_prefix: str = "",
 ) -> Table:
-    """Return the table, plus /diagnostics; /clock is included for any wire, since clients use simulated time.
+    """Return the table of channels, plus /diagnostics and, because clients use simulated time, /clock.
 
-    wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping pace is
-    more important. Steps that a client requests while paused do wait. Raises ValueError.
+    wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping pace is more
+    important. Steps that a client requests while the simulator is paused do wait. Raises ValueError.
     """
 
     def may_wait() -> bool:

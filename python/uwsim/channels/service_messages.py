@@ -1,4 +1,4 @@
-"""Requests and responses of typed services: messages for peers, plain values for `Service.call`."""
+"""Converts requests and responses between messages, for peers, and plain values, for `Service.call`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.channels.service_types import request_type, response_type
 
 
 def request_values(service_type: str, message: Any) -> dict[str, Any]:
-    """Return a request's fields, without optional ones that are not set. Nested messages are left as they are."""
+    """Return a request's fields, except unset optional fields. Nested messages are not converted."""
     found: dict[str, Any] = {}
     for field in fields(request_type(service_type), 2):
         value, kind = getattr(message, field.name), field.kind
@@ -27,9 +27,9 @@ def request_values(service_type: str, message: Any) -> dict[str, Any]:
 
 
 def response_message(service_type: str, succeeded: bool, values: Any) -> Any:
-    """Return the response of a call, given its values or the reason for its failure.
+    """Return the response to a call, from its values or the reason for its failure.
 
-    A failure is reported in the fields `success` and `message`; a type without them has empty values.
+    A failure is reported in the fields `success` and `message`. In a type without these fields, all values are empty.
     """
     name = response_type(service_type)
     found = values if succeeded else {"success": False, "message": values}

@@ -1,8 +1,8 @@
 """The service types in use, as .srv definitions: requests and responses for bridges whose peers have typed services.
 
-Each is also a message type, std_srvs/srv/Trigger_Request and std_srvs/srv/Trigger_Response. ROS 2 computes the hash of
-a service from the message type std_srvs/srv/Trigger, whose fields are the request, the response and an event; see
-`load_service_types`.
+Requests and responses are also message types, such as std_srvs/srv/Trigger_Request and std_srvs/srv/Trigger_Response.
+ROS 2 computes the hash of a service from the message type std_srvs/srv/Trigger, whose fields are the request, the
+response and an event; see `load_service_types`.
 
 A field of at most one value, such as float64[<=1], is optional. A list of uwsim_msgs/NamedNumber stands for an object
 of numbers by name.
@@ -80,7 +80,7 @@ def halves(service_type: str) -> tuple[str, str]:
 
 @cache
 def load_service_types(distro: Distro = "jazzy") -> None:
-    """Add all service types to the message types, on first use, since rosbags takes half a second for it."""
+    """Add all service types to the message types. This takes half a second, so it is done on first use."""
     found = {
         part: fields for name in SERVICE_TYPES for part, fields in parsed(service_texts(name, *halves(name))).items()
     }

@@ -1,4 +1,4 @@
-"""Services of vehicles and of the simulator; most respond with {"success": ..., "message": ...}."""
+"""Services of vehicles and of the simulator. Most respond with {"success": ..., "message": ...}."""
 
 from __future__ import annotations
 

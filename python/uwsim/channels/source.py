@@ -1,4 +1,4 @@
-"""A vehicle as a source of channels: the names of its topics and frames, and the origin of its odometry."""
+"""A vehicle as a source of channels, with the names of its topics and frames and the origin of its odometry."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A vehicle. entry: its initial settings. prefix: prefix of its topics, "NAME/", or "" for a single vehicle.
+    """A vehicle. entry: its initial settings. prefix: the prefix of its topics ("NAME/", or "" for a single vehicle).
 
     Frames (REP 105): world -> map -> odom -> base_footprint -> base_link -> base_scan. map is fixed in the world;
     origin_m (3,) is the world's origin in map. odom coincides with map. base_footprint and base_link are the body
@@ -43,7 +43,7 @@ class Source:
         return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
     def command_timeout_s(self, sim: Simulator) -> float:
-        """Return the time after which a silent publisher's commands expire; 0: never."""
+        """Return the time after which a silent publisher's commands expire, or 0 if they never do."""
         entries = sim.parameters.scenario.vehicles
         return next(entry.command_timeout_s for entry in entries if entry.name == self.name)
 

@@ -1,4 +1,4 @@
-"""Steering commands that arrive as messages (one kind is active at a time), and the control loop of /cmd_vel."""
+"""Steering commands that arrive as messages, one kind of which is active at a time, and the loop for /cmd_vel."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ logger = logging.getLogger("uwsim.channels")
 class Steering:
     """Applies the last effort, wrench or thruster command to a vehicle, or holds a velocity until the next command.
 
-    Commands do not wait for the step at which they take effect; failures are logged. by_keys: whether the current
+    Methods do not wait for the step at which a command takes effect. Failures are logged. by_keys: whether the current
     efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent. rights: the rights
     of clients other than the station's pilot, shared by all vehicles.
     """
@@ -67,9 +67,9 @@ class Steering:
             return self._command(live, name, **arguments)
 
     def begin_flight(self, replaced: Callable[[], object]) -> None:
-        """End any velocity hold or other flight, for a flight that commands the vehicle itself.
+        """Begin a flight that commands the vehicle itself, ending any velocity hold or earlier flight.
 
-        replaced: called, on any thread, when another command takes the flight's place; it must not block.
+        replaced: called on any thread when another command replaces the flight. It must not block.
         """
         self.watch.forget()
         with self._lock:
@@ -77,7 +77,7 @@ class Steering:
             self._replaced = replaced
 
     def in_flight(self, replaced: Callable[[], object], command: Callable[[], Future[Any]]) -> Future[Any]:
-        """Issue a flight's command. Raises RuntimeError if another command has taken the flight's place."""
+        """Issue a flight's command. Raises RuntimeError if another command has replaced the flight."""
         with self._lock:
             if self._replaced != replaced:
                 raise RuntimeError(REPLACED)
@@ -130,7 +130,7 @@ class Steering:
         return live.simulator.vehicles[self._source.name].gate
 
     def _end_if_stopped(self, gate: CommandGate) -> None:
-        """End the velocity hold if all stop has been set since the hold began, even if it has been released again."""
+        """End the velocity hold if all stop has been set since the hold began, even if it was released again."""
         if self._loop is not None and gate.stops != self._stops:
             self._loop.cancel()
             self._loop = None
@@ -142,18 +142,18 @@ def _moves(arguments: Mapping[str, Any]) -> bool:
 
 
 def is_cut_off(sim: Simulator, vehicle: str) -> bool:
-    """Return whether a fault cuts a vehicle off; False if the scenario has a link, which loses packets instead."""
+    """Return whether a fault has cut off a vehicle; False in a scenario with a link, which loses packets instead."""
     return sim.link is None and sim.faults.link_is_down(vehicle)
 
 
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
-    """Raise ValueError while a fault has cut off a vehicle, since no response would come."""
+    """Raise ValueError while a fault has cut off a vehicle, since it could not respond."""
     if is_cut_off(live.simulator, vehicle):
         raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
 
 
 def nothing_done() -> Future[Any]:
-    """Return the future of a lost command: already done, as the sender does not know that the command was lost."""
+    """Return a completed future for a lost command, because its sender cannot know that it was lost."""
     future: Future[Any] = Future()
     future.set_result(None)
     return future

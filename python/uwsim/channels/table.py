@@ -1,4 +1,4 @@
-"""Table of every channel and service of a simulator. Adding a family of channels takes one line here."""
+"""The table of all channels and services of a simulator. Adding a family of channels takes one line here."""
 
 from __future__ import annotations
 
@@ -39,19 +39,19 @@ ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "pub
 
 
 class Table:
-    """The channels and services of one simulator. They share its latest pings, pictures and maps.
+    """The channels and services of one simulator, which share its latest pings, pictures and maps.
 
     Created once by the server, recorder or replay, and passed to everything that needs part of it. wire: "published"
     selects the topics of the paper's simulator, "standard" the usual ROS topics. origin: the world's origin in the odom
     frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. tf: the
     motion on /tf and /odom, see `frames.Tf`; the truth is on /ground_truth/odom in any case. frame_prefix: prefix of
-    all frames except world, such as "auv/".
-    may_wait: whether the steps may wait for pictures; if not, late ones are skipped. truth: whether the true motion is
-    published, on /telemetry, /ground_truth/odom, /odom, /tf and the paper's /propPos and /stateData; if not, /odom and
-    /tf have the estimate, and the others are left out. Raises ValueError.
+    all frames except world, such as "auv/". may_wait: whether the steps may wait for pictures; if not, late pictures
+    are skipped. truth: whether the true motion is published, on /telemetry, /ground_truth/odom, /odom, /tf and the
+    paper's /propPos and /stateData. If it is not, /odom and /tf carry the estimate, and the true motion is omitted
+    elsewhere. Raises ValueError.
 
-    published: names of the topics of the paper's simulator. channels, services: those visible to clients. A link
-    replaces them with those that cross it, a recorder with those that it records.
+    published: the names of the topics of the paper's simulator. channels, services: the channels and services visible
+    to clients. Links and recorders replace them with those that they carry or record.
     """
 
     def __init__(
@@ -92,7 +92,10 @@ class Table:
         return f"<Table of {len(self.channels)} channels and {len(self.services)} services>"
 
     def look_anew(self) -> None:
-        """Forget the latest pings and pictures, so that a recording starts with new ones; on the simulator's thread."""
+        """Discard the latest pings and pictures, so that a recording starts with new ones.
+
+        Runs on the simulator's thread.
+        """
         for pings in self.pings.values():
             pings.forget()
         self.pictures.forget()
@@ -149,14 +152,14 @@ class Table:
 
 
 def _without_truth(tf: Tf, sources: Sequence[Source]) -> Tf:
-    """Return the motion on /tf when the truth is hidden: the estimate, or none if some vehicle has no estimate."""
+    """Return the source of /tf when the truth is hidden: the estimate, or none if a vehicle has no estimate."""
     if tf != "truth":
         return tf
     return "odom" if all(map(has_estimate, sources)) else "none"
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels; those that cross the link are silent while the vehicle is cut off."""
+    """Return a vehicle's channels, with those that cross the link silenced while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
         return lambda sim: None if is_cut_off(sim, source.name) else read(sim)
@@ -188,7 +191,7 @@ def services(sim: Simulator) -> list[Service]:
 
 
 def check_tf(tf: str, sources: Sequence[Source]) -> None:
-    """Raise ValueError for an unknown source of /tf, or for the estimate if a vehicle has none."""
+    """Raise ValueError if the source of /tf is unknown, or is the estimate and a vehicle has none."""
     if tf not in get_args(Tf):
         raise ValueError(f"tf = {tf!r}: must be one of {', '.join(get_args(Tf))}")
     for source in sources:

@@ -1,4 +1,4 @@
-"""/telemetry: all values on a vehicle's panel in one message, for operators: measured aboard, see `gauges`."""
+"""The /telemetry channel: one message with all values on a vehicle's panel, as measured aboard (see `gauges`)."""
 
 from __future__ import annotations
 

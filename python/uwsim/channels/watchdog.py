@@ -18,11 +18,11 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Watchdog:
-    """Monitors the command channels of one vehicle for all bridges, which report the commands that they apply.
+    """Monitors the command channels of one vehicle. All bridges report the commands that they apply.
 
     A channel's command is in effect until a command of another kind replaces it. If the channel receives no further
     command for timeout_s simulated seconds, or loses its last publisher, its `abandoned` is called. timeout_s: returns
-    the limit; 0: commands are held in both cases. Commands of channels without a limit, such as the published wire's,
+    the limit, or 0 to hold commands in both cases. Commands of channels without a limit, such as the published wire's,
     are never ended by silence. driver: the kind of client whose command is in effect, such as "a rosbridge client".
     """
 
@@ -39,7 +39,7 @@ class Watchdog:
         return self._driver if self._since_ns else ""
 
     def commanded(self, live: LiveSimulator, channel: Channel, driver: str = "a client") -> None:
-        """Note that a channel's command, from this kind of client, has been applied, on any thread."""
+        """Record that a channel's command from this kind of client has been applied. May be called on any thread."""
         with self._lock:
             self._driver = driver
             together = channel.name.endswith(TOGETHER)
@@ -51,7 +51,10 @@ class Watchdog:
                 self._checks = live.every(CHECK_S, lambda sim: sim.time_ns, lambda now_ns: self._check(live, now_ns))
 
     def left(self, live: LiveSimulator, channel: Channel) -> None:
-        """Note that a channel no longer has a publisher, on any thread. Raises ValueError or RuntimeError."""
+        """Record that a channel no longer has a publisher. May be called on any thread.
+
+        Raises ValueError or RuntimeError.
+        """
         with self._lock:
             is_in_effect = channel.name in self._since_ns
             if not is_in_effect or (channel.has_timeout and self._timeout_s(live.simulator) == 0.0):
@@ -60,12 +63,15 @@ class Watchdog:
         _stop(live, channel)
 
     def forget(self) -> None:
-        """Note that a command from elsewhere has replaced those from the channels."""
+        """Record that a command from elsewhere has replaced the channels' commands."""
         with self._lock:
             self._since_ns = {}
 
     def _check(self, live: LiveSimulator, now_ns: int) -> None:
-        """End the commands of silent channels, on the simulator's thread. A time in the future predates a reset."""
+        """End the commands of silent channels, on the simulator's thread.
+
+        Times in the future are from before a reset.
+        """
         timeout_ns = round(1e9 * self._timeout_s(live.simulator))
         with self._lock:
             timed = [entry for entry in self._since_ns.values() if entry[0].has_timeout]

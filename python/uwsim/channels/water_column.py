@@ -1,4 +1,4 @@
-"""The water column of a multibeam in physics mode: the level of every range sample of every beam."""
+"""The water column of a multibeam in physics mode, which contains the level of each range sample of each beam."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def water_column_channels(pings: Pings, sim: Simulator) -> list[Channel]:
 def water_column_message(
     ping: _core.PhysicsPing, model: _core.MultibeamModel, frame_id: str, sound_speed_m_s: float
 ) -> Any:
-    """Return a ping's water column as a message, samples by beams as the type requires.
+    """Return a ping's water column as a message, with samples in rows and beams in columns.
 
     In its frame, x is ahead and z up. sound_speed_m_s: speed of sound at the head.
     """
