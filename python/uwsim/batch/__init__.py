@@ -1,4 +1,4 @@
-"""Many independent simulations of one world, stepped and read together, with one array row per simulation."""
+"""Many independent simulations of one world, stepped and read together. Arrays have one row per simulation."""
 
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.batch import Batch

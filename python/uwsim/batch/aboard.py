@@ -1,4 +1,4 @@
-"""One member of a batch as a Simulator: its vehicles with all their instruments, its faults, failsafes and holds."""
+"""One member of a batch as a Simulator, with its vehicles, instruments, faults, failsafes and holds."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from uwsim.simulator.simulator import Simulator
 
 
 class MemberAboard(Simulator):
-    """A member of a batch, with everything that a Simulator has; valid until the member is reset.
+    """A member of a batch with the interface of a Simulator, which is valid until the member is reset.
 
-    It uses one thread, and acts on the member itself: commands, faults, parameters and restored states are those of
-    the member, which the batch steps and resets. See uwsim.Simulator for `vehicles`, `events`, `faults` and the rest.
+    It uses one thread. Commands, faults, parameters and restored states apply to the member itself, which the batch
+    steps and resets. See uwsim.Simulator for `vehicles`, `events`, `faults` and so on.
     """
 
     _has_channels = False
@@ -75,7 +75,7 @@ class MemberAboard(Simulator):
 
     @property
     def failsafes(self) -> Mapping[str, FailsafeLike]:
-        """The vehicles' failsafes, by vehicle; see uwsim.simulator.failures.Failsafe."""
+        """The failsafes, keyed by vehicle; see uwsim.simulator.failures.Failsafe."""
         return {name: rov.failsafe for name, rov in self.vehicles.items() if rov.failsafe is not None}
 
     @property
@@ -103,7 +103,7 @@ class MemberAboard(Simulator):
     def tell(
         self, vehicle: int, sensor: int, noise: bool, values: NDArray[np.float64], valid: NDArray[np.bool_]
     ) -> None:
-        """Convert a sample to the sensor's reading, as Sensor.read does.
+        """Convert a sample to the sensor's reading, like Sensor.read.
 
         `values` (width,) and `valid` (1,) are modified in place.
         """

@@ -31,7 +31,7 @@ def whole(value: Any, name: str, least: int, most: int) -> int:
 
 
 def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int]:
-    """Return the seeds of the selected members, given n members in all. Raises ValueError."""
+    """Return the seeds of the selected members, keyed by index. n: the number of members. Raises ValueError."""
     given = list(values)
     if len(given) != n:
         raise ValueError(f"seeds: {len(given)} of them: expected n = {n}")
@@ -39,7 +39,7 @@ def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int
 
 
 def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -> dict[int, dict[str, Any]]:
-    """Return the parameters of the selected members out of n; a single mapping applies to all. Raises ValueError."""
+    """Return the parameters of each selected member. A single mapping applies to all n members. Raises ValueError."""
     each = [given] * n if isinstance(given, Mapping) else given
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
@@ -47,7 +47,7 @@ def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -
 
 
 def faults(given: FaultList | Sequence[FaultList], n: int, chosen: Iterable[int]) -> dict[int, tuple[FaultModel, ...]]:
-    """Return the faults of the selected members out of n; a single list applies to all. Raises ValueError."""
+    """Return the faults of each selected member. A single list applies to all n members. Raises ValueError."""
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
         raise ValueError(f"faults is {type(given).__name__}: must be a list of faults, or n of them")
     if all(isinstance(one, Mapping) for one in given):
@@ -72,7 +72,7 @@ def _mapping(one: object, name: str) -> dict[str, Any]:
 
 
 def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64]:
-    """Return (n, width) numbers; a single row applies to all members. Raises ValueError."""
+    """Return an array (n, width) of numbers. A single row applies to all members. Raises ValueError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name}.dtype = {array.dtype}: must be real numbers")
@@ -82,7 +82,7 @@ def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64
 
 
 def each(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
-    """Return n finite numbers; a single one applies to all members. Raises ValueError."""
+    """Return n finite numbers. A single number applies to all members. Raises ValueError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name}.dtype = {array.dtype}: must be real numbers")
@@ -94,7 +94,7 @@ def each(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
 
 
 def require_finite(values: NDArray[np.float64], name: str) -> None:
-    """Raise ValueError, naming the first member whose value (row) is not finite."""
+    """Raise ValueError if values are not finite. The message names the first such member."""
     for where in np.argwhere(~np.isfinite(values))[:1]:
         at = "".join(f"[{k}]" for k in where.tolist())
         raise ValueError(f"{name}{at} = {values[tuple(where)]}: must be finite")

@@ -35,12 +35,13 @@ class Batch(InstrumentedBatch):
 
     scenario: the name of a packaged scenario, the path of a YAML file, or a Scenario. seeds: n whole numbers; defaults
     to the scenario's seed and the numbers that follow it. parameters: values keyed by the names in
-    Simulator.parameters, as one mapping per member or a single mapping for all. faults: n lists, or one list for all,
-    that replace the scenario's faults and have the same keys. threads: number of threads; defaults to one per core.
+    Simulator.parameters, as one mapping per member or a single mapping for all. faults: n lists of faults, or one list
+    for all, in the scenario's format, which replace the scenario's faults. threads: number of threads; defaults to one
+    per core.
 
-    Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch: the
-    next such call overwrites them, so copy what you keep. Only one thread at a time may use a batch. Raises ValueError;
-    the message for an error in one member begins with its index, such as batch[3].
+    Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch and
+    are overwritten by the next such call, so copy those that you keep. Only one thread at a time may use a batch.
+    Raises ValueError; the message for an error in one member begins with its index, such as batch[3].
     """
 
     scenario: Scenario
@@ -108,16 +109,16 @@ class Batch(InstrumentedBatch):
         return self._fixed_world
 
     def control(self, vehicle: str | None = None) -> ControlSettings:
-        """Return a vehicle's model and gains from its file, for a controller; the same in all members."""
+        """Return a vehicle's model and gains from its file, for a controller. They are the same in all members."""
         return self._members.control[self._vehicle(vehicle)]
 
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
-        """Set efforts, if given, and advance every member by n fixed steps; efforts are held until replaced.
+        """Set efforts, if given, and advance every member by n fixed steps. Efforts are held until replaced.
 
         efforts: (n, 6) in [-1, 1], surge to yaw, for each member's first vehicle, or a dict of such arrays by vehicle;
-        float64 in C order is not copied. Raises ValueError for invalid efforts before taking any step. Also raises
-        ValueError if a member's motion diverges, after all others have been stepped; that member stays where it was and
-        must be reset.
+        float64 in C order is not copied. Raises ValueError for invalid efforts before taking any step. If a member's
+        motion diverges, raises ValueError after all other members have been stepped. The member keeps its last valid
+        state and must be reset.
         """
         steps = whole(n, "n", 0, 2**63 - 1)
         if efforts is not None:
@@ -142,8 +143,8 @@ class Batch(InstrumentedBatch):
     ) -> None:
         """Restart all members, or those selected by a mask (n,) bool, in their initial state.
 
-        seeds, parameters, faults: replace the previous ones from now on; as in the constructor, but only the values for
-        the selected members are used. Raises ValueError without changing anything.
+        seeds, parameters, faults: replace the previous values, as in the constructor, but only those of the selected
+        members are used. Raises ValueError without changing anything.
         """
         chosen = arguments.members(mask, self.n)
         self._to_check = {*range(len(self._names))}
@@ -163,10 +164,10 @@ class Batch(InstrumentedBatch):
             self._programs.begin(k, member)
 
     def aboard(self, member: int) -> MemberAboard:
-        """Return one member as a Simulator that acts on the member itself; valid until the member is reset.
+        """Return one member as a Simulator that acts on the member itself and is valid until the member is reset.
 
-        It gives access to everything without a batched call: faults, failsafes and events, parameters, holds, lamps,
-        the aims of heads and cameras, the panel. Raises ValueError.
+        It gives access to everything that has no batched call: faults, failsafes, events, parameters, holds, lamps, the
+        aims of heads and cameras, and the panel. Raises ValueError.
         """
         k = whole(member, "member", 0, self.n - 1)
         return self._programs.aboard(k, lambda: self._member(k))
@@ -175,13 +176,13 @@ class Batch(InstrumentedBatch):
         return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])
 
     def save_state(self, member: int) -> bytes:
-        """Return a member's state, the same bytes as Simulator.save_state returns. Raises ValueError."""
+        """Return a member's state, in the same bytes as Simulator.save_state. Raises ValueError."""
         return self.aboard(member).save_state()
 
     def restore_state(self, member: int, state: bytes) -> None:
         """Continue a member from a state of a member or a Simulator with the same scenario and seed.
 
-        Raises ValueError, changing nothing, if the state is damaged or of another scenario or seed.
+        Raises ValueError, changing nothing, if the state is damaged or has a different scenario or seed.
         """
         aboard = self.aboard(member)
         with named(member):
@@ -189,7 +190,7 @@ class Batch(InstrumentedBatch):
         self._to_check = {*range(len(self._names))}
 
     def simulator(self, member: int) -> Simulator:
-        """Return a Simulator in a member's current state, independent of the batch, for closer inspection."""
+        """Return a new Simulator with a copy of a member's current state, independent of the batch."""
         k = whole(member, "member", 0, self.n - 1)
         scenario = self.scenario.with_changes(seed=self._seeds[k])
         if self._faults[k] != scenario.faults:

@@ -39,7 +39,7 @@ class CommandedBatch(Sealed):
     _to_check: set[int]  # vehicles that may be docked in some members
 
     def aboard(self, member: int) -> MemberAboard:
-        """Return one member as a Simulator that acts on the member itself; valid until the member is reset."""
+        """Return one member as a Simulator that acts on the member itself and is valid until the member is reset."""
         raise NotImplementedError
 
     def observe(self, vehicle: str | None = None) -> BatchMotion:
@@ -47,7 +47,7 @@ class CommandedBatch(Sealed):
         raise NotImplementedError
 
     def set_effort(self, efforts: ArrayLike, vehicle: str | None = None) -> None:
-        """Set efforts (n, 6) in [-1, 1], surge to yaw, like Vehicle.set_effort; float64 in C order is not copied.
+        """Set efforts (n, 6) in [-1, 1], surge to yaw, like Vehicle.set_effort. Float64 in C order is not copied.
 
         Raises ValueError for invalid efforts, changing nothing.
         """
@@ -80,8 +80,8 @@ class CommandedBatch(Sealed):
     def set_thrusters(self, commands: Mapping[str, ArrayLike], vehicle: str | None = None) -> None:
         """Set thrusters in [-1, 1] by name, (n,) or one value for all, like Vehicle.set_thrusters.
 
-        Thrusters that are not named stop. Raises ValueError; an unknown name or a value that is not finite changes
-        nothing, and beyond its range a value is refused after the other members have been commanded.
+        Thrusters that are not named stop. Raises ValueError. If a name is unknown or a value is not finite, nothing
+        changes. If a value is out of range, the other members are still commanded.
         """
         index = self._vehicle(vehicle)
         known = [name for name, _ in self._core.member(0).thruster_commands(index)]
@@ -93,8 +93,8 @@ class CommandedBatch(Sealed):
     def set_fins(self, angles_rad: Mapping[str, ArrayLike], vehicle: str | None = None) -> None:
         """Set fin deflections [rad] by name, (n,) or one value for all, like Vehicle.set_fins.
 
-        Fins that are not named return to 0. Raises ValueError; an unknown name or a value that is not finite changes
-        nothing, and beyond its range a value is refused after the other members have been commanded.
+        Fins that are not named return to 0. Raises ValueError. If a name is unknown or a value is not finite, nothing
+        changes. If a value is out of range, the other members are still commanded.
         """
         index = self._vehicle(vehicle)
         known = [name for name, _ in self._core.member(0).fin_angles_rad(index)]
@@ -122,10 +122,10 @@ class CommandedBatch(Sealed):
         mask: ArrayLike | None = None,
         vehicle: str | None = None,
     ) -> None:
-        """Move a vehicle instantly to a pose in each member, like Vehicle.place; a docked vehicle is released.
+        """Move a vehicle instantly to a pose in each member, like Vehicle.place. A docked vehicle is released.
 
         position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): one row per member, or a single row for
-        all. mask (n,) bool: selects members; the others' rows are ignored. Raises ValueError if a pose is not free,
+        all. mask (n,) bool: selects members; the rows of others are ignored. If a pose is not free, raises ValueError
         after the vehicles of the other members have been placed.
         """
         index, members = self._vehicle(vehicle), arguments.members(mask, self.n)
@@ -154,7 +154,10 @@ class CommandedBatch(Sealed):
         others: Callable[[list[int]], None],
         own: Callable[[int, Vehicle], object],
     ) -> None:
-        """Command all members: each one with a MemberAboard by own(k, vehicle), so that it notices, all others at once.
+        """Command all members.
+
+        Each member with a MemberAboard is commanded by own(k, vehicle), so that it takes notice; all others are
+        commanded at once.
 
         Raises the first ValueError after all have been commanded.
         """

@@ -21,7 +21,7 @@ LEVEL = (0.0, 0.0, 0.0)
 
 
 class _Pilot(Sealed):
-    """The common part of all controllers: the vehicle, and its motion as the controller knows it."""
+    """The common part of all controllers: the vehicle, and the motion that is used for control."""
 
     batch: Batch
     vehicle: str
@@ -42,7 +42,7 @@ class _Pilot(Sealed):
 
     @property
     def motion(self) -> BatchMotion | BatchEstimate:
-        """The motion on which the controllers act: the estimate if `uses_estimate`, and otherwise the truth."""
+        """The motion that is used for control: the estimate if `uses_estimate`, and otherwise the true motion."""
         return self.batch.estimate(self.vehicle) if self.uses_estimate else self.batch.observe(self.vehicle)
 
     def _estimates(self) -> tuple[Floats, Floats, Floats]:
@@ -59,7 +59,7 @@ class _Pilot(Sealed):
 
 
 class BatchController(_Pilot):
-    """A Controller of one vehicle in each member: call one of `hold`, `steer` and `velocity` per control period.
+    """A Controller of one vehicle in each member. Call `hold`, `steer` or `velocity` once per control period.
 
     Member k gets the efforts that Controller(sim.rov, period_s) would set. uses_estimate: whether it acts on
     Batch.estimate. vehicle: by default the first. Arguments have one row per member, or a single row for all. Raises
@@ -93,7 +93,7 @@ class BatchController(_Pilot):
         pitch_rad: ArrayLike = 0.0,
         velocity_world_m_s: ArrayLike = LEVEL,
     ) -> None:
-        """Go to positions (n, 3) and attitudes (n,), and hold them, see Controller.hold."""
+        """Go to positions (n, 3) and attitudes (n,), and hold them; see Controller.hold."""
         efforts = self.hold_efforts(
             position_world_m, heading_rad, roll_rad=roll_rad, pitch_rad=pitch_rad, velocity_world_m_s=velocity_world_m_s
         )
@@ -123,7 +123,7 @@ class BatchController(_Pilot):
         pitch_rad: ArrayLike = 0.0,
         across_first: bool = False,
     ) -> None:
-        """Hold headings (n,), horizontal velocities (n, 2), and heights z (n,) or altitudes, see Controller.steer.
+        """Hold headings (n,), horizontal velocities (n, 2), and heights z (n,) or altitudes; see Controller.steer.
 
         altitude_m: the targets and the measured altitudes.
         """
@@ -140,7 +140,7 @@ class BatchController(_Pilot):
         self.batch.set_effort(efforts, self.vehicle)
 
     def velocity(self, velocity_body: ArrayLike) -> None:
-        """Hold velocities (n, 6) in body axes, [m/s] and [rad/s], see Controller.velocity."""
+        """Hold velocities (n, 6) in body axes [m/s, rad/s]; see Controller.velocity."""
         wanted = self._rows(velocity_body, "velocity_body", 6)
         self.batch.set_effort(self._core.hold_velocity(*self._estimates(), wanted), self.vehicle)
 
@@ -171,7 +171,8 @@ class BatchController(_Pilot):
 class BatchPathFollower(Sealed):
     """A PathFollower of one vehicle in each member; call `steer` once per control period.
 
-    points_m: one path (points, 3) for all, or n of them. For the other arguments, see PathFollower. Raises ValueError.
+    points_m: one path (points, 3) for all members, or n paths. For the other arguments, see PathFollower. Raises
+    ValueError.
     """
 
     controller: BatchController
@@ -203,7 +204,7 @@ class BatchPathFollower(Sealed):
         return f"<BatchPathFollower at {self.speed_m_s:g} m/s, by {self.controller!r}>"
 
     def steer(self) -> BatchGuidance:
-        """Set the efforts for one control period; return the guidance, which shows the members past the end."""
+        """Set the efforts for one control period. Return the guidance, which shows which members are past the end."""
         positions = self.controller.motion.position_world_m
         rows = self._core.guide(positions, self.speed_m_s, self.controller.force_share)
         course, path, across, along, left, height, is_done = np.ascontiguousarray(rows[:, :7].T)

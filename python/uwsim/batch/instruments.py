@@ -1,4 +1,4 @@
-"""The instruments of a batch: each reads one vehicle's instrument in every member."""
+"""The instruments of a batch. Each call reads an instrument of one vehicle in every member."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class InstrumentedBatch(CommandedBatch):
         return samples.shown
 
     def ping(self, vehicle: str | None = None) -> BatchPings:
-        """Ping with a vehicle's first sonar in each member; in physics mode, BatchPhysicsPings are returned.
+        """Ping with a vehicle's first sonar in each member. In physics mode, return BatchPhysicsPings.
 
         The sonars of all members must have the same number of beams and the same mode. Raises ValueError.
         """
@@ -90,9 +90,9 @@ class InstrumentedBatch(CommandedBatch):
         return pings.shown
 
     def estimate(self, vehicle: str | None = None) -> BatchEstimate:
-        """Return a vehicle's motion in each member as its own instruments estimate it, see Vehicle.estimate.
+        """Return a vehicle's motion in each member as estimated by its instruments; see Vehicle.estimate.
 
-        The first call starts the filters. Each takes its samples in Python, one member after another.
+        The first call starts the filters, which process their samples in Python, one member after another.
         """
         name = self._names[self._vehicle(vehicle)]
         navigators = [self.aboard(k).vehicles[name].estimate for k in range(self.n)]
@@ -110,8 +110,8 @@ class InstrumentedBatch(CommandedBatch):
     ) -> tuple[Any, ...]:
         """Ping with an imaging sonar in each member, like ImagingSonar.ping, and return one result per member.
 
-        sonar: its name in the vehicle file. arguments: those of its kind, such as the angles of a single beam. The
-        results are SonarImage, Waterfall or Profiles. Raises ValueError.
+        sonar: the sonar's name in the vehicle file. arguments: depend on the kind of sonar, such as the angles of a
+        single beam. The results are SonarImage, Waterfall or Profiles. Raises ValueError.
         """
         name = self._names[self._vehicle(vehicle)]
         later = [

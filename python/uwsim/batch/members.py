@@ -54,7 +54,7 @@ class Member:
 
 
 class Members:
-    """Builds the specs for members of one scenario and world; identical vehicles share specs.
+    """Builds the specs for members of one scenario and world. Identical vehicles share specs.
 
     vehicles: the specs of the scenario's vehicles, without any member parameters.
     """
@@ -69,7 +69,7 @@ class Members:
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
         """Return the definition of the member with this index, seed, parameters and faults.
 
-        Raises ValueError, naming the member.
+        Raises ValueError with the member's index.
         """
         try:
             original = self._scenario.model_copy(update={"seed": seed, "faults": tuple(faults)})
@@ -92,7 +92,7 @@ class Members:
         return [vehicle_control(self._scenario, entry.model, spec) for entry, spec in entries]
 
     def _built(self, original: Scenario, changes: Changes) -> tuple[Scenario, list[_core.VehicleSpec]]:
-        """Return the scenario with these changes and its vehicles; successive equal members share their parts."""
+        """Return the scenario with these changes, and its vehicles. Consecutive identical members share them."""
         before, faults, latest, vehicles = self._latest
         same_types = [*map(type, changes.values())] == [*map(type, before.values())]  # True is equal to 1.0
         if vehicles and same_types and changes == before and original.faults == faults:
@@ -105,8 +105,8 @@ class Members:
     def _changed(self, original: Scenario, changes: Changes) -> Scenario:
         """Return a copy of a scenario with the given parameter values.
 
-        Locating the parameters takes most of the time. Their locations do not depend on the values, so they are cached
-        once the first values for these names have been accepted.
+        Most of the time goes into locating the parameters. Since their locations do not depend on the values, they are
+        cached once values for these names have been accepted.
         """
         names = tuple(changes)
         if not names:

@@ -1,4 +1,4 @@
-"""The programs of batch members. Members with programs are stepped in parts, from each of their events to the next."""
+"""The programs of batch members. A member with programs is stepped in parts, from one of its events to the next."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 class Programs:
-    """Keeps track of the members that have programs, or whose MemberAboard has been asked for; others cost nothing.
+    """Tracks the members that have programs or a MemberAboard. Other members have no overhead.
 
-    Each member has its own agenda (`base/agenda.py`): between ticks at which its Python items act, it is stepped like
-    any other member. Members may temporarily be at different ticks, so that every round of parts keeps all threads
-    busy.
+    Each tracked member has its own agenda (`base/agenda.py`). Between ticks at which its Python items act, it is
+    stepped like any other member. Members may temporarily be at different ticks, so that every round of parts keeps all
+    threads busy.
     """
 
     def __init__(self, core: _core.Batch, world: _core.World, scene: _core.RayScene, members: Members, n: int) -> None:
@@ -75,17 +75,17 @@ class Programs:
         return made
 
     def vehicles(self, vehicle: str) -> Iterator[tuple[int, Vehicle]]:
-        """Return a vehicle of each member that has a MemberAboard, with the member's index."""
+        """Yield the index of each member that has a MemberAboard, with one of its vehicles."""
         return ((k, aboard.vehicles[vehicle]) for k, aboard in self._aboard.items())
 
     def hear(self, vehicle: str, command: Callable[[int, Vehicle], object]) -> None:
-        """Repeat a command in members where all stop, a failsafe or a hold may act on it: call command(k, vehicle)."""
+        """Call command(k, vehicle) in members where all stop, a failsafe or a hold may affect the command."""
         for k, aboard in self._aboard.items():
             if aboard.has_gate(vehicle):
                 command(k, aboard.vehicles[vehicle])
 
     def step(self, steps: int) -> None:
-        """Step all members. Raises ValueError if a member cannot continue, after the others have been stepped."""
+        """Step all members. If a member cannot continue, raises ValueError after the others have been stepped."""
         if not self._aboard:
             self._core.step(steps)
             return

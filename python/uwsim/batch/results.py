@@ -1,4 +1,4 @@
-"""Results of a batch: arrays with one row per member, allocated once and overwritten by each call."""
+"""Results of a batch, as arrays with one row per member that are allocated once and overwritten by each call."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class BatchMotion(ShortRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BatchEstimate(ShortRepr):
-    """The estimated motion of one vehicle in each member, see Vehicle.estimate. The arrays belong to the caller.
+    """The estimated motion of one vehicle in each member. The arrays belong to the caller; see Vehicle.estimate.
 
     float64: time_s (n,), the time of the estimate; position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n,
     6) [m/s, rad/s]; covariance (n, 15, 15), see Navigator.covariance.
@@ -109,7 +109,7 @@ class BatchPhysicsPings(BatchPings):
 
 @dataclass(frozen=True, eq=False)
 class Buffers(Generic[R]):
-    """The arrays that the core fills, in the order it expects, and the read-only result that exposes them."""
+    """The arrays that the core fills, in the order that it expects, and a read-only result that exposes them."""
 
     writable: tuple[NDArray[Any], ...]
     shown: R

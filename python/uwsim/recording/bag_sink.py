@@ -1,4 +1,4 @@
-"""A recording as a ROS 1 bag for Debian's rosbag: messages in ROS 1 serialization, written by `rosbags`."""
+"""Writes a recording as a ROS 1 bag, with the `rosbags` library; Debian's rosbag can read it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.channels.messages import numbered, to_bytes
 
 
 class BagSink:
-    """A .bag file. It has no attachments, and has no index until it is closed; `rosbag reindex` can add one."""
+    """A .bag file. It has no attachments, and no index until it is closed. `rosbag reindex` can add the index."""
 
     def __init__(self, path: Path, *, compressed: bool = True) -> None:
         """Create the file. Raises OSError if it exists or cannot be written.
@@ -48,7 +48,7 @@ class BagSink:
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
         """Append a message, with its number as header.seq.
 
-        Time 0 is written as 1 ns, since ROS 1 takes time 0 to mean that the time is missing.
+        Time 0 is written as 1 ns, since time 0 means "no time" in ROS 1.
         """
         connection = self._connections[topic]
         self._writer.write(connection, max(time_ns, 1), numbered(data, connection.msgtype, sequence))

@@ -1,4 +1,4 @@
-"""Packs a scenario with all the files that it names into JSON and recording attachments, and unpacks it."""
+"""Packs a scenario and all the files that it names into a recording's attachments, and unpacks them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:
-    """Return a scenario as contents by name: SCENARIO, and each file that it names. Raises OSError."""
+    """Return the content of each attachment, keyed by name: SCENARIO, and the files that it names. Raises OSError."""
     values = plain(scenario)
     names = {path: f"files/{k}/{path.name}" for k, path in enumerate(sorted(set(_paths(values))))}
     files = {name: path.read_bytes() for path, name in names.items()}
@@ -36,8 +36,8 @@ def pack(scenario: Scenario) -> dict[str, bytes]:
 def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     """Return the scenario from a result of `pack`.
 
-    Files that are unchanged at their original paths are used there, so that textures next to meshes are found; other
-    files are written to the folder. Raises ValueError or OSError.
+    Files that still exist unchanged at their original paths are used there, so that textures next to meshes are found.
+    Other files are written to the folder. Raises ValueError or OSError.
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")

@@ -15,7 +15,7 @@ BYTES = "$bytes"
 
 
 class Command(NamedTuple):
-    """A command, and the tick at whose start it took effect or, for a jump in time, the tick that it led to.
+    """A command, and the tick at which it took effect or, for a jump in time, the tick after the jump.
 
     name: a command in uwsim.live.COMMANDS, reset or restore_state. arguments: JSON types and bytes.
     """

@@ -1,4 +1,4 @@
-"""The contents of a recording except its messages, read once, with all checksums, indexes and counts verified.
+"""Reads a recording's contents except its messages, and verifies all checksums, indexes and counts.
 
 A finished file has a checksum over all its bytes. A file whose writer was killed lacks it, but each chunk and
 attachment has a checksum, and the header contains the checksum of the leading metadata, so any corrupted bit is
@@ -46,7 +46,10 @@ INDEXES: dict[int, str] = {
 
 
 class ChunkPlace(NamedTuple):
-    """A chunk of a file. checksum: CRC-32 of the record's content. channels: those with messages in the chunk."""
+    """A chunk of a file. checksum: CRC-32 of the record's content.
+
+    channels: the channels with messages in the chunk.
+    """
 
     number: int
     start: int
@@ -57,10 +60,11 @@ class ChunkPlace(NamedTuple):
 
 @dataclass
 class Contents:
-    """A file without its messages. metadata, attachments: keyed by name. schemas, channels: keyed by number.
+    """The contents of a file except its messages. metadata, attachments: keyed by name.
 
-    counts: number of messages per channel. indexes: the expected index at the end, by kind of record. is_ours: whether
-    uwsim wrote the file itself. is_whole: whether the data are complete; complete: whether the index is also complete.
+    schemas, channels: keyed by number. counts: number of messages per channel. indexes: the expected index at the end,
+    by kind of record. is_ours: whether uwsim wrote the file itself. is_whole: whether the data are complete; complete:
+    whether the index is also complete.
     """
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -224,7 +228,10 @@ class DataReader:
         self._sequences[message.channel_id] = message.sequence
 
     def _compare(self, given: int, found: int) -> None:
-        """Raise ValueError if a checksum differs from the stored one; other tools store 0 for no checksum."""
+        """Raise ValueError if a checksum differs from the stored one.
+
+        Other tools may store 0, which means no checksum.
+        """
         if given != found and (given or self.contents.is_ours):
             raise ValueError(WRONG_CHECKSUM)
 

@@ -1,4 +1,4 @@
-"""Messages that follow from a survey's pings and are therefore generated for readers instead of being recorded."""
+"""Generates messages that can be derived from a survey's pings, and are therefore not recorded."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ Make = Callable[[TakenPing], Any]
 
 
 class Derived:
-    """The topics of a survey recording that follow from its pings, each with one message per ping.
+    """The topics of a survey recording that are derived from its pings, each with one message per ping.
 
-    The map is the one that a live run would build from these pings. channels: keyed by name.
+    The map is the map that a live run would build from these pings. channels: keyed by name.
     """
 
     def __init__(self, recording: Recording) -> None:
-        """Take the multibeam from the recording's scenario. Raises ValueError or OSError."""
+        """Load the multibeam from the recording's scenario. Raises ValueError or OSError."""
         self._head = head = recorded_head(recording, NAME)
         rate_hz = recording.channels[NAME].rate_hz
         self.channels: dict[str, Channel] = {}

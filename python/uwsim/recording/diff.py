@@ -1,4 +1,4 @@
-"""Finds where two recordings diverge: the first tick and channel that differ, by how much, and what follows."""
+"""Finds where two recordings diverge: the first tick and channel that differ, the difference, and later differences."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class Parting:
 
 @dataclass
 class Comparison:
-    """A comparison of two recordings. compared: number of messages. partings: by tick, then in recording order.
+    """A comparison of two recordings. compared: the number of messages compared.
 
-    notes: differences outside the messages, such as the seed, as text.
+    partings: sorted by tick, then in recording order. notes: other differences as text, such as the seed.
     """
 
     compared: int
@@ -70,7 +70,7 @@ def diff(first: Recording, second: Recording) -> Comparison:
 
 
 def _in_turn(first: Recording, second: Recording) -> Iterator[tuple[int, Recorded]]:
-    """Yield both recordings' messages, each with the recording's number (0 or 1), so that neither gets far ahead."""
+    """Yield the messages of both recordings in turn, each with the recording's number (0 or 1)."""
     sides = [iter(first.messages()), iter(second.messages())]
     open_sides = {0, 1}
     while open_sides:

@@ -1,4 +1,4 @@
-"""The difference between two messages of the same type: which fields differ, and by how much."""
+"""Finds the fields that differ between two messages of the same type, and the size of the differences."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def differences(kind: str, first: bytes, second: bytes) -> str:
 def largest(kind: str, first: bytes, second: bytes) -> float:
     """Return the largest finite difference between numbers in two messages, or NaN if there is none.
 
-    Only floating-point numbers count; differences in pictures, counts and text have no magnitude.
+    Only floating-point numbers are compared, since differences in pictures, counts and text have no magnitude.
     """
     gaps = [gap for gap in _gaps(kind, from_bytes(first, kind), from_bytes(second, kind)) if 0.0 < gap < np.inf]
     return max(gaps, default=np.nan)
@@ -78,7 +78,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def _short(value: Any, at: int) -> str:
-    """Return a value as text; long text is reduced to the part around a position."""
+    """Return a value as text. Long text is shortened to the part around a position."""
     if isinstance(value, str) and len(value) > SHOWN:
         start = max(at - SHOWN // 2, 0)
         value = ("..." if start else "") + value[start : start + SHOWN] + ("..." if start + SHOWN < len(value) else "")

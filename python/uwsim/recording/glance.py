@@ -16,9 +16,9 @@ _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, KeyError, EOFE
 
 
 def glance(path: Path) -> tuple[Start, End]:
-    """Return the metadata at the start and at the end. Nothing else is verified; for that, see Recording.
+    """Return the metadata at the start and at the end. Nothing else is verified, unlike in Recording.
 
-    Raises ValueError if the file is not a recording, was cut off, or has another version, or OSError.
+    Raises OSError, or ValueError if the file is not a recording, was cut off, or has a different version.
     """
     with path.open("rb") as file:
         try:

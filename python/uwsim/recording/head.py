@@ -1,4 +1,4 @@
-"""The multibeam whose pings a recording contains, built from the scenario in the recording."""
+"""Builds the multibeam whose pings a recording contains, from the scenario in the recording."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RecordedHead:
-    """A multibeam.
+    """A recorded multibeam.
 
-    interval_s: time between pings. prefix: prefix of the vehicle's topics and frames. hull_m: bounding box of the
-    vehicle's hull.
+    interval_s: the time between pings. prefix: the prefix of the vehicle's topics and frames. hull_m: the bounding box
+    of the vehicle's hull.
     """
 
     model: _core.MultibeamModel

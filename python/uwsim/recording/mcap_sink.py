@@ -1,8 +1,8 @@
-"""A recording as MCAP in rosbag2 format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
+"""Writes a recording as MCAP in rosbag2 format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
 
-Written with the `mcap` library. The writer in `rosbags` cannot end a chunk before it is full, has neither checksums nor
-attachments, and creates a folder: if the process were killed, up to a megabyte would be lost, which is minutes of a run
-with few messages.
+This uses the `mcap` library, because the writer in `rosbags` cannot end a chunk before it is full, has neither
+checksums nor attachments, and creates a folder. If the process were killed, up to a megabyte would be lost, which is
+minutes of a run with few messages.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ QOS = "offered_qos_profiles"
 
 
 class McapSink:
-    """An MCAP file. Each flush ends a chunk, which then outlives the process."""
+    """An MCAP file. Each flush ends a chunk, which then survives the death of the process."""
 
     def __init__(self, path: Path, start: Mapping[str, str], attachments: Mapping[str, bytes]) -> None:
         """Create the file with metadata and attachments. Raises OSError if it exists or cannot be written."""
@@ -112,7 +112,7 @@ class McapSink:
     def abandon(self) -> None:
         """Close after a write error, truncating the file to its state at the last flush.
 
-        Anything written since then has gaps: if data followed it, the file would be damaged instead of merely cut off.
+        Anything written since then has gaps. If data followed it, the file would be damaged instead of merely cut off.
         """
         kept = os.dup(self._file.fileno())
         with contextlib.suppress(OSError):
@@ -122,7 +122,7 @@ class McapSink:
         os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
-        """Return what `ros2 bag info` shows: the content of a bag folder's metadata.yaml."""
+        """Return the content of a bag folder's metadata.yaml, which `ros2 bag info` displays."""
         count = sum(self._counts.values())
         times = {
             "starting_time": {"nanoseconds_since_epoch": self._first_ns if count else 0},

@@ -1,4 +1,4 @@
-"""The metadata at the beginning and end of a recorded run: text in the file, validated values here."""
+"""The metadata at the beginning and end of a recording, as validated values of the text in the file."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class Start(BaseModel):
 
 
 class End(BaseModel):
-    """Metadata at the end of a recording that was closed properly. dropped: messages omitted, by channel.
+    """Metadata at the end of a recording that was closed properly. dropped: the number of messages omitted, by channel.
 
-    on_wall_clock: whether the run was ever at wall-clock speed; unlike the value at the start, this covers the whole
+    on_wall_clock: whether the run was ever at wall-clock speed. Unlike the value at the start, this covers the whole
     run.
     """
 
@@ -54,7 +54,7 @@ class End(BaseModel):
 
 
 def checked(kind: type[Metadata], text: Mapping[str, str]) -> Metadata:
-    """Return metadata as validated values. Raises ValueError for the first invalid one."""
+    """Validate metadata and return its values. Raises ValueError for the first invalid value."""
     try:
         return kind.model_validate(text)
     except ValidationError as error:

@@ -21,11 +21,11 @@ from uwsim.simulator.simulator import Simulator
 class Moments:
     """An observer that renders pictures when the simulator reaches their time stamps.
 
-    At wall-clock speed, a picture is started by the first reader after the previous one is ready, so its time depends
-    on the machine and on all readers; it is known only from the recorded stamps. A command at the same tick may have
-    come before or after the picture, so pictures are rendered before and after each command. The content of a
-    CompressedImage depends only on its time, not on the topic; its format depends on the topic and is copied. Other
-    types have several topics with the same frame, all of which are read if they were recorded.
+    At wall-clock speed, rendering of a picture is started by the first reader after the previous picture is ready. Its
+    time depends on the machine and on all readers, and is known only from the recorded stamps. A command at the same
+    tick may have come before or after the picture, so pictures are rendered before and after each command. The content
+    of a CompressedImage depends only on its time. Its format depends on the topic and is copied. For other types,
+    several topics have the same frame, and all recorded ones are read.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Moments:
             self._be_due(bisect_left(self._ticks, self._sim.tick))
 
     def again(self) -> None:
-        """Render the pictures due now again, since a command may have changed the view."""
+        """Render the pictures that are due again, since a command may have changed the view."""
         tick = self._sim.tick
         self._be_due(bisect_right(self._ticks, tick))
         if tick not in self._due:

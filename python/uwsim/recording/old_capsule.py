@@ -1,8 +1,8 @@
-"""Scenarios in old recordings, which contain all fields of all models, whether or not the scenario had set them.
+"""Reads scenarios in old recordings, which contain all fields of all models, whether or not they had been set.
 
 In such scenarios, the presence of a key has no meaning. Keys whose presence matters are therefore removed if they have
-their default value; the scenario is then built as it was for the recording. It is impossible to determine whether a
-value of `sonar.noise` or `link.carries` was set to exactly its default.
+their default value, so that the scenario is built as it was for the recording. It is impossible to determine whether a
+value of `sonar.noise` or `link.carries` had been set to its default explicitly.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
     ("vehicles", "sonar", "noise"): (SonarNoise, tuple(SonarNoise.model_fields)),
     ("link",): (LinkSetup, ("carries",)),
 }
-"""The keys whose presence matters, by their path; lists are traversed."""
+"""The keys whose presence matters, by path. Lists are traversed."""
 BESIDE_PROFILE = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
-"""Keys of the water that a scenario with a profile cannot have set."""
+"""Keys of `water` that cannot have been set in a scenario with a profile."""
 
 
 def without_defaults(scenario: Any) -> Any:
-    """Remove keys with default values whose presence matters from an old scenario, in place; return the scenario."""
+    """Remove the keys of PRESENCE that have default values from an old scenario, in place, and return the scenario."""
     for path, (model, keys) in PRESENCE.items():
         defaults = {key: _every_field(model.model_fields[key].default) for key in keys}
         for values in _at(scenario, path):

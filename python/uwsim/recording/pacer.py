@@ -7,7 +7,10 @@ from typing import Literal
 
 
 class Pacer:
-    """Waits until a simulated time is due. Starts with the first call, and restarts when simulated time goes back."""
+    """Waits until a simulated time is due.
+
+    The schedule starts with the first call and after simulated time goes back.
+    """
 
     def __init__(self, speed: float | Literal["max"]) -> None:
         """speed: simulated seconds per wall-clock second, or "max". Raises ValueError."""

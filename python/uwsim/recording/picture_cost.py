@@ -10,9 +10,9 @@ from uwsim.simulator.simulator import Simulator
 
 
 def picture_cost_text(sim: Simulator) -> str:
-    """Return how much processor time the cameras' pictures take at full rate, for one simulated second.
+    """Return a text with the processor time that the cameras' pictures take per simulated second, at full rate.
 
-    Takes one picture with each camera, which changes nothing in the simulator.
+    This takes one picture with each camera, which does not change the simulator.
     """
     cameras = [*sim.cameras.values(), *(each for rov in sim.vehicles.values() for each in rov.cameras.values())]
     cost_s = RATE_HZ * sum(picture_cost_s(camera) for camera in cameras)
@@ -23,7 +23,7 @@ def picture_cost_text(sim: Simulator) -> str:
 
 
 def picture_cost_s(camera: Camera) -> float:
-    """Return the processor time [s] of one picture, rendered and encoded on this thread alone."""
+    """Return the processor time [s] to render and encode one picture on this thread."""
     snapshot = camera.snapshot()
     begun_s = time.thread_time()
     camera.capture(at=snapshot, threads=1).jpeg(Stream().quality)

@@ -1,4 +1,4 @@
-"""A multibeam's pings with the exact poses at which they were taken, from which maps are built."""
+"""The channel of a multibeam's pings and the exact poses at which they were taken, from which maps are built."""
 
 from __future__ import annotations
 

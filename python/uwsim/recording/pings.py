@@ -42,7 +42,7 @@ class Panel(NamedTuple):
 
 
 def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
-    """Return the channel with a vehicle's pings (default: the first vehicle that has any). Raises ValueError."""
+    """Return the channel with a vehicle's pings, by default of the first vehicle that has any. Raises ValueError."""
     topics = [name for name in recording.channels if name == NAME or name.endswith("/" + NAME)]
     if not topics:
         raise ValueError(f"recording '{recording.path}': holds no pings ({NAME})")

@@ -23,9 +23,9 @@ Item = tuple[str, int, int, bytes | memoryview]  # topic, time_ns, sequence, dat
 
 
 class WritingQueue:
-    """Messages waiting for a thread to write them to a sink.
+    """Messages waiting for a thread that writes them to a sink.
 
-    error: why nothing more can be written, such as a full disk; the simulation continues regardless.
+    error: the reason why nothing more can be written, such as a full disk. The simulation continues regardless.
     """
 
     def __init__(self, sink: Sink, limit_bytes: int = WAITING_BYTES) -> None:
@@ -59,7 +59,7 @@ class WritingQueue:
         return True
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write all queued messages and close the sink. Raises OSError, even for an earlier error."""
+        """Write all queued messages and close the sink. Raises OSError if that fails or an earlier write failed."""
         with self._changed:
             self._ends = True
             self._changed.notify_all()

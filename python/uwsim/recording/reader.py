@@ -59,8 +59,8 @@ class Recording:
     """A recording written by a Recorder in .mcap format.
 
     start, end: the metadata at both ends; end is None if the run was killed. complete: whether the file was closed
-    properly. attachments: keyed by name. channels: the recorded channels; derived: others that can be read by name
-    because they follow from a survey's pings.
+    properly. attachments: keyed by name. channels: the recorded channels. derived: channels that are derived from a
+    survey's pings and can be read by name as well.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -104,7 +104,7 @@ class Recording:
 
     @cached_property
     def derived(self) -> dict[str, ChannelInfo]:
-        """The channels, keyed by name, that were not recorded but follow from a survey's pings."""
+        """The channels, keyed by name, that were not recorded but can be derived from a survey's pings."""
         if self._derived is None:
             return {}
         count = self.channels[PINGS].message_count
@@ -143,7 +143,7 @@ class Recording:
 
     @property
     def dropped(self) -> dict[str, int]:
-        """The number of messages dropped from each channel because writing was too slow."""
+        """The number of messages dropped on each channel because writing was too slow."""
         return {} if self.end is None else self.end.dropped
 
     @property
@@ -157,7 +157,7 @@ class Recording:
 
     @property
     def notes(self) -> dict[str, Any]:
-        """Values that apply to the whole run; those known only at its end are missing if the file was cut off."""
+        """Values that apply to the whole run. Values known only at its end are missing if the file was cut off."""
         return (self.end or self.start).notes
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
@@ -227,9 +227,9 @@ class Recording:
             raise ValueError(f"recording '{self.path}': has version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a channel has no type, or has one of our types with different fields from this version.
+        """Raise ValueError if a channel has no type, or a uwsim type whose fields differ from this version's.
 
-        Fields that this version appends are nan or empty in the recorded messages.
+        Fields that this version appends are allowed. In the recorded messages, they are nan or empty.
         """
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
@@ -252,9 +252,9 @@ class Recording:
 
 
 def _appended(recorded: str, ours: str) -> list[bytes] | None:
-    """Return the CDR of the fields that our definition of a type appends to the recorded one; None if others differ.
+    """Return the CDR of the fields appended to a recorded type by our definition, or None if other fields differ.
 
-    Numbers are nan; lists and strings are empty. Each begins at a multiple of four bytes.
+    Numbers are nan; lists and strings are empty. Each field begins at a multiple of four bytes.
     """
     (old, *old_parts), (new, *new_parts) = (
         [_fields(part) for part in re.split("={9,}", text)] for text in (recorded, ours)
@@ -266,7 +266,7 @@ def _appended(recorded: str, ours: str) -> list[bytes] | None:
 
 
 def _unset(line: str) -> bytes | None:
-    """Return the CDR of a field of a message definition without a value; None for types that we never append."""
+    """Return the CDR of an unset field of a message definition, or None for types that are never appended."""
     if floats := re.fullmatch(r"float32\[(\d+)\] \w+", line):
         return int(floats[1]) * struct.pack("<f", math.nan)
     if re.fullmatch(r"(string|float32)\[\] \w+", line):

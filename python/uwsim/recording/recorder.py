@@ -42,19 +42,18 @@ logger = logging.getLogger("uwsim.recording")
 
 
 class Recorder:
-    """Records a simulator from `start` to `close`: all channels in simulated time, all commands, seed and scenario.
+    """Records a simulator's channels, commands, seed and scenario, from `start` to `close`.
 
         with LiveSimulator("lake") as live, Recorder(live, "run.mcap"):
             ...
 
     path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
-    record and to omit, such as "camera/*". By default all channels are recorded except raw and rectified pictures; if
-    is_light, all except pictures and maps, which a replay can still provide; for a survey, all except pictures and
-    channels derived from the pings (FROM_PINGS, and the map), which readers can still provide, see Recording.derived.
-    shared: a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the
-    feed of other sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of
-    taking their own. kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values
-    for the metadata.
+    record and to omit, such as "camera/*". By default, all channels are recorded except raw and rectified pictures. If
+    is_light, pictures and maps are omitted, which a replay can provide. For a survey, pictures and channels derived
+    from the pings (FROM_PINGS and the map) are omitted, which readers can provide; see Recording.derived. shared: a
+    server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the feed of
+    other sinks, such as a ROS 2 node, which then share the recorder's readings. kind: LIVE or SURVEY. written: channels
+    whose messages come only from `write`. notes: plain values for the metadata.
 
     Messages are encoded on the simulator's thread and written on another. At wall-clock speed, steps never wait:
     messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. At maximum
@@ -122,7 +121,7 @@ class Recorder:
         return [channel for channel in said if self._is_chosen(channel)]
 
     def _follows(self, channel: Channel) -> bool:
-        """Return whether a survey channel can be derived from the pings or, like pictures, from the replay."""
+        """Return whether a survey channel can be derived from the pings or (like pictures) from a replay."""
         from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
         is_truth_again = channel.name.endswith("ground_truth/odom")
         return _is_heavy(channel) or channel.name in from_pings or is_truth_again
@@ -133,7 +132,7 @@ class Recorder:
         return is_wanted and not _matches(channel, without)
 
     def _may_wait(self) -> bool:
-        """Return whether steps may wait for the recording: always, except at wall-clock speed."""
+        """Return whether steps may wait for the recording, which they may except at wall-clock speed."""
         return self._live is None or self._live.speed == "max"
 
     def start(self) -> Self:
@@ -161,7 +160,7 @@ class Recorder:
             logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
 
     def try_close(self) -> OSError | None:
-        """Close, returning the error, if any, so that the caller can save other results before reporting it."""
+        """Close the file, and return any error, so that the caller can save other results before reporting it."""
         try:
             self.close()
         except OSError as error:
@@ -180,7 +179,7 @@ class Recorder:
     def hear(self, channels: Iterable[Channel]) -> list[Channel]:
         """Return a server's channels, wrapped so that messages received on them, such as /cmd_vel, are also recorded.
 
-        Call this before `start`. These messages are only for readers: a replay needs only the resulting commands.
+        Call this before `start`. These messages are for readers; a replay uses only the resulting commands.
         """
         return [self._heard(channel) if channel.direction == "in" else channel for channel in channels]
 

@@ -1,7 +1,7 @@
-"""The records in a recording file, read one by one with their positions, so that damage is detected and located.
+"""Reads the records of a recording file one by one, with their positions, to detect and locate damage.
 
-An MCAP record consists of a kind, a length and a content. If the process was killed, the file ends in the middle of its
-last record; anything else that cannot be read is damage.
+An MCAP record consists of a kind, a length and the content. If the process was killed, the file ends in the middle of
+its last record. Anything else that cannot be read is damage.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Message(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A record in the file. start: its position. number: counted from 1 among records of the same kind."""
+    """A record in the file. start: its position. number: its number among records of the same kind, from 1."""
 
     kind: int
     number: int
@@ -103,7 +103,7 @@ class Record(NamedTuple):
 
     @contextmanager
     def named(self, file: RecordFile) -> Iterator[None]:
-        """Convert a ValueError raised in the block to the error for a damaged file, naming the record."""
+        """Convert a ValueError raised in the block to an error for a damaged file that names the record."""
         try:
             yield
         except ValueError as error:
@@ -180,7 +180,7 @@ class RecordFile:
         return last == MAGIC
 
     def _require_cut_off(self, kind: int, number: int, start: int, length: int) -> None:
-        """Raise ValueError if a record's length is wrong, as opposed to the record being cut off."""
+        """Raise ValueError unless a record is cut off, as opposed to having a wrong length."""
         peeked = self._file.read(min(_PEEKED, self._size - self.position))
         expected = _length(LAYOUTS[Opcode(kind)].parts, peeked)
         if self._ends_whole or expected not in (None, length):
@@ -259,7 +259,7 @@ def _parsed(parser: Any, content: bytes) -> Any:
 
 
 def _length(parts: tuple[int, ...], content: bytes) -> int | None:
-    """Return the length of a content as given by its length fields, or None if some of them are missing."""
+    """Return the length of the content according to its length fields, or None if some of these are missing."""
     at = 0
     for part in parts:
         if part > 0:

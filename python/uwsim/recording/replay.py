@@ -92,7 +92,7 @@ def replay(
 
 
 def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[Channel]]:
-    """Return a table with a recording's options, and the channels from which the recorder could choose."""
+    """Return a table with the recording's options, and the channels that were available to the recorder."""
     start = recording.start
     table = Table(sim, origin=start.origin, truth=start.truth, tf=start.tf, frame_prefix=start.frame_prefix)
     known = seen_channels(sim, table) if start.through_link else table.channels
@@ -106,7 +106,7 @@ def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[
 def give(sim: Simulator, table: Table | None, command: Command) -> None:
     """Apply a recorded command to a simulator at its current tick. Raises ValueError.
 
-    table: the table whose pictures were recorded, if they matter.
+    table: the table whose pictures were recorded, or None.
     """
     try:
         if command.name in JUMPS:
@@ -170,7 +170,7 @@ class _Replay:
         return self.result
 
     def _count_what_is_left(self) -> None:
-        """Count the replayed messages that come after the last recorded message on each channel."""
+        """Count the replayed messages after the last recorded message of each channel."""
         for topic, said in self._said.items():
             if said and not self._may_lack:
                 tick = said[0][1] // self._recording.step_ns

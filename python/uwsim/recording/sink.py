@@ -10,7 +10,7 @@ from uwsim.channels.feed import Reading
 
 
 class Sink(Protocol):
-    """A file that accepts messages. Except for `encode`, all calls come from one thread at a time."""
+    """A file that accepts messages. All methods except `encode` are called by one thread at a time."""
 
     def encode(self, reading: Reading) -> bytes | memoryview:
         """Return a message in the format's serialization."""
@@ -22,7 +22,10 @@ class Sink(Protocol):
         """Append a message at its simulated time. Raises OSError."""
 
     def flush(self) -> None:
-        """Hand everything written so far to the operating system, so that it outlives this process. Raises OSError."""
+        """Pass all written data to the operating system, so that they survive the death of the process.
+
+        Raises OSError.
+        """
 
     def close(self, end: Mapping[str, str]) -> None:
         """Write the end of the file and close it. Raises OSError."""

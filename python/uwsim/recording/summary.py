@@ -1,4 +1,4 @@
-"""The end of a recording file: index and counts, which must match the data before it."""
+"""Reads the end of a recording file, whose index and counts must match the data."""
 
 from __future__ import annotations
 

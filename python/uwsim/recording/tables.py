@@ -1,4 +1,4 @@
-"""A recording's channels as tables: Arrow and pandas with one row per message, and xarray for arrays."""
+"""Converts a recording's channels to Arrow and pandas tables with one row per message, or to xarray datasets."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ BLOCK = {1: np.int8, 2: np.uint8, 3: np.int16, 4: np.uint16, 5: np.int32, 6: np.
 def arrow(recording: Recording, topic: str) -> pyarrow.Table:
     """Return a channel as an Arrow table.
 
-    Columns: TIME, the simulated time in seconds at which the message was recorded, then each field by its path, such as
-    "pose.pose.position.x". Time stamps are integers in nanoseconds; arrays become lists, and messages in arrays become
-    structs.
+    The columns are TIME, the simulated time in seconds at which the message was recorded, and each field with its path
+    as name, such as "pose.pose.position.x". Time stamps are integers in nanoseconds. Arrays become lists, and messages
+    in arrays become structs.
     """
     need_extra("pyarrow", "tables", "a recording as a table")
     import pyarrow
@@ -84,7 +84,7 @@ Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(kind: str, path: str = "", get: Callable[[Any], Any] = lambda message: message) -> Iterator[Column]:
-    """Yield each field's name, getter and kind; nested messages are expanded, except those in arrays."""
+    """Yield each field's name, getter and kind. Nested messages are expanded, except in arrays."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue

@@ -1,4 +1,4 @@
-"""Timeline: a recorded run simulated once more, with saved states from which any moment can be reached quickly."""
+"""Timeline: repeats a recorded run, and saves states from which any moment can be reached quickly."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ UNSEEN = frozenset({EFFORT, SET_STREAM, "start_navigation", "link_send"})
 
 
 class SavedMoment(NamedTuple):
-    """A state at a tick, before the commands of that tick. place: index of the first command at or after that tick."""
+    """A state at a tick, before the commands of this tick. place: index of the first command at or after the tick."""
 
     tick: int
     state: bytes
@@ -60,12 +60,12 @@ class Track:
 
 
 class Timeline:
-    """The moments of a recorded run, from its first tick to its last or, if time was ever reset, to the first reset.
+    """The moments of a recorded run, from its first tick to its last or, if time was reset, to the first reset.
 
-    Creating one simulates the whole run and compares its final state with the recorded one, so that a run that cannot
+    Creating a time line simulates the whole run and compares its final state with the recorded state. A run that cannot
     be repeated bit for bit is refused. go_on: called repeatedly; if it returns False, creation is abandoned with a
-    RuntimeError. Raises ValueError if the recording was cut off, edited, or made by another build or for another
-    purpose, or OSError.
+    RuntimeError. Raises OSError, or ValueError if the recording was cut off or edited, or was made by a different build
+    or for a different purpose.
 
     commands: in order. events: at most EVENTS_MAX. track: sampled every SAMPLE_S.
     """
@@ -108,7 +108,7 @@ class Timeline:
         return bisect_left(self._ticks, tick)
 
     def next_command_tick(self, place: int) -> int | None:
-        """Return the tick of the command at an index; None after the last one of this timeline."""
+        """Return the tick of the command at an index, or None after the last command of this time line."""
         return self._ticks[place] if place < len(self._ticks) and self._ticks[place] < self.end_tick else None
 
     def give(self, sim: Simulator, place: int) -> None:
@@ -120,10 +120,10 @@ class Timeline:
             raise self._refusal(f"tick {command.tick}: {error}") from None
 
     def go_to(self, sim: Simulator, tick: int, place: int | None = None) -> int:
-        """Bring a simulator to a tick, before its commands; return the index of the first of these. Raises ValueError.
+        """Move a simulator to a tick, before the tick's commands; return the index of the first of them.
 
-        place: index of the first command that the simulator has not received yet, if it has followed this recording so
-        far; it then continues without a jump in time if that is quicker.
+        place: if the simulator has followed this recording so far, the index of the first command that it has not
+        received. It then continues without a jump in time if that is quicker. Raises ValueError.
         """
         tick = min(max(tick, self.start_tick), self.end_tick)
         saved = self.saved_before(tick)
@@ -222,7 +222,7 @@ class Timeline:
             raise self._refusal("was edited, or made on another kind of machine: it leads to another state")
 
     def _read_as_recorded(self, sim: Simulator) -> None:
-        """Read the recorded channels once, as the recorder did: the first reading of an estimate starts the filter."""
+        """Read the recorded channels once, like the recorder: the first reading of an estimate starts the filter."""
         _, channels = offered_channels(self.recording, sim)
         for channel in channels:
             if channel.name in self.recording.channels and channel.direction == "out" and not channel.late:
@@ -241,7 +241,7 @@ class Timeline:
         self._note(command.tick, "command", f"{name} {vehicle}".strip() + (f": {', '.join(values)}" if values else ""))
 
     def _note(self, tick: int, kind: str, text: str) -> None:
-        """Add an event, unless it repeats the last one: turning a head is one event, not one every 0.2 s."""
+        """Add an event, unless it repeats the last one, so that turning a head is a single event."""
         event = Happening(round(tick * self.step_s, 9), kind, text)
         last = self.events[-1] if self.events else None
         head = text.partition(":")[0]
@@ -261,9 +261,9 @@ def _happening(event: Event) -> Happening:
 
 
 def distances(one: Timeline, other: Timeline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return how far apart two runs' first vehicles were: simulated times (n,) [s], and distances (n,) [m] at them.
+    """Return simulated times (n,) [s] and the distances (n,) [m] between the first vehicles of two runs.
 
-    Only times covered by both runs count; n may be 0.
+    Only times covered by both runs are included; n may be 0.
     """
     times_s, poses = one.track.arrays()
     others_s, other_poses = other.track.arrays()

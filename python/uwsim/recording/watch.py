@@ -1,4 +1,4 @@
-"""Watch: reads a simulator's channels at their rates, at the same ticks however the simulator is driven."""
+"""Watch: reads a simulator's channels at their rates, at ticks that do not depend on how it is stepped."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TakeCommand = Callable[[str, dict[str, Any]], object]
 
 
 class Watch:
-    """Forwards all messages on the channels and all commands, in order.
+    """Forwards all messages on the channels, and all commands, in order.
 
     Channels are read when `start` is called, after each jump in time and at all multiples of their period, before the
     commands of that tick, so that a replay reads the same messages at the same ticks. A channel without a rate is read
