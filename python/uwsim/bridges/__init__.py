@@ -1,4 +1,4 @@
-"""Bridges to ROS and Foxglove: thin layers on top of uwsim.channels, one folder each."""
+"""Bridges to ROS, Foxglove and autopilots: thin layers on top of uwsim.channels, in separate folders."""
 
 from uwsim.bridges.rosbridge import RosbridgeClient, RosbridgeServer
 

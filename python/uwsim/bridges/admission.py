@@ -35,12 +35,12 @@ class Fields(Protocol):
 class Door:
     """Decides which browser pages may connect, and under which host names.
 
-    pages: additional origins, such as "https://station.example:8080", or those of desktop programs built from web
-    pages, such as "app://station" or "file://" (which is the origin of every page that a browser opens from a file).
-    host: the address on which the server listens. Programs other than browsers send no Origin and may connect. A page
-    in a browser must come from this machine, from this server or from one of `pages`, and the host name in the request
-    must be a known name or an IP address. Otherwise a foreign page whose host name resolves to this machine would
-    appear to be the server's own ("DNS rebinding"). Raises ValueError.
+    pages: additional origins, such as "https://station.example:8080". Desktop programs built from web pages have
+    origins such as "app://station" or "file://" (also the origin of every page that a browser opens from a file). host:
+    the address on which the server listens. Programs other than browsers send no Origin and may connect. A page in a
+    browser must come from this machine, from this server or from one of `pages`, and the host name in the request must
+    be a known name or an IP address. Otherwise a foreign page whose host name resolves to this machine would appear to
+    be the server's own ("DNS rebinding"). Raises ValueError.
     """
 
     def __init__(self, pages: Iterable[str], host: str) -> None:
@@ -82,7 +82,7 @@ class Door:
 
 
 def check_token(token: str | None) -> None:
-    """Raise ValueError for a token that has the wrong length or cannot be sent in a URL."""
+    """Raise ValueError if a token has the wrong length or cannot be sent in a URL."""
     if token is not None and not re.fullmatch(r"[A-Za-z0-9_.~-]{8,256}", token):
         raise ValueError("token: must have 8 to 256 characters of A-Z a-z 0-9 _ . ~ -")
 
@@ -106,9 +106,10 @@ class Admission:
         self._logged: set[str] = set()
 
     def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
-        """Return the reason to refuse a request, or None; refusals are logged.
+        """Return the reason to refuse a request, or None. Refusals are logged.
 
-        clients: the number of connected clients, or None for a page or file request, where the site checks the token.
+        clients: the number of connected clients, or None for a request for a page or file, for which the site checks
+        the token.
         """
         reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
         if reason is None and clients is not None:
@@ -124,7 +125,7 @@ class Admission:
         return reason
 
     def _log(self, why: str) -> None:
-        """Log a refusal once: browsers do not show the reason, and no page may be able to fill the log."""
+        """Log a refusal, since browsers do not show the reason, but only once, so that no page can fill the log."""
         if why not in self._logged and len(self._logged) < REFUSALS_LOGGED:
             self._logged.add(why)
             logger.warning("a client was refused: %s", why.encode("ascii", "backslashreplace").decode())

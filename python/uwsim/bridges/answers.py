@@ -1,4 +1,4 @@
-"""Service calls, which run on separate threads and are answered exactly once, with values or the reason for failure."""
+"""Runs service calls on separate threads. Each call is answered exactly once, with values or a reason for failure."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from logging import Logger
 from typing import Any
 
 Answer = Callable[[bool, Any], object]
-"""Receives whether a call succeeded, and its values or the reason for the failure."""
+"""Receives whether a call succeeded, and its values or the reason for its failure."""
 
 
 def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
-    """Return whether a call succeeded, and its values or the reason for the failure. Never raises an Exception."""
+    """Run a call; return whether it succeeded, and its values or the reason for its failure. Never raises."""
     try:
         return True, call()
     except CancelledError:
@@ -26,7 +26,7 @@ def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
 
 
 class Lane:
-    """A pool of threads for calls that may block. most: maximum number of unanswered calls; None for no limit."""
+    """A pool of threads for calls that may block. most: maximum number of unanswered calls, or None."""
 
     def __init__(self, name: str, threads: int, log: Logger, most: int | None = None) -> None:
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix=name)

@@ -50,23 +50,23 @@ def prepared(scenario: Scenario) -> Scenario:
 
 
 class ArduSub:
-    """Lets a compiled ArduSub (ArduPilot's "JSON" simulation) step a simulator: one step for each frame.
+    """Lets a compiled ArduSub step a simulator, through ArduPilot's "JSON" interface. Each frame makes one step.
 
         with Simulator(prepared(load("lagoon"))) as sim, ArduSub(sim):
             sim.advance(60)          # as fast as the firmware sends its frames
 
-    The firmware sends its servo outputs by UDP and gets the vehicle's motion after one step; see ServoExchange for the
-    protocol. While attached, other commands that would move the vehicle raise ValueError; all stop and the failsafe
-    still take precedence over the firmware's outputs. The frames are journalled as commands, so that recordings and
-    logs replay to the byte. A docked vehicle is undocked.
+    The firmware sends its servo outputs by UDP and receives the vehicle's motion after one step; see ServoExchange for
+    the protocol. While it is attached, other commands that would move the vehicle raise ValueError, but all stop and
+    the failsafe take precedence over the firmware's outputs. The frames are journalled as commands, so that recordings
+    and logs are replayed byte for byte. A docked vehicle is undocked.
 
-    simulator: a Simulator, whose `step` then waits for frames, and raises SilentAutopilotError after patience_s without
-    any; or a LiveSimulator, which is paused by a silent firmware, and continues with it. vehicle: its name; by default
-    the first. frame: "vectored" or "vectored_6dof"; by default the frame that fits the thrusters. port: 0 for any free
-    port. host: the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in
-    addition to those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that switch the
-    lamps and tilt the cameras. The attributes port and address are those in use. Raises ValueError, or OSError if the
-    port is not available.
+    simulator: a Simulator, whose `step` then waits for frames and raises SilentAutopilotError after patience_s without
+    a frame; or a LiveSimulator, which pauses while the firmware is silent. vehicle: its name; by default the first.
+    frame: "vectored" or "vectored_6dof"; by default the frame that fits the thrusters. port: 0 for any free port. host:
+    the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in addition to
+    those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that switch the lamps and
+    tilt the cameras. The attributes port and address are those in use. Raises ValueError, or OSError if the port is not
+    available.
     """
 
     def __init__(
@@ -186,7 +186,7 @@ class ArduSub:
         self._reported, self._exchange = self.counts, None
 
     def _command(self, name: str, **arguments: object) -> None:
-        """Issue a command on the stepping thread, so that a live simulator logs it, too."""
+        """Issue a command on the stepping thread, so that a live simulator also logs it."""
         if self._live is not None and self._live.running:
             self._live.command(name, vehicle=self.vehicle, **arguments).result()
             return
@@ -195,7 +195,7 @@ class ArduSub:
             self._live.log.append(Entry(self._sim.tick, name, {"vehicle": self.vehicle, **arguments}))
 
     def _advance(self, steps: int) -> None:
-        """Make one step for each frame; a live simulator's step ends early if the firmware is silent."""
+        """Make one step for each frame. In a live simulator, this ends early if the firmware is silent."""
         while steps:
             made = self._run(steps)
             steps -= made

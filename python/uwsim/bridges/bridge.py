@@ -1,4 +1,4 @@
-"""Bridge: base class of all bridges, which connect a live simulator or a recording to peers outside this process."""
+"""Bridge: the base class for connecting a live simulator or a recording to peers outside this process."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Bridge:
     """The simulator's side of a bridge: channels and services by name, a feed for readings, and threads for calls.
 
     A channel is read only while a peer subscribes to it. `take` receives the readings on the simulator's thread, which
-    it must not block. Commands and calls may come from any thread; they take effect between two steps.
+    it must not block. Commands and calls may come from any thread, and take effect between two steps.
 
     name: used to name the logger, uwsim.NAME, and the threads. live: None if the feed plays a recording, which accepts
     no commands. feed: shared with other sinks so that each reading is taken only once; defaults to a new one.
@@ -162,7 +162,7 @@ class Bridge:
         lane.submit(partial(self.respond, service, request), answer)
 
     def respond(self, service: Service, request: dict[str, Any]) -> dict[str, Any]:
-        """Call a service on this thread, unless its caller has no right to command the vehicle; return the response."""
+        """Call a service on this thread and return the response, which is a refusal if the caller lacks the right."""
         live = require_live(self.live)
         try:
             if service.rights is not None:

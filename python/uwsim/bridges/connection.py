@@ -1,4 +1,4 @@
-"""HeardConnection: a client WebSocket that limits how much work the client can cause, and tracks its liveness."""
+"""HeardConnection: a client's WebSocket that limits the client's load on the server and tracks its liveness."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ REASON_BYTES = 123  # RFC 6455, section 5.5
 
 
 class HeardConnection(ServerConnection):
-    """A connection that tracks how long nothing has been received, not even replies to pings.
+    """A connection that tracks the time since anything, including replies to pings, was received.
 
-    silent_s: seconds without received data, incremented by the server; time during which the event loop was blocked
-    does not count. most: maximum number of connections to the server, including half-open ones; further connections are
+    silent_s: seconds without received data, incremented by the server, excluding time during which the event loop was
+    blocked. most: maximum number of connections to the server, including half-open ones; further connections are
     aborted.
     """
 
@@ -64,7 +64,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def process_event(self, event: Any) -> None:
-        """Process a frame. A message in too many frames is refused, since each frame costs more than its bytes."""
+        """Process a frame. Messages in too many frames are refused, because each frame has a cost beyond its bytes."""
         if isinstance(event, Frame) and event.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._continuations = self._continuations + 1 if event.opcode is Opcode.CONT else 0
             if self._continuations > CONTINUATIONS:
@@ -73,10 +73,7 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason, even in the middle of a message.
-
-        The wait is short, since the client may not be reading.
-        """
+        """Close with a reason, even in the middle of a message, without waiting long for a client that may not read."""
         reason = reason.encode()[:REASON_BYTES].decode(errors="ignore")
         try:
             async with asyncio.timeout(GOING_S), self.send_context():
@@ -88,5 +85,5 @@ class HeardConnection(ServerConnection):
 
 
 def connections_of_one_server(most: int) -> type[HeardConnection]:
-    """Return a connection class that allows at most this many connections at a time."""
+    """Return a connection class that allows at most this many simultaneous connections."""
     return type("BoundedConnection", (HeardConnection,), {"most": most, "made": set()})

@@ -1,4 +1,4 @@
-"""Traffic on a client's WebSocket: reads frames at a limited rate, and sends the frames queued for the client."""
+"""Handles the traffic on a client's WebSocket: reads frames at a limited rate, and sends queued frames."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PIECE = 1 << 18  # characters or bytes; a larger message is sent in several fram
 
 
 class Allowance:
-    """A token bucket that limits what a client may send: a burst of one second's worth, then `rate` per second."""
+    """A token bucket that limits a client to `rate` per second, with bursts of one second's worth."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
@@ -33,7 +33,7 @@ class Allowance:
 
 
 class Rates(NamedTuple):
-    """Limits on what a client may send per second; excess data is read more slowly."""
+    """Limits on the frames and bytes that a client may send per second. Beyond them, its data is read more slowly."""
 
     frames: float
     bytes: float
@@ -46,7 +46,7 @@ class Session(Protocol):
         """Handle a frame; return the CPU time [s] spent on this thread."""
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame to send, or None and the seconds until one is due (None: not before a wake-up)."""
+        """Return the next frame to send. If there is none, return None and the seconds until one is due, if known."""
 
     def close(self) -> None:
         """End the session; nothing more is sent."""
@@ -55,7 +55,7 @@ class Session(Protocol):
 async def converse(
     connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Allowance
 ) -> None:
-    """Carry frames both ways until either side ends. share: limits the total CPU time spent on all clients."""
+    """Transfer frames in both directions until either side ends. share: limits the total CPU time for all clients."""
     writer = asyncio.create_task(_write(connection, session, wakes))
     try:
         await _read(connection, session, rates, share)

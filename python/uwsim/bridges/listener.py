@@ -1,4 +1,4 @@
-"""Listener: the only place where uwsim listens for WebSockets, so that all connections pass the same access control."""
+"""Listener: the only code that listens for WebSockets, so that the same access control applies to all connections."""
 
 from __future__ import annotations
 

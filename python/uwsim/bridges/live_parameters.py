@@ -1,4 +1,4 @@
-"""A live simulator's parameters for bridges: their values, changes from either side, and Foxglove's format."""
+"""Gives bridges access to a live simulator's parameters, reports changes, and converts them to Foxglove's format."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Parameters:
         return {name: own[name] for name in list(names) or list(own) if name in own}
 
     def set(self, changes: Mapping[str, Any], done: Callable[[str | None], object]) -> None:
-        """Set all or none of the parameters; UNSET restores the scenario's value. `done` receives the error, if any.
+        """Set all or none of the parameters. UNSET restores the scenario's value. `done` receives any error.
 
         Raises ValueError for an unknown name without a value, and NotRunningError.
         """

@@ -33,9 +33,9 @@ def play(
 ) -> None:
     """Send every message once, at the pacer's speed; return after the last one. Raises ValueError or OSError.
 
-    from_s, until_s: simulated times; latched messages from before from_s are sent immediately. wait: whether to wait
-    for the first rosbridge client or the first subscriber on another bridge. access: host, origins, token, certfile and
-    keyfile, as in RosbridgeServer.
+    from_s, until_s: the simulated times to play. Latched messages from before from_s are sent immediately. wait:
+    whether to wait for the first rosbridge client or the first subscriber on another bridge. access: host, origins,
+    token, certfile and keyfile, as in RosbridgeServer.
     """
     feed = PlayedFeed(channels_of(recording))
     channels = list(feed.channels.values())
@@ -51,7 +51,7 @@ def play(
 
 
 def _send(recording: Recording, feed: PlayedFeed, pacer: Pacer, from_ns: int, until_ns: int | None) -> int:
-    """Send each message when it is due, after the latched messages from before from_ns; return the number sent."""
+    """Send each message when it is due, after the latched messages from before from_ns. Return the number sent."""
     sent = 0
     for recorded in recording.messages(*feed.channels):
         channel = feed.channels[recorded.topic]

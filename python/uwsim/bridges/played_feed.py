@@ -1,4 +1,4 @@
-"""PlayedFeed: forwards a recording's messages to bridges, just as Feed forwards a live simulator's readings."""
+"""PlayedFeed: forwards a recording's messages to bridges, as Feed forwards a live simulator's readings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ logger = logging.getLogger("uwsim.bridges")
 
 
 def channels_of(recording: Recording) -> list[Channel]:
-    """Return a recording's channels for bridges: all except commands, including received and derived channels."""
+    """Return a recording's channels for bridges: all channels except commands, plus received and derived ones."""
     found = []
     for info in (*recording.channels.values(), *recording.derived.values()):
         if info.name != COMMANDS:

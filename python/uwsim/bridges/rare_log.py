@@ -11,7 +11,7 @@ KINDS_MAX = 100
 
 
 class RareLog:
-    """Logs a warning's first occurrence immediately; repeats are counted, and reported at most once a minute."""
+    """Logs a warning's first occurrence immediately. Repeats are counted and reported at most once a minute."""
 
     def __init__(self, log: Logger) -> None:
         self._log = log

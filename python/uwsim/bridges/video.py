@@ -101,7 +101,7 @@ class VideoStream:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the stream in pixels; even numbers, as H.264 requires."""
+        """The width and height of the stream in pixels, which are even, as H.264 requires."""
         info = self._live.simulator.vehicles[self._vehicle].cameras[self.camera].info
         return info.width // 2 * 2, info.height // 2 * 2
 

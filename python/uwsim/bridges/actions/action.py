@@ -57,6 +57,6 @@ class Action:
 
 
 def actions_in(namespace: str, actions: Iterable[Action]) -> list[Action]:
-    """Return actions with their names in a namespace; "" changes none. Raises ValueError."""
+    """Return the actions with their names moved to a namespace; "" changes nothing. Raises ValueError."""
     plain = checked_namespace(namespace)
     return [replace(action, name=f"{plain}/{action.name}") if plain else action for action in actions]

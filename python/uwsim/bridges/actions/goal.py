@@ -1,4 +1,4 @@
-"""Goal: a flight on its own thread, which reports its progress and can be cancelled."""
+"""Goal: a flight on a separate thread, which reports its progress and can be cancelled."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class _EndedError(Exception):
 
 
 class Goal:
-    """A goal that has been accepted; `start` begins the flight.
+    """An accepted goal. `start` begins the flight.
 
     fed: called with each feedback message. ended: called once, at the end. Both are called on the flight's thread.
     Raises ValueError if the goal is impossible or the vehicle cannot be commanded now.
@@ -69,7 +69,7 @@ class Goal:
         self._thread.start()
 
     def cancel(self) -> None:
-        """End the flight within a control period of simulated time; the vehicle comes to rest."""
+        """End the flight within a control period of simulated time, and bring the vehicle to rest."""
         self._end(_EndedError(CANCELED, "cancelled"))
 
     def close(self) -> None:
@@ -151,7 +151,7 @@ class Goal:
 
 
 class _FlownVehicle(LiveVehicle):
-    """A vehicle that accepts a flight's commands until another command takes its place."""
+    """A vehicle that accepts a flight's commands until another command replaces the flight."""
 
     def __init__(self, live: LiveSimulator, action: Action, replaced: Callable[[], object]) -> None:
         super().__init__(live, action.source.of(live.simulator))

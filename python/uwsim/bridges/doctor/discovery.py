@@ -1,4 +1,4 @@
-"""Discovery of participants in a ROS 2 domain, by joining it for a while and listening."""
+"""Finds the participants in a ROS 2 domain, by joining it for a while and listening."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _speech(what: str, found: str, settings: Ros2Settings, theirs: set[Distro]) 
 
 
 def _listen(settings: Ros2Settings, listen_s: float) -> tuple[int, dict[str, Distro], bool]:
-    """Return the number of other participants, their nodes by name, and whether any sends type hashes (Jazzy)."""
+    """Return the number of other participants, their nodes by name, and whether any use type hashes (Jazzy)."""
     participants = {distro: Participant(replace(settings, distro=distro), b"") for distro in get_args(Distro)}
     try:
         ours = {participant.guid for participant in participants.values()}

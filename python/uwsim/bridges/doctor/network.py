@@ -1,4 +1,4 @@
-"""Checks of this machine's interfaces, multicast, ports and buffers. Linux only, like the ROS packages."""
+"""Checks this machine's interfaces, multicast, ports and buffers. Linux only, like the ROS packages."""
 
 from __future__ import annotations
 
@@ -98,5 +98,5 @@ def udp_ports() -> set[int]:
 
 
 def participants_here(domain_id: int, ports: set[int]) -> int:
-    """Return the number of a domain's participants on this machine, inferred from the ports in use."""
+    """Return the number of a domain's participants on this machine, as inferred from the ports in use."""
     return sum(unicast_port(domain_id, number) in ports for number in range(PARTICIPANTS_MAX))

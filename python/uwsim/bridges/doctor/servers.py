@@ -1,4 +1,4 @@
-"""Checks whether the `uwsim serve` ports are free, and if not, which servers use them."""
+"""Checks whether the ports of `uwsim serve` are free and, if not, which servers use them."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def foxglove_port(port: int) -> Finding:
 
 
 def ardusub_port(port: int, listen_s: float) -> Finding:
-    """Return a finding about the UDP port for ArduSub's frames, each of which is repeated until it is answered."""
+    """Return a finding about the UDP port for ArduSub's frames. ArduSub repeats each frame until it is answered."""
     what = f"ArduSub, UDP port {port}"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         try:
@@ -80,7 +80,7 @@ def _is_taken(port: int) -> bool:
 
 
 def _rosbridge_nodes(port: int) -> list[str] | None:
-    """Return the node names of the rosbridge on a port, or None if it is not a rosbridge. Raises PermissionError."""
+    """Return the node names of the rosbridge on a port, or None if there is no rosbridge. Raises PermissionError."""
     try:
         with connect(f"ws://127.0.0.1:{port}", open_timeout=ANSWER_S, max_size=None) as bridge:
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "doctor"}))

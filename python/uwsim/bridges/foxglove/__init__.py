@@ -1,4 +1,4 @@
-"""Foxglove, whose app can display and control a live simulator. Requires the extra: pip install 'uwsim[foxglove]'."""
+"""A bridge to the Foxglove app, which can display and control a live simulator: pip install 'uwsim[foxglove]'."""
 
 from uwsim.base.extras import need_extra
 

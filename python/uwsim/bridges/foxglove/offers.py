@@ -1,4 +1,4 @@
-"""Offers: the numbered topics (the simulator's channels, in CDR, and scenes) with their subscribers."""
+"""Offers: the numbered topics and their subscribers. The topics are the simulator's channels, in CDR, and scenes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Offers:
         self.offers = found
 
     def subscribe(self, offer_id: int, outbox: Outbox, number: int) -> None:
-        """Start sending a topic to a client; a late subscriber to a latched topic receives the latest message."""
+        """Start sending a topic to a client. A late subscriber to a latched topic receives the latest message."""
         name = self._name(offer_id)
         before = self._sinks.get(name, ())
         self._sinks[name] = (*before, (outbox, number))
@@ -59,7 +59,7 @@ class Offers:
             raise
 
     def unsubscribe(self, offer_id: int, outbox: Outbox) -> None:
-        """Stop sending a topic to a client; topics without subscribers are not read."""
+        """Stop sending a topic to a client. Topics without subscribers are no longer read."""
         name = self._name(offer_id)
         left = tuple(sink for sink in self._sinks.get(name, ()) if sink[0] is not outbox)
         self._sinks[name] = left
@@ -85,7 +85,7 @@ class Offers:
         return self.offers[offer_id - 1].name
 
     def queue(self, reading: Reading) -> None:
-        """Queue a reading on the simulator's thread; it is encoded on another thread."""
+        """Queue a reading, on the simulator's thread, to be encoded on another thread."""
         name = reading.channel.name
 
         def write() -> bool:

@@ -1,8 +1,8 @@
 """A client's queue of outgoing frames, limited in bytes both per client and in total.
 
-It has two parts: frames that must arrive (the topic list, answers, and scenes, which build on each other), and topic
-messages, the oldest of which are dropped in favour of newer ones. A client with too many frames of the first kind is
-disconnected.
+There are two queues. One contains frames that must arrive: the topic list, answers, and scenes, which build on each
+other. A client with too many of these is disconnected. The other contains topic messages, of which the oldest are
+dropped in favour of newer ones.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class _Queue:
         return len(self._entries)
 
     def has_room(self, size: int) -> bool:
-        """Return whether an entry fits; an empty queue accepts an entry of any size."""
+        """Return whether an entry fits. An empty queue accepts an entry of any size."""
         fits = self.bytes + size <= self._size and self._room.taken + size <= self._room.limit
         return not self._entries or (len(self._entries) < self._count and fits)
 

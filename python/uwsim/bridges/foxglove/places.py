@@ -1,4 +1,4 @@
-"""Vehicle positions for the tracks: the true positions or, with a link, those reported in telemetry."""
+"""Provides vehicle positions for the tracks: the true positions or, over a link, the positions in telemetry."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The server side of Foxglove's WebSocket protocol: conversion between frames and values.
 
-The protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Text frames are JSON objects with an `op`;
-binary frames begin with a byte that identifies them. All integers are little-endian.
+See https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Text frames are JSON objects with an `op`. Binary
+frames begin with a byte that identifies their kind. All integers are little-endian.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ BINARY_SCHEMAS = ("protobuf", "flatbuffer")
 
 @dataclass(frozen=True)
 class Offer:
-    """A topic to which clients may subscribe. schema: in the encoding schema_encoding, such as ros2msg."""
+    """A topic to which clients may subscribe. schema: a text in the format schema_encoding, such as ros2msg."""
 
     id: int
     name: str
@@ -56,7 +56,7 @@ class Call:
 
 
 def server_info(name: str, session: str, *, has_parameters: bool = False) -> str:
-    """Return the first frame of a conversation. session: an ID; if it changes, the app discards its data."""
+    """Return the first frame of a conversation. session: an ID. If the ID changes, the app discards its data."""
     offered = (*CAPABILITIES, *(OF_PARAMETERS if has_parameters else ()))
     return _text("serverInfo", name=name, capabilities=offered, supportedEncodings=ENCODINGS, sessionId=session)
 
@@ -79,7 +79,7 @@ def advertisement(offers: Sequence[Offer]) -> str:
 
 
 def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
-    """Return the frame that advertises services, each (number, name, type). A request may be any JSON object."""
+    """Return the frame that advertises services, given as (number, name, type). Requests may be any JSON object."""
 
     def described(number: int, name: str, kind: str) -> dict[str, Any]:
         schema = {"schemaName": kind, "schemaEncoding": "jsonschema", "schema": '{"type":"object"}'}
@@ -95,7 +95,7 @@ def status(level: int, text: str) -> str:
 
 
 def parameter_values(parameters: Sequence[dict[str, Any]], request: str | None = None) -> str:
-    """Return the frame with parameters, each {name, value, type}. request: the id of the request that it answers."""
+    """Return the frame with parameters, each {name, value, type}. request: the ID of the request to answer, if any."""
     return _text("parameterValues", parameters=parameters, **({} if request is None else {"id": request}))
 
 
@@ -135,7 +135,7 @@ def read_binary(frame: bytes) -> Publication | Call:
 
 
 def read_json(data: str | bytes) -> dict[str, Any]:
-    """Parse JSON data that must be an object; empty data is read as an empty object. Raises ValueError."""
+    """Parse a JSON object. Empty data is parsed as an empty object. Raises ValueError."""
     try:
         found = orjson.loads(data or b"{}")
     except ValueError as error:

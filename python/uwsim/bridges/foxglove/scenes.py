@@ -1,4 +1,4 @@
-"""Scenes for Foxglove's 3D panel, in addition to the topics: lake, hulls, hull tracks and the growing map."""
+"""Scenes for Foxglove's 3D panel: the lake, the hulls and their tracks, and the growing map."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Positions = dict[str, Position]
 
 
 def lake(scenario: Scenario) -> SceneUpdate:
-    """Return the bed, coloured by height, the obstacles and the station, in the world frame."""
+    """Return the scene of the bed (coloured by height), the obstacles and the station, in the world frame."""
     terrain = build_terrain(scenario.terrain)
     stride = max(1, -(-(max(terrain.heights_m.shape) - 1) // (GRID_MAX - 1)))
     heights = terrain.heights_m[::stride, ::stride]
@@ -99,7 +99,7 @@ Block = tuple[int, int, int]
 
 
 class MapBlocks:
-    """The map's occupied voxels as cubes: one entity per block of 16 x 16 x 16 voxels, resent when it changes."""
+    """The map's occupied voxels as cubes. Each block of 16 x 16 x 16 voxels is an entity, resent when it changes."""
 
     def __init__(self) -> None:
         self._cells: dict[Block, set[int]] = {}

@@ -47,14 +47,14 @@ class FoxgloveServer(Bridge):
             with FoxgloveServer(live, table.channels, table.services):
                 ...
 
-    Topics carry CDR with ROS 2 schemas, so that panels treat them like a robot's topics; the /scene/* topics are for
+    Topics carry CDR with ROS 2 schemas, so that panels treat them like a robot's topics. The /scene/* topics are for
     the 3D panel. Clients may publish on command topics, in CDR or JSON, call services in JSON, and read and set the
-    simulator's parameters. A topic is read only
-    while clients subscribe to it. live: None if the feed plays a recording, which accepts no commands and whose only
-    scenes are the maps. port: 0 chooses a free one; see `port`. feed: shared with other sinks. origin: the world's
-    origin in odom, as in the Table that the channels come from. origins, token, certfile, keyfile: access control and
-    encryption, as in RosbridgeServer. Raises ValueError, or OSError if it cannot listen, and warns (UserWarning) if
-    other machines can connect.
+    simulator's parameters. A topic is read only while clients subscribe to it.
+
+    live: None if the feed plays a recording, which accepts no commands and whose only scenes are the maps. port: 0
+    chooses a free one; see `port`. feed: shared with other sinks. origin: the world's origin in odom, which must match
+    the Table of the channels. origins, token, certfile, keyfile: access control and encryption, as in RosbridgeServer.
+    Raises ValueError, or OSError if it cannot listen, and warns (UserWarning) if other machines can connect.
     """
 
     peer = "a Foxglove client"

@@ -1,4 +1,4 @@
-"""A session of Foxglove's protocol with one client, independent of transport: handles frames and fills an outbox."""
+"""A session of Foxglove's protocol with one client. It handles frames and fills an outbox, for any transport."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Session:
         return self.outbox.take(), None
 
     def receive(self, frame: Frame) -> None:
-        """Handle a frame. Errors are reported to the client as a status; never raises."""
+        """Handle a frame. Errors are reported to the client as a status, never raised."""
         try:
             if isinstance(frame, str):
                 if len(frame) > TEXT_BYTES_MAX:
@@ -70,7 +70,7 @@ class Session:
         self.outbox.reply(protocol.status(level, text))
 
     def close(self) -> None:
-        """End the session; nothing more is sent, and its command channels are relinquished."""
+        """End the session. Nothing more is sent, and its command channels are relinquished."""
         self.outbox.close()
         for offer_id in list(self.subscriptions):
             self._server.unsubscribe(self, offer_id)

@@ -1,4 +1,4 @@
-"""The /scene/* topics: when scenes are built, and when they are sent again."""
+"""The /scene/* topics. They determine when scenes are built and when they are sent again."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Show:
 
 
 class StillShow(Show):
-    """A scene that does not change: built once, then sent to each subscriber."""
+    """A scene that does not change. It is built once, and sent to each subscriber."""
 
     def __init__(
         self,
@@ -143,7 +143,7 @@ def shows_of(
     send: SendAll,
     origin_m: Vector = ORIGIN_M,
 ) -> list[Show]:
-    """Return the shows for a simulator or, without one, only those that can be derived from channels.
+    """Return the shows for a simulator. Without a simulator, return only those that can be derived from channels.
 
     origin_m: the world's origin in odom (3,).
     """
@@ -176,6 +176,6 @@ def _shows_of_world(
 
 
 def _body_frame(prefix: str, channels: Sequence[Channel]) -> str:
-    """Return the frame of a vehicle's commands, which may have a prefix of its own."""
+    """Return the frame of a vehicle's commands, which may have a different prefix."""
     found = (channel.frame_id for channel in channels if f"/{channel.name}".endswith(f"/{prefix}cmd_vel"))
     return next(found, f"{prefix}base_link")

@@ -1,4 +1,4 @@
-"""MAVLink: a simulated vehicle speaks MAVLink 2 as ArduSub does, for ground stations and scripts."""
+"""Connects a simulated vehicle to ground stations and scripts through MAVLink 2, as ArduSub does."""
 
 from uwsim.bridges.mavlink.endpoint import Endpoint
 from uwsim.bridges.mavlink.vehicle import MavlinkVehicle

@@ -53,5 +53,5 @@ class Craft:
             raise RuntimeError(f"{command}: had no effect within {COMMAND_S:g} s") from None
 
     def send(self, command: str, **arguments: Any) -> None:
-        """Issue a command without waiting; its failure is logged. Raises ValueError."""
+        """Issue a command without waiting. A failure is logged. Raises ValueError."""
         self.begin(command, **arguments).add_done_callback(log_error)

@@ -17,7 +17,7 @@ FRD = np.array([1.0, -1.0, -1.0])
 
 
 class Home(NamedTuple):
-    """The location of the world's origin [deg]; the water's surface there has altitude 0."""
+    """The location of the world's origin [deg]. The water surface there has altitude 0."""
 
     lat_deg: float
     lon_deg: float
@@ -43,6 +43,6 @@ class Home(NamedTuple):
 
 
 def euler_rad(world_from_body: Vector) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw (from north, to the right) of a pose's matrix."""
+    """Return roll, pitch and yaw (clockwise from north) of a pose's matrix."""
     r = NED_FROM_ENU @ world_from_body[:3, :3] * FRD
     return math.atan2(r[2, 1], r[2, 2]), -math.asin(min(max(r[2, 0], -1.0), 1.0)), math.atan2(r[1, 0], r[0, 0])

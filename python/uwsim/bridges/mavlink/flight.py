@@ -85,7 +85,7 @@ class Flight:
         return DONE
 
     def arm(self) -> None:
-        """Arm; a docked vehicle leaves its station. Raises ValueError while all stop is set."""
+        """Arm the vehicle, undocking it if necessary. Raises ValueError while all stop is set."""
         vehicle = self._craft.vehicle
         vehicle.gate.require_no_stop("arm")
         if not vehicle.released:

@@ -96,7 +96,7 @@ class Gimbal:
         return -tilt, -pan
 
     def turn_to(self, pitch_rad: float, yaw_rad: float) -> None:
-        """Turn to these angles; NaN leaves an axis unchanged. Raises ValueError beyond the motor's limits."""
+        """Turn to these angles. NaN leaves an axis unchanged. Raises ValueError beyond the motor's limits."""
         self._rates_rad_s = (0.0, 0.0)
         self._command(pitch_rad, yaw_rad)
 

@@ -1,4 +1,4 @@
-"""The messages with which a MAVLink vehicle reports its state, all made from one reading of the simulator."""
+"""The messages with which a MAVLink vehicle reports its state, made from a single reading of the simulator."""
 
 from __future__ import annotations
 

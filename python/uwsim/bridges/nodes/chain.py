@@ -1,4 +1,4 @@
-"""The five nodes of the paper's Fig. 11, each a function that sets up its node; `mapping/ranging.py` does the maths.
+"""The five nodes of the paper's Fig. 11, each set up by a function. `mapping/ranging.py` contains the maths.
 
     depthArray -> string_decoder -> decodedDepth -> scan_publisher -> scan -> laser_to_cloud -> laserPointCloud
     propPos, scanPos -> tf_broadcaster -> tf;   laserPointCloud, tf -> octomap -> a saved .bt
@@ -74,7 +74,7 @@ def to_scan(message: Any, model: int, stamp: Any) -> Any:
 
 
 def to_cloud(scan: Any, model: int) -> Any:
-    """Project a scan to a cloud, using the sonar model's angles, since a LaserScan's are rounded to float32."""
+    """Project a scan to a cloud, with the sonar model's angles, since a LaserScan's angles are rounded to float32."""
     ranges_m = np.where(np.isnan(scan.ranges), np.float32(np.inf), scan.ranges)
     stamp_ns = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
     points = ranging.to_point_cloud(ranging.to_laser_scan(ranges_m, model))
@@ -123,7 +123,7 @@ def tf_broadcaster(node: Node, out: Path, floats: str = FLOATS) -> None:
 
 
 def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
-    """laserPointCloud, tf -> a map, saved to `out` at the end; intermediate saves take at most a tenth of the time."""
+    """laserPointCloud, tf -> a map, saved to `out` at the end and, for at most a tenth of the time, before."""
     builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
     due_s = 0.0
 

@@ -20,9 +20,9 @@ REACH_M = 95.0
 
 
 class MapBuilder:
-    """A map in odom with 0.2 m voxels, built by OctoMap's own insertPointCloud, as in the paper, or bricks.
+    """A map in odom with 0.2 m voxels, built by OctoMap's insertPointCloud, as in the paper, or by bricks.
 
-    engine: "bricks" gives the same bytes, much faster. inserted: number of clouds in the map.
+    engine: "bricks" produces the same bytes much faster. inserted: the number of clouds in the map.
     """
 
     def __init__(self, engine: MapEngine = "octomap") -> None:

@@ -1,4 +1,4 @@
-"""Node: a process's connection to a rosbridge server, which subscribes, publishes and runs callbacks one at a time."""
+"""Node: a connection to a rosbridge server that subscribes, publishes and runs callbacks one at a time."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ NESTING = 32
 
 
 class Node:
-    """A client of a rosbridge server; it uses ROS 1 spelling, which every rosbridge understands.
+    """A client of a rosbridge server. It uses ROS 1 spelling, which every rosbridge understands.
 
-    Messages are received in CBOR and sent in JSON with literal NaN and Infinity, which all servers accept. queue:
-    number of messages per topic that may wait; beyond that, the oldest are dropped. finish: called at the end.
+    Messages are received in CBOR and sent in JSON with literal NaN and Infinity, which all servers accept. queue: the
+    maximum number of waiting messages per topic, beyond which the oldest are dropped. finish: called at the end.
     complain: called with errors that the server reports. Functions returned by `advertise`, and `call`, may be used on
     any thread. Raises OSError if the server cannot be reached.
     """
@@ -54,20 +54,23 @@ class Node:
     def call(
         self, service: str, answer: Callable[[dict[str, Any]], object], arguments: dict[str, Any] | None = None
     ) -> None:
-        """Call a service; `answer` receives the response: `result` and `values` (or, on failure, the reason)."""
+        """Call a service. `answer` receives the response: `result`, and `values` or the reason for a failure."""
         name = f"call:{next(self._calls)}"
         self._answers[name] = answer
         self._send({"op": "call_service", "service": service, "id": name, "args": arguments or {}})
 
     def settle(self, patience_s: float = 10.0) -> None:
-        """Wait until the server, which answers requests in order, has processed all requests so far. Needs rosapi."""
+        """Wait until the server has processed all requests so far, which it answers in order. Requires rosapi."""
         answers: list[dict[str, Any]] = []
         self.call("/rosapi/get_time", answers.append)
         deadline_s = time.monotonic() + patience_s
         self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
-        """Run callbacks until the condition, checked between messages, is met or the server closes the connection."""
+        """Run callbacks until a condition is met or the server closes the connection.
+
+        until: the condition, which is checked between messages.
+        """
         while not until():
             try:
                 frame = self._connection.recv(wait_s)

@@ -1,4 +1,4 @@
-"""Runs the nodes as processes, forked after all imports; each is set up before the next one starts."""
+"""Runs the nodes as processes that are forked after all imports. Each is set up before the next one starts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOOK_S = 0.5
 def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> None:
     """Run a node until the server closes the connection or a signal arrives. Raises OSError if there is no server.
 
-    floats: the type of decodedDepth. Server reports, such as about refused messages, are logged.
+    floats: the type of decodedDepth. Reports from the server, for example about refused messages, are logged.
     """
     node = connect_patiently(url, patience_s)
     node.complain = RareLog(logging.getLogger(f"uwsim.{name}")).warning

@@ -1,4 +1,4 @@
-"""A vehicle behind a rosbridge server, simulated by `uwsim serve` or real, with the interface that missions use."""
+"""A real or simulated vehicle behind a rosbridge server, with the interface that missions use."""
 
 from uwsim.bridges.remote.clock import LockstepClock, RemoteClock
 from uwsim.bridges.remote.connection import RemoteConnection

@@ -17,8 +17,8 @@ PATIENCE_S = 20.0
 class RemoteClock:
     """Simulated time from /clock or, without such a topic, the wall time since the clock was created.
 
-    A wait ends duration_s after the previous wait was due if that is still in the future, so that a control loop keeps
-    its period.
+    A wait is measured from the time at which the previous wait was due, unless the result is already past, so that a
+    control loop keeps its period.
     """
 
     def __init__(self, connection: RemoteConnection) -> None:
@@ -51,10 +51,10 @@ class RemoteClock:
 
 
 class LockstepClock:
-    """Pauses a remote simulator and steps it only while the mission waits; `close` resumes it.
+    """Pauses a remote simulator and steps it only while the mission waits. `close` resumes the simulator.
 
-    beacon: a topic with period TOLD_S, such as "odom"; a wait ends only when the latest message on that topic carries
-    the new time.
+    beacon: a topic with period TOLD_S, such as "odom". A wait ends when the latest message on this topic has the new
+    time.
     """
 
     def __init__(self, connection: RemoteConnection, beacon: str) -> None:
@@ -73,7 +73,7 @@ class LockstepClock:
         return self._start_s + self._steps * self._step_s
 
     def wait(self, duration_s: float) -> None:
-        """Step the simulator; waits are rounded to whole steps, at least one. Raises OSError."""
+        """Step the simulator for a duration, rounded to at least one whole step. Raises OSError."""
         self._asked_s += duration_s
         steps = max(1, round(self._asked_s / self._step_s) - self._steps)
         self._connection.call("simulation/step", steps=steps)

@@ -22,7 +22,7 @@ LOST = "the connection to the vehicle is lost"
 
 
 class RemoteConnection:
-    """A connection to a rosbridge server, with a separate receiving thread; a context manager.
+    """A connection to a rosbridge server with a separate receiving thread. It is a context manager.
 
     url: such as "ws://127.0.0.1:9090". topics: the server's topics, without leading slash, and their types in ROS 2's
     spelling. Raises ValueError for an invalid url, and OSError if the server cannot be reached or has gone.
@@ -59,14 +59,14 @@ class RemoteConnection:
         self._node.subscribe(f"/{topic}", kind, lambda message: self._take(topic, message))
 
     def newest(self, topic: str) -> Any:
-        """Return the latest message on a topic; the first call subscribes to it. Raises ValueError."""
+        """Return the latest message on a topic. The first call subscribes to the topic. Raises ValueError."""
         self.hear(topic)
         if self._newest[topic] is None:
             self.wait_for(lambda: self._newest[topic] is not None, ANSWER_S, f"no message on topic '{topic}'")
         return self._newest[topic]
 
     def kept(self, topic: str) -> list[Any]:
-        """Return the stored messages, latest last, of a topic that was subscribed to with `keep`."""
+        """Return the stored messages of a topic that was subscribed to with `keep`, latest last."""
         with self.changed:
             return list(self._kept[topic])
 

@@ -37,7 +37,7 @@ def _imu(message: Any) -> SimpleNamespace:
 
 
 def _dvl(message: Any) -> SimpleNamespace:
-    """Return the reading in sensor axes; in the message, y points to starboard and z down."""
+    """Return the reading in sensor axes, converted from the message's axes (y to starboard, z down)."""
     return SimpleNamespace(
         velocity_m_s=vector(message.velocity) * (1.0, -1.0, -1.0),
         beam_ranges_m=np.asarray(message.range, np.float64),
@@ -100,7 +100,10 @@ class RemotePicture:
 
     @cached_property
     def world_from_camera(self) -> NDArray[np.float64]:
-        """The camera pose (4, 4), x ahead, y left, z up, from /tf at that time. Raises ValueError or OSError."""
+        """The camera's pose (4, 4), x ahead, y left, z up, from /tf at the picture's time.
+
+        Raises ValueError or OSError.
+        """
         return self._pose()
 
 
@@ -114,12 +117,12 @@ class RemoteCamera:
 
     @property
     def aim_rad(self) -> tuple[float, float]:
-        """The current pan, positive to port, and tilt, positive down, from joint_states; 0 without a motor."""
+        """The current pan (positive to port) and tilt (positive down) from joint_states, or 0 without a motor."""
         return self._joint_rad("pan"), self._joint_rad("tilt")
 
     @property
     def target_rad(self) -> tuple[float, float]:
-        """The pan and tilt last passed to `aim` by this object; before that, the current ones."""
+        """The pan and tilt last passed to this object's `aim`, or the current angles if there was no call."""
         pan, tilt = self.aim_rad
         return self._target_rad.get("pan", pan), self._target_rad.get("tilt", tilt)
 
@@ -129,7 +132,7 @@ class RemoteCamera:
         return all(abs(at - to) <= AIMED_RAD for at, to in zip(self.aim_rad, self.target_rad, strict=True))
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn towards these angles; None leaves that axis as it is. Raises ValueError without a motor, or OSError."""
+        """Turn towards these angles. None leaves an axis unchanged. Raises ValueError without a motor, or OSError."""
         wanted = {axis: rad for axis, rad in (("pan", pan_rad), ("tilt", tilt_rad)) if rad is not None}
         for axis in wanted:
             if f"{self._start}/cmd_{axis}" not in self._connection.topics:
@@ -146,7 +149,7 @@ class RemoteCamera:
         return float(joints.position[list(joints.name).index(joint)])
 
     def watch(self) -> RemoteCamera:
-        """Subscribe early, since a simulator's first picture arrives only after some simulated time."""
+        """Subscribe before the first `capture`, since the first picture takes some simulated time to arrive."""
         self._connection.hear(self._start + IMAGE)
         return self
 
@@ -188,7 +191,10 @@ class RemoteImagingSonar:
         self.name = start.rpartition("/")[2]
 
     def ping(self, *arguments: Any, with_labels: bool = False) -> RemoteSonarImage:
-        """Return the latest levels; waits for the first ones. Raises ValueError for any argument, or OSError."""
+        """Return the latest levels, waiting for the first if necessary.
+
+        Raises ValueError for any argument, or OSError.
+        """
         if arguments or with_labels:
             raise ValueError(f"imaging_sonars['{self.name}']: a remote sonar steers itself and has no labels")
         message = self._connection.newest(self._start + LEVELS)

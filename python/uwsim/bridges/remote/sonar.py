@@ -22,7 +22,7 @@ AIMED_RAD = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class RemotePing:
-    """A ping: ranges_m (beams,), inf for no echo; angles_rad (beams,); world_from_sonar (4, 4); and its time."""
+    """A ping: ranges_m (beams,), inf for no echo; angles_rad (beams,); world_from_sonar (4, 4); time."""
 
     ranges_m: NDArray[np.float32]
     angles_rad: NDArray[np.float64]
@@ -69,7 +69,7 @@ class RemoteSonar:
 
     @property
     def target_elevation_rad(self) -> float:
-        """The elevation last passed to `aim` by this object; before that, the current one."""
+        """The elevation last passed to this object's `aim`, or the current one if there was no call."""
         return self.elevation_rad if self._target_rad is None else self._target_rad
 
     @property

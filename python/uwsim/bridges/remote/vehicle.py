@@ -1,4 +1,4 @@
-"""RemoteVehicle: a vehicle accessed through topics, with the interface that missions use for a simulated vehicle."""
+"""RemoteVehicle: a vehicle accessed through topics, with the same interface for missions as a simulated vehicle."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class RemotePanel:
 
 
 class RemoteVehicle(Commandable):
-    """A vehicle behind a rosbridge server: motion from odometry, commands by services, efforts on topic `key`.
+    """A vehicle behind a rosbridge server. It uses odometry for motion, services for commands, topic `key` for efforts.
 
     name: the vehicle's name, if there are several vehicles. odometry: the topic with its pose; a simulator's "odom" is
     the truth. Topics are subscribed to when first read. Raises ValueError if there is no such vehicle, or OSError.
@@ -93,7 +93,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def _world_from_odom_m(self) -> NDArray[np.float64]:
-        """The origin of odom in the world, (3,), from /tf_static; zero if /tf_static does not contain it."""
+        """The origin of odom in the world, (3,), from /tf_static, or zero if /tf_static does not contain it."""
         if "tf_static" not in self._connection.topics:
             return np.zeros(3)
         above = {each.child_frame_id: each for each in self._connection.newest("tf_static").transforms}
@@ -162,18 +162,18 @@ class RemoteVehicle(Commandable):
 
     @property
     def released(self) -> bool:
-        """Whether the vehicle has left the station; True for a vehicle that does not report this."""
+        """Whether the vehicle has left the station, or True if the vehicle does not report this."""
         panel = self._telemetry()
         return True if panel is None else bool(panel.released)
 
     @property
     def all_stopped(self) -> bool:
-        """Whether all stop is set; False for a vehicle that does not report this."""
+        """Whether all stop is set, or False if the vehicle does not report this."""
         panel = self._telemetry()
         return panel is not None and ALL_STOPPED in panel.alarms
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command of uwsim.base.commands: efforts on topic `key`, others by services.
+        """Issue a command of uwsim.base.commands: efforts on topic `key`, all others by services.
 
         Raises ValueError or OSError. Efforts are not acknowledged. Other commands have taken effect, or been sent over
         a link, by the time this returns.

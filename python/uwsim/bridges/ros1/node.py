@@ -23,15 +23,15 @@ DEPTH = 10  # messages queued for a slow subscriber; beyond that, the oldest are
 
 
 class Ros1Node(Bridge):
-    """The node /uwsim, whose topics are a live simulator's channels; its services are std_srvs or JSON topics.
+    """The node /uwsim, whose topics are a live simulator's channels. Its services use std_srvs or JSON topics.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
             with Ros1Node(live, table.channels, table.services):
                 ...
 
-    A channel is read only while a node subscribes to it. Messages are encoded and published on a separate thread; rospy
-    keeps a queue for each subscriber, so that no subscriber delays others or the steps. rospy allows one node per
+    A channel is read only while a node subscribes to it. Messages are encoded and published on a separate thread. Since
+    rospy keeps a queue for each subscriber, no subscriber delays others or the steps. rospy allows one node per
     process. namespace: part of the node's name, which must be unique. live: None if the feed plays a recording, which
     accepts no commands. Raises ValueError without rospy or a master.
     """

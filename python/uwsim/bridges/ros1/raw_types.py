@@ -1,4 +1,4 @@
-"""Message classes for rospy whose content is bytes, which our own code encodes and decodes."""
+"""Message classes for rospy that contain only bytes, which uwsim encodes and decodes itself."""
 
 from __future__ import annotations
 

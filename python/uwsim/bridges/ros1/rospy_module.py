@@ -1,4 +1,4 @@
-"""Import of Debian's rospy from inside a virtual environment, with its sockets restricted to this machine."""
+"""Imports Debian's rospy in a virtual environment, with its sockets restricted to this machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Services for ROS 1: std_srvs/Trigger and SetBool natively, others as JSON on a topic, since ROS lacks their types."""
+"""Services for ROS 1. Trigger and SetBool are native; others use JSON on a topic, since ROS lacks their types."""
 
 from __future__ import annotations
 

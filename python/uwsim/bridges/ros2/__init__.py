@@ -1,4 +1,4 @@
-"""ROS 2 without ROS, by Cyclone DDS (pip install 'uwsim[ros2]') or Zenoh (pip install 'uwsim[zenoh]')."""
+"""ROS 2 without ROS, through Cyclone DDS (pip install 'uwsim[ros2]') or Zenoh (pip install 'uwsim[zenoh]')."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""A DDS participant that carries ready-made CDR, built on a small part of the Cyclone DDS API."""
+"""A DDS participant that transfers messages already encoded in CDR, built on part of the Cyclone DDS API."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def own_udp_sockets() -> Iterator[socket.socket]:
 
 
 class Domains:
-    """The DDS domains of this process; each may be created only once and is shared by all participants."""
+    """The DDS domains of this process. Each is created only once and shared by all participants."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -98,7 +98,7 @@ class Domains:
         self._users: Counter[int] = Counter()
 
     def enter(self, settings: Ros2Settings) -> None:
-        """Enter a domain. Raises ValueError if this process is in it with different settings, or OSError on failure."""
+        """Enter a domain. Raises ValueError if this process has entered it with different settings, or OSError."""
         number, config = settings.domain_id, settings.config
         with self._lock:
             if number not in self._domains:
@@ -126,7 +126,7 @@ DOMAINS = Domains()
 
 
 class Participant:
-    """A DDS participant: CDR writers and readers on topics named as in ROS. Raises ValueError or OSError.
+    """A DDS participant with CDR writers and readers on topics named as in ROS. Raises ValueError or OSError.
 
     `close` also deletes its writers and readers.
     """
@@ -227,7 +227,7 @@ class RawReader:
 
 
 class Events:
-    """Waits for new messages, and for changes in which readers match a writer or which writers match a reader."""
+    """Waits for new messages, and for changes of the readers or writers that match local endpoints."""
 
     def __init__(self, participant: DomainParticipant) -> None:
         self._guard = GuardCondition(participant)
@@ -238,7 +238,7 @@ class Events:
         self._attach(self._guard, None)
 
     def attach(self, source: Any) -> None:
-        """Add a source to wait for: a RawWriter, a RawReader, or any object with such `entities`."""
+        """Add a source to wait for: a RawWriter, a RawReader, or any object with the same attribute `entities`."""
         for entity in source.entities:
             self._attach(entity, source)
 
@@ -269,6 +269,6 @@ class Events:
 
 
 def _delete(entity: Entity) -> None:
-    """Delete an entity and everything that belongs to it immediately, not just when Python collects it."""
+    """Delete an entity and everything that belongs to it immediately, instead of when Python collects it."""
     Entity._entities.pop(entity._ref, None)
     _dds_delete(entity._ref)

@@ -21,7 +21,7 @@ PRIMITIVES: dict[str, Any] = {
 
 @cache
 def idl_type(name: str, distro: Distro) -> type[IdlStruct]:
-    """Return the class for a ROS type; for example, "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS.
+    """Return the Cyclone DDS class for a ROS type; "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS.
 
     Cyclone DDS checks all messages against this class, even those that are read and written as bytes.
     """

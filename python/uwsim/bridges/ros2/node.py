@@ -57,9 +57,9 @@ class Ros2Node(Bridge):
 
     A channel is read only while a node subscribes to it. Messages are encoded and written on one thread; commands are
     received on another. live: None if the feed plays a recording, which accepts no commands. feed: shared with other
-    sinks so that each reading is taken and encoded only once. namespace: part of the node's name.
-    actions: flights that peers may start, see `uwsim.bridges.actions.actions_of`. Raises ValueError for settings or
-    names that ROS 2 does not allow, and OSError if the domain cannot be joined.
+    sinks so that each reading is taken and encoded only once. namespace: part of the node's name. actions: flights that
+    peers may start; see `uwsim.bridges.actions.actions_of`. Raises ValueError for settings or names that ROS 2 does not
+    allow, and OSError if the domain cannot be joined.
     """
 
     peer = "a ROS 2 node"
@@ -215,7 +215,7 @@ class Ros2Node(Bridge):
             self.log.exception("service '%s': the response could not be sent", service.name)
 
     def _notice_readers(self, channel: Channel, count: int) -> None:
-        """Start or stop reading a channel. If its messages build on each other, late readers receive all of them."""
+        """Start or stop reading a channel. If its messages build on each other, late readers receive all messages."""
         was_read = self.is_read(channel.name)
         self.demand(channel.name, count > 0)
         if count and was_read and channel.catch_up is not None:

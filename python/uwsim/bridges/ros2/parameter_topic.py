@@ -1,4 +1,4 @@
-"""The /set_parameter topic, for peers without services: each rcl_interfaces/Parameter sets one parameter."""
+"""The /set_parameter topic, on which peers without services set parameters with rcl_interfaces/Parameter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quality of service as ROS 2 readers and writers expect it for each kind of topic."""
+"""The quality of service that ROS 2 readers and writers expect for each kind of topic."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ BLOCKING = duration(milliseconds=50)  # how long a write may wait for a slow rea
 
 
 def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
-    """Return a reliable QoS, which matches all readers; if latched, it is transient local, to serve late readers."""
+    """Return a reliable QoS, which matches all readers. If latched, it is transient local, to serve late readers."""
     policies = [
         Policy.Reliability.Reliable(BLOCKING),
         Policy.History.KeepLast(depth),
@@ -23,7 +23,7 @@ def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
 
 
 def reader_qos(depth: int, *, reliable: bool, user_data: bytes, latched: bool = False) -> Qos:
-    """Return a reader's QoS. Best effort matches all writers, reliable only reliable ones (the ROS default)."""
+    """Return a reader's QoS. Best effort matches all writers; reliable matches only reliable writers (the default)."""
     return Qos(
         Policy.Reliability.Reliable(BLOCKING) if reliable else Policy.Reliability.BestEffort,
         Policy.History.KeepLast(depth),

@@ -1,4 +1,4 @@
-"""The state of the RTPS participant's endpoints: samples sent, samples received, other participants, and services."""
+"""The state of the RTPS participant: sent and received samples, other participants, and services."""
 
 from __future__ import annotations
 

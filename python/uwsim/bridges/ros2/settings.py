@@ -36,13 +36,13 @@ NO_THROTTLE = (
 
 @dataclass(frozen=True)
 class Ros2Settings:
-    """How a node joins ROS 2. distro: the distribution whose types and graph the node uses.
+    """The settings with which a node joins ROS 2.
 
-    domain_id: like ROS_DOMAIN_ID, [0, 232].
+    distro: the distribution whose types and graph the node uses. domain_id: as in ROS_DOMAIN_ID, [0, 232].
 
     reach: "localhost" for communication within this machine, "subnet" for all hosts reachable by multicast. peers:
-    names or addresses of further hosts that multicast does not reach. rmw: the middleware of the peers;
-    "fastrtps" and "cyclonedds" are both DDS, and served alike. With "zenoh", peers are other machines' routers, HOST or
+    names or addresses of further hosts that multicast does not reach. rmw: the middleware of the peers. "fastrtps" and
+    "cyclonedds" both use DDS and are treated alike. With "zenoh", `peers` are routers on other machines, HOST or
     HOST:PORT. Raises ValueError.
     """
 
@@ -91,7 +91,7 @@ class Ros2Settings:
 
 
 def need_middleware(rmw: Rmw) -> None:
-    """Raise MissingExtraError unless the library that speaks to a middleware is installed."""
+    """Raise MissingExtraError unless the library for a middleware is installed."""
     if rmw == "zenoh":
         need_extra("zenoh", "zenoh", "ROS 2 by Zenoh")
     else:

@@ -1,4 +1,4 @@
-"""The parts of a ROS 2 middleware that the node uses; `dds_transport` and `zenoh_transport` implement them."""
+"""The parts of a ROS 2 middleware that the node uses, implemented by `dds_transport` and `zenoh_transport`."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Server(Protocol):
 
 
 class Events(Protocol):
-    """Waits for messages and calls, and for readers and writers that come and go."""
+    """Waits for messages and calls, and for readers and writers to appear or disappear."""
 
     def attach(self, source: Writer | Reader | Server) -> None:
         """Add a source to wait for."""
@@ -56,7 +56,7 @@ class Events(Protocol):
 
 
 class Transport(Protocol):
-    """A connection to a ROS 2 graph. Names of topics and services are without a leading slash."""
+    """A connection to a ROS 2 graph. Names of topics and services have no leading slash."""
 
     def writer(self, topic: str, type_name: str, depth: int, *, latched: bool) -> Writer:
         """Return a new writer."""

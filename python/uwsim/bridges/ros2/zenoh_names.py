@@ -1,4 +1,4 @@
-"""Names and headers of rmw_zenoh_cpp, from its docs/design.md, liveliness_utils.cpp and attachment_helpers.cpp.
+"""The names and headers of rmw_zenoh_cpp (docs/design.md, liveliness_utils.cpp and attachment_helpers.cpp).
 
 A topic or a service has the key DOMAIN/NAME/TYPE/HASH. Each node and each endpoint declares a liveliness token, from
 which all sessions learn the graph. Each message, request and response carries an attachment.

@@ -18,7 +18,7 @@ VIEWERS: dict[Ros, tuple[str, ...]] = {1: ("rviz", "octomap_server"), 2: ("rviz2
 
 
 def ros_packages() -> dict[str, str]:
-    """Return the text of each file, by its path: ros1/ and ros2/ with the two packages, and a README."""
+    """Return the text of each file, keyed by path: ros1/ and ros2/ with the two packages, and a README."""
     files = {"README.md": _readme()}
     for ros in (1, 2):
         messages, bringup = f"ros{ros}/{MESSAGES}", f"ros{ros}/{BRINGUP}"

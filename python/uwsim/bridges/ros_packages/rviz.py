@@ -1,4 +1,4 @@
-"""RViz's configuration for uwsim's standard topics; RViz 1 and RViz 2 differ in the names of classes and topics."""
+"""The RViz configuration for uwsim's standard topics. RViz 1 and 2 use different names of classes and topics."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A client's goals for actions of the simulator or other clients, and others' goals for the client's own actions.
 
-These are the action operations of the protocol's version 2.1. See `own_actions` for the simulator's end.
+This implements the action operations of version 2.1 of the protocol. For the simulator's actions, see `own_actions`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Goal:
             self.actions.send({"op": "action_feedback", **self.head, "values": values}, self.fragment_size)
 
     def finish(self, succeeded: bool, status: int, values: Any) -> None:
-        """Send the result if the client is still connected; a second one is ignored."""
+        """Send the result if the client is still connected. A second result is ignored."""
         actions, self.actions = self.actions, None
         if actions is not None:
             actions.forget(self)
@@ -46,9 +46,10 @@ class Goal:
 
 
 class Actions:
-    """Goals in both directions. name: the client's name in the graph. account: charged for data kept until the result.
+    """A client's goals in both directions. name: the client's name in the graph.
 
-    spent_bytes: an upper bound on the memory used by the current operation.
+    account: charged for data kept until the result. spent_bytes: an upper bound on the memory used by the current
+    operation.
     """
 
     def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
@@ -62,7 +63,7 @@ class Actions:
     # Goals of this client
 
     def send_goal(self, operation: dict[str, Any]) -> None:
-        """Send a goal to the action's provider; if there is none, the result is a failure with the reason."""
+        """Send a goal to the action's provider. If there is none, the result is a failure with the reason."""
         name, identity = operation.get("action"), operation.get("id")
         head = {"action": echoed(name)} | ({} if identity is None else {"id": identity})
         key = (plain_name(name, "action"), identity)
@@ -88,7 +89,7 @@ class Actions:
             goal.finish(False, ABORTED, str(error))
 
     def cancel_goal(self, operation: dict[str, Any]) -> None:
-        """Forward a request to cancel a goal; the provider answers with the goal's result."""
+        """Forward a request to cancel a goal. The provider answers with the goal's result."""
         name, identity = plain_name(operation.get("action"), "action"), operation.get("id")
         goal, action = self._sent.get((name, identity)), self._graph.actions.get(name)
         if goal is None or action is None:
@@ -121,7 +122,7 @@ class Actions:
         self._names.actions[plain] = str(name)
 
     def unadvertise(self, operation: dict[str, Any]) -> None:
-        """Remove an action that the client offers; goals in progress are aborted."""
+        """Remove an action that the client offers, and abort the goals in progress."""
         plain = plain_name(operation.get("action"), "action")
         self._graph.unadvertise_action(self._name, plain)
         self._names.actions.pop(plain, None)
@@ -162,7 +163,7 @@ class Actions:
         goal.finish(succeeded, status, operation.get("values", {}))
 
     def close(self) -> None:
-        """After the client has left, abort the goals that it was pursuing, and cancel those that it sent."""
+        """Called when the client has left: abort the goals that it was executing, and cancel those that it sent."""
         self._abort(None, f"{self._name}, who offers it, has left")
         for (name, _), goal in list(self._sent.items()):
             goal.actions = None

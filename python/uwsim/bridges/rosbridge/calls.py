@@ -34,16 +34,17 @@ class Call:
         self.size = size
 
     def answer(self, succeeded: bool, values: Any) -> None:
-        """Send the answer if the client is still connected; a second answer is ignored."""
+        """Send the answer if the client is still connected. A second answer is ignored."""
         calls, self.calls = self.calls, None
         if calls is not None:
             calls.answered(self, succeeded, values)
 
 
 class Calls:
-    """Calls in both directions. name: the client's name in the graph. account: charged for data kept until the answer.
+    """A client's calls in both directions. name: the client's name in the graph.
 
-    spent_bytes: an upper bound on the memory used by the current operation.
+    account: charged for data kept until the answer. spent_bytes: an upper bound on the memory used by the current
+    operation.
     """
 
     def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
@@ -105,7 +106,10 @@ class Calls:
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
     def _open(self, response: dict[str, Any], fragment_size: int | None) -> Reply:
-        """Register a client's call; return the function that answers it. Raises ValueError if too many are waiting."""
+        """Register a client's call, and return the function that answers it.
+
+        Raises ValueError if too many are waiting.
+        """
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls are waiting for responses, the maximum")
         call = Call(self, response, CALL_BYTES + self.spent_bytes, fragment_size)
@@ -143,7 +147,7 @@ class Calls:
             self._account.give(CALL_BYTES)
 
     def close(self) -> None:
-        """After the client has left, fail all calls waiting for its services, and drop its calls to other services."""
+        """Called when the client has left: fail all calls that wait for its services, and drop its own calls."""
         self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
         for _, reply, _ in received.values():

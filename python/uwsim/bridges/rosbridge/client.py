@@ -2,9 +2,9 @@
 
 It advertises topics and services and subscribes to command topics, and does so again after each reconnection. While
 connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
-simulator's thread never waits: readings pass through bounded queues, one per topic, that drop the oldest. If the server
-closes the connection because a message was too large, messages of that size or larger are no longer sent. Reports from
-the server, such as those about refused messages, are logged.
+simulator's thread never waits, since readings pass through bounded queues, one per topic, that drop the oldest. If the
+server closes the connection because a message was too large, messages of that size or larger are no longer sent.
+Reports from the server, such as those about refused messages, are logged.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ def why_not_connected(error: Exception) -> str:
 class RosbridgeClient(Bridge):
     """Connects a live simulator to a rosbridge server.
 
-    url: such as "ws://host:9090". channels, services: everything that it publishes, subscribes to or offers. ros: the
-    ROS generation whose spelling of types, times and headers the server expects. feed: shared with other sinks. Raises
-    ValueError.
+    url: the server's URL, such as "ws://host:9090". channels, services: what to publish, subscribe to and offer. ros:
+    the ROS generation whose spelling of types, times and headers the server expects. feed: shared with other sinks.
+    Raises ValueError.
     """
 
     peer = "a client of the rosbridge server"

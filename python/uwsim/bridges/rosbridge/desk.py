@@ -1,4 +1,4 @@
-"""Desk: moves large pieces of work from the network thread to another thread, where they run one at a time.
+"""Desk: moves large tasks from the network thread to another thread, where they run one at a time.
 
 The network thread serves all clients, so it must not be blocked for long.
 """
@@ -32,7 +32,7 @@ class Desk:
         self._pool = pool
 
     async def do(self, work: Callable[[], T], size: int) -> T:
-        """Wait until work on this many bytes fits within the CPU share, then run it off the network thread."""
+        """Run work off the network thread, once work on this many bytes fits within the CPU share."""
         expected_s = S_PER_BYTE * size
         await asyncio.sleep(self._share.delay_after(expected_s))
         result, worked_s = await asyncio.get_running_loop().run_in_executor(self._pool, _timed, work)
@@ -54,7 +54,7 @@ class Seat:
         self._desk = desk
 
     async def take(self, frame: Frame) -> float:
-        """Handle a frame and release it; return the CPU time [s] spent on this thread."""
+        """Handle a frame and release its memory. Return the CPU time [s] spent on this thread."""
         worked_s, is_whole = 0.0, False
         following: Frame | None = frame
         del frame
@@ -73,7 +73,7 @@ class Seat:
         return worked_s
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame to send, or None and the seconds until one is due (None: not before a wake-up)."""
+        """Return the next frame to send. If there is none, return None and the seconds until one is due, if known."""
         outbox = self.session.outbox
         found, delay_s = outbox.pick()
         if isinstance(found, Parcel):

@@ -1,4 +1,4 @@
-"""Encoding of messages for subscribers, once per encoding, when the first subscriber needs it."""
+"""Encodes messages for subscribers, once per encoding, when the first subscriber needs it."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class Sample:
 
     @property
     def size(self) -> int:
-        """The approximate size in memory [bytes]: the message size, doubled to allow for its encodings."""
+        """The approximate size in memory [bytes]: twice the size of the message, to allow for its encodings."""
         if self._size is None:
             self._size = 0 if self.message is None else held_bytes(self.message)
         return 2 * self._size
@@ -145,7 +145,7 @@ class Sample:
         return bool(self._frames)
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Return the message for a subscriber that has everything up to a cursor, and that subscriber's next cursor."""
+        """Return the message for a subscriber that has everything up to a cursor, and its next cursor."""
         return self, None
 
     def frame(self, topic: str, ros: Ros, compression: Compression) -> Frame:
@@ -197,7 +197,7 @@ class Sample:
 
 
 class Growing(Sample):
-    """A change to a topic whose messages build on each other; subscribers receive all changes that they lack together.
+    """A change to a topic whose messages build on each other. Subscribers receive the changes that they lack as one.
 
     catch_up: returns the message for a cursor (None: the subscriber has nothing) and the next cursor.
     """
@@ -223,6 +223,6 @@ def to_json_string(text: str) -> str:
 
 
 def _cbor_head(topic: str) -> bytes:
-    """Return the start of a CBOR map with entries op, topic and msg; the value of msg follows."""
+    """Return the start of a CBOR map with entries op, topic and msg, which ends before the value of msg."""
     op, name, msg = (cbor2.dumps(text) for text in ("op", "topic", "msg"))
     return b"\xa3" + op + cbor2.dumps("publish") + name + cbor2.dumps(topic) + msg

@@ -24,7 +24,7 @@ class Fragments:
         self._begun: dict[str, list[str | None]] = {}
 
     def add(self, operation: dict[str, Any]) -> str | None:
-        """Add a fragment; return the complete message after the last one. Raises ValueError."""
+        """Add a fragment. After the last one, return the complete message. Raises ValueError."""
         identity, data = operation.get("id"), operation.get("data")
         number, total = operation.get("num"), operation.get("total")
         if not isinstance(identity, str | int) or not isinstance(data, str):

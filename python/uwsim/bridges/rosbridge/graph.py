@@ -1,6 +1,6 @@
-"""The graph: topics and services by name, with their owners and users. It must only be used on one thread.
+"""The graph of topics and services, with their owners and users. It must be used on one thread only.
 
-Clients and the simulator are its peers, like nodes in ROS: each is an owner, identified by name.
+Like nodes in ROS, clients and the simulator are owners in the graph, identified by name.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def plain_name(name: object, what: str = "topic") -> str:
 class Topic:
     """One topic. publishers: whether each owner latches. sinks: the subscribers' sinks, keyed by owner and key.
 
-    latched: the latest latched message; latched_by: its owner, whose account is charged for it. count: number of
-    messages published, which is the next one's header.seq in ROS 1.
+    latched: the latest latched message. latched_by: its owner, whose account is charged for it. count: the number of
+    messages published, which is the header.seq of the next message in ROS 1.
     """
 
     name: str
@@ -162,7 +162,7 @@ class Graph:
             sink(sample)
 
     def known_type(self, name: str, type_name: str | None) -> str | None:
-        """Return a topic's type or, if unknown, the type that a client gave. Raises ValueError if they differ."""
+        """Return a topic's type or, if unknown, the type given by a client. Raises ValueError if they differ."""
         resolved = resolve(type_name)[0] if type_name else None
         topic = self.topics.get(plain_name(name))
         present = topic.type if topic is not None else None
@@ -206,7 +206,7 @@ class Graph:
         del self.services[service.name]
 
     def call(self, name: str, arguments: Any, reply: Reply, caller: str = "") -> None:
-        """Call a service. If it is missing or fails, the reply is False plus the reason."""
+        """Call a service. If it does not exist or fails, the reply is False and the reason."""
         service = self.services.get(plain_name(name, "service"))
         if service is None:
             reply(False, f"service '{name}': nobody offers it")

@@ -1,4 +1,4 @@
-"""Guests in the graph: parts of this process other than a simulator, such as the operator station."""
+"""Guests in the graph: parts of this process, such as the operator's station, that are not simulators."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ THREADS = 6
 
 
 class GuestNode:
-    """A guest's end of the graph (its `Node`), whose methods may be called on any thread."""
+    """A guest's access to the graph (its `Node`). All methods may be called on any thread."""
 
     def __init__(self, guest: Guest, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._guest = guest
@@ -53,7 +53,7 @@ class GuestNode:
         return name in self._wanted
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether a subscriber was ready for a topic's last message, or no message has been published yet."""
+        """Return whether a subscriber was ready for a topic's last message, or there has been no message yet."""
         newest = self._newest.get(name)
         return newest is None or newest.is_taken
 

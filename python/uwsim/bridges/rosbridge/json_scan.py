@@ -1,4 +1,4 @@
-"""Scans of JSON text with NumPy, which take a few nanoseconds per character and let other threads run meanwhile."""
+"""Scans JSON text with NumPy, which takes a few nanoseconds per character and lets other threads run meanwhile."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class JsonScan:
         return found & self.outside
 
     def _quotes(self) -> Any:
-        """Return where strings begin and end: at quotation marks preceded by an even number of backslashes."""
+        """Return a mask of the quotation marks that are not escaped, which begin or end strings."""
         quotes = self.characters == ord('"')
         strokes = self.characters == ord("\\")
         if strokes.any():

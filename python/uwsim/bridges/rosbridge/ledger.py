@@ -1,4 +1,4 @@
-"""Accounts of the bytes stored for clients, bounded both per client and in total."""
+"""Accounts for the bytes stored for clients, which are bounded both per client and in total."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Held(Protocol):
 
 
 class Ledger:
-    """The total stored for all clients. limit: number of bytes above which the largest client is disconnected."""
+    """The total stored for all clients. limit: the number of bytes beyond which the largest client is disconnected."""
 
     def __init__(self, limit: float = math.inf) -> None:
         self.limit = limit
@@ -74,7 +74,7 @@ class Account:
         self._ledger.bytes -= size
 
     def hold(self, held: Held) -> None:
-        """Count an object that other clients may also hold but that the total counts only once."""
+        """Count an object that other clients may also hold. The total counts such an object only once."""
         self.bytes += held.size
         if held.holders == 0:
             self._ledger.bytes += held.size
@@ -89,7 +89,7 @@ class Account:
             self._ledger.bytes -= held.size
 
     def close(self) -> None:
-        """Give back everything taken, and stop counting; held objects can still be dropped later."""
+        """Release everything taken, and stop counting. Held objects can still be dropped later."""
         self.give(self._own)
         self._is_closed = True
         self.give_up = _stay  # so that the account does not keep its client in memory

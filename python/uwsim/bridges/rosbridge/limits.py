@@ -1,4 +1,4 @@
-"""Limits on client requests: a client that exceeds them receives an error, has to wait, or is disconnected."""
+"""Limits on client requests. A client that exceeds a limit receives an error, has to wait, or is disconnected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The names of the topics and services that a client uses; their number is limited."""
+"""The names of the topics, services and actions that a client uses, whose number is limited."""
 
 from __future__ import annotations
 

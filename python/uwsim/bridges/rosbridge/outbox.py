@@ -1,7 +1,7 @@
-"""The messages queued for one client: answers first, then each subscription's messages, in bounded memory.
+"""The messages queued for one client, in bounded memory: answers first, then each subscription's messages.
 
-A client that does not read loses the oldest messages of its subscriptions, without affecting other clients; if too many
-bytes are queued even so, it is disconnected. Across all unthrottled topics, messages are sent in order of arrival.
+A client that does not read loses the oldest messages of its subscriptions, without affecting other clients. If too many
+bytes are queued nevertheless, it is disconnected. Across all unthrottled topics, messages are sent in order of arrival.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LARGE_QUEUE = 8
 
 
 class Parcel(NamedTuple):
-    """A due message with the subscriber's encoding; `encode` may take long and may run on any thread."""
+    """A message to send, with the subscriber's encoding. `encode` may take long and may run on any thread."""
 
     sample: Sample
     topic: str
@@ -39,9 +39,9 @@ class Parcel(NamedTuple):
 class Mailbox:
     """One subscription's queue. throttle_s: minimum wall time between messages. length: 0 for the default.
 
-    As in rosbridge, a throttled subscription without a queue loses messages that come too early; with a queue, it
-    receives them later. credit: maximum number of unacknowledged messages; None for no limit. fragment_size: maximum
-    number of characters in a frame of JSON; None for no limit.
+    As in rosbridge, a throttled subscription without a queue loses messages that arrive too early. With a queue, it
+    receives them later. credit: maximum number of unacknowledged messages, or None. fragment_size: maximum number of
+    characters in a frame of JSON, or None.
     """
 
     def __init__(
@@ -147,7 +147,7 @@ class Outbox:
         self._wake()
 
     def _check_bytes(self) -> None:
-        """Disconnect the client, which is over its limit, unless only one message (of any size) is queued."""
+        """Disconnect a client that is over its limit, unless only one message (of any size) is queued."""
         waiting = len(self._replies) + sum(len(mailbox.samples) for mailbox in self._mailboxes.values())
         if waiting > 1:
             size, most = self._account.bytes / 1e6, self._account.limit / 1e6
@@ -191,13 +191,14 @@ class Outbox:
 
     @property
     def lost(self) -> int:
-        """The number of messages dropped in favour of newer ones, over the current subscriptions."""
+        """The number of messages of current subscriptions that were dropped in favour of newer ones."""
         return sum(mailbox.lost for mailbox in self._mailboxes.values())
 
     def pick(self) -> tuple[Frame | Parcel | None, float | None]:
-        """Return what to send next, or None and the seconds until a throttled message is due (None: there is none).
+        """Return the next frame or parcel to send.
 
-        The frame of a parcel must be passed to `begun`.
+        If there is none, return None and the seconds until a throttled message is due (None without one). The frame of
+        a parcel must be passed to `begun`.
         """
         fragment = next(self._rest, None)
         if fragment is not None:
@@ -216,7 +217,7 @@ class Outbox:
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
 
     def begun(self, frame: Frame, fragment_size: int | None) -> Frame:
-        """Return a frame, or its first fragment if it is text longer than fragment_size; `pick` returns the rest."""
+        """Return a frame or, for text longer than fragment_size, its first fragment. `pick` returns the rest."""
         if fragment_size is None or isinstance(frame, bytes) or len(frame) <= fragment_size:
             return frame
         self._fragmented += 1

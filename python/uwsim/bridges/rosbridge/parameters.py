@@ -1,4 +1,4 @@
-"""The parameters that clients access through rosapi: the simulator's own, and a store like ROS's parameter server."""
+"""The parameters that clients access through rosapi: the simulator's, and a store like ROS's parameter server."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MOST_BYTES = 16 << 20  # total of all names and values
 class Parameters:
     """JSON values, keyed by name.
 
-    The simulator's parameters, such as rov/drag/linear/surge, take effect; all others are merely stored for clients.
+    Setting a simulator parameter, such as rov/drag/linear/surge, takes effect. Others are merely stored for clients.
     present: the initial content of the store, such as use_sim_time. live: returns the current simulator.
     """
 

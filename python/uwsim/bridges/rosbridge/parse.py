@@ -38,7 +38,7 @@ def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
 
 
 def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
-    """Decode the object in a client's frame; return it with a meter that charges its further processing.
+    """Decode the object in a client's frame, and return it with a meter for its further processing.
 
     pause: passed to the meter. Raises ValueError for an invalid or oversized frame.
     """
@@ -103,7 +103,7 @@ def _from_json(text: str, *, remembers: bool = False, bounded: bool = True) -> A
 
 
 def _in_pieces(text: str, *, bounded: bool) -> Any:
-    """Decode JSON text: first its long number lists, in pieces, then the rest, with marks in their place."""
+    """Decode JSON text: first its long lists of numbers, in pieces, then the rest with marks in place of the lists."""
     data = text.encode()
     places = JsonScan(data).flat_lists(LONG_LIST)
     lists = [_list_in_pieces(data[first + 1 : last]) for first, last in places]
@@ -155,5 +155,5 @@ def _from_cbor(data: bytes) -> Any:
 
 
 def _array_of(*arguments: Any) -> Any:
-    """Convert a tag to an array; depending on its version, cbor2 passes the tag first or last."""
+    """Convert a tag to an array. Depending on its version, cbor2 passes the tag as the first or the last argument."""
     return typed_array(next(a for a in arguments if isinstance(a, cbor2.CBORTag)))

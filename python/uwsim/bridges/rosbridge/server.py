@@ -47,14 +47,14 @@ class RosbridgeServer:
         with LiveSimulator("lake") as live, RosbridgeServer(live, port=9090):
             ...
 
-    live: the simulator that clients see; if None, clients see only each other or, with a feed, a recording. host, port:
-    the address on which the server listens; port 0 chooses a free port, see `port`. ros: the ROS generation whose
-    spelling of times and headers is used for clients whose type names are valid in both ("sensor_msgs/LaserScan").
-    origins: web pages that may connect, in addition to this machine's. token: a secret that clients must send:
-    ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
-    odom, see uwsim.channels.Table, by default the scenario's; channels, services and actions, such as those of a shared
-    Table, replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the
-    same port, without a check of the token. Raises ValueError or OSError.
+    live: the simulator that clients see. If it is None, clients see only each other and, with a feed, a recording.
+    host, port: the address on which the server listens; port 0 chooses a free port, see `port`. ros: the ROS generation
+    whose spelling of times and headers is used for clients whose type names are valid in both
+    ("sensor_msgs/LaserScan"). origins: web pages that may connect, in addition to this machine's. token: a secret that
+    clients must send: ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics
+    and the origin of odom, by default the scenario's; see uwsim.channels.Table. channels, services, actions: replace
+    these, for example with those of a shared Table. feed: shared with other sinks. guests: other peers in this process.
+    site: serves HTTP on the same port, without a check of the token. Raises ValueError or OSError.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class RosbridgeServer:
         return self._listener.url
 
     def start(self) -> Self:
-        """Start listening; return self. Raises OSError on failure; warns (UserWarning) if others can connect."""
+        """Start listening; return self. Raises OSError on failure, and warns (UserWarning) if others can connect."""
         self._listener.start()
         return self
 
@@ -190,7 +190,7 @@ class RosbridgeServer:
         feed: Readings | None = None,
         actions: Iterable[Action] = (),
     ) -> None:
-        """Replace the simulator that clients see with another or none; clients stay connected and subscribed.
+        """Replace the simulator that clients see with another or none. Clients stay connected and subscribed.
 
         Must not be called on the network thread.
         """

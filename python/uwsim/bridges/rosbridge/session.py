@@ -1,4 +1,4 @@
-"""A session of the protocol with one client, independent of transport: handles frames and fills an outbox.
+"""A session of the protocol with one client. It handles frames and fills an outbox, for any transport.
 
 The protocol is rosbridge v2: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCOL.md
 """
@@ -47,8 +47,8 @@ class Session:
     ros: the ROS generation assumed for type names that are spelled the same in both.
 
     wake: called when the outbox has a frame to send. give_up: called with the reason when the client must be
-    disconnected; the session then does nothing more and stores nothing, and close() must follow. roslibpy supports
-    neither status (unless requested by set_level) nor png, so neither is sent to it.
+    disconnected. The session then does nothing more and stores nothing, and close() must follow. Since roslibpy
+    supports neither status (unless requested by set_level) nor png, neither is sent to it.
     """
 
     _actions: Actions
@@ -110,13 +110,13 @@ class Session:
         graph.nodes[name] = None
 
     def receive(self, frame: Frame) -> None:
-        """Handle a frame. Errors are reported to the client as a status; never raises."""
+        """Handle a frame. Errors are reported to the client as a status, never raised."""
         whole = self.perform(self.prepare(frame))
         if whole is not None:
             self.perform(self.prepare(whole, is_whole=True))
 
     def prepare(self, frame: Frame, pause: Callable[[], None] | None = None, *, is_whole: bool = False) -> Prepared:
-        """Decode a frame on any thread; never raises. pause: called between chunks of the work.
+        """Decode a frame, on any thread. Errors are never raised. pause: called between chunks of the work.
 
         is_whole: whether the frame was assembled from fragments.
         """
@@ -142,7 +142,10 @@ class Session:
         return Prepared(operation, None, int(meter.spent_bytes))
 
     def perform(self, prepared: Prepared) -> Frame | None:
-        """Handle a decoded frame on the graph's thread; return the message that its fragment completes, if any."""
+        """Handle a decoded frame, on the graph's thread.
+
+        Return the message that is completed by its fragment, if any.
+        """
         if self._is_over:
             return None
         try:
@@ -187,7 +190,7 @@ class Session:
         perform(self)(operation)
 
     def _wrong_with(self, identity: object) -> str | None:
-        """Return what is wrong with an id, as text, or None if answers can carry the id."""
+        """Return a text with the problem of an id, or None if answers can carry the id."""
         if not isinstance(identity, str | int | None):
             return f"id = {shortened(identity)}: must be a string"
         if isinstance(identity, int) and not -(1 << 63) <= identity < 1 << 63:

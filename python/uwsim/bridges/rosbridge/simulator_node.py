@@ -1,7 +1,7 @@
 """The simulator as a peer in the graph, with its channels and services. Channels are read only while subscribed to.
 
-Readings come from the feed on the simulator's thread and are passed on through bounded queues; commands and calls go
-the other way. The simulator's thread never waits for the graph's.
+Readings arrive from the feed on the simulator's thread, and are forwarded through bounded queues. Commands and calls go
+in the opposite direction. The simulator's thread never waits for the graph's thread.
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ CREDIT_MAX = 100
 class Options(NamedTuple):
     """The options of one id. throttle_s: minimum time between messages. queue_length: 0 for the default.
 
-    credit: maximum number of unacknowledged messages; None for no limit. This is an extension to rosbridge.
-    fragment_size: maximum number of characters in a frame of JSON; None for no limit.
+    credit: maximum number of unacknowledged messages, or None; an extension to rosbridge. fragment_size: maximum number
+    of characters in a frame of JSON, or None.
     """
 
     throttle_s: float

@@ -1,8 +1,8 @@
 """Transforms for clients that keep no tf tree, through the interface of tf2_web_republisher.
 
-A client requests frames, a target, a rate and thresholds, and receives changes: on a separate topic after a service
-call (roslibpy), or as feedback after an action goal (roslibjs). A request ends after a while without subscribers, or
-when the goal is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
+A client requests frames, a target, a rate and thresholds. It receives changes on a separate topic after a service call
+(roslibpy), or as feedback after an action goal (roslibjs). A request ends after a while without subscribers, or when
+the goal is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Request:
 
 
 class TfRepublisher:
-    """Stores the latest transform from each frame to its parent while there are requests, and publishes changes."""
+    """While there are requests, stores the latest transform from each frame to its parent, and publishes changes."""
 
     def __init__(self, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._graph = graph
@@ -130,7 +130,7 @@ class TfRepublisher:
                 self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
-        """Publish changes, then schedule the next tick; stop after a while without subscribers."""
+        """Publish changes, and schedule the next tick unless there have been no subscribers for a while."""
         if request not in self._requests:
             return
         now_s = time.monotonic()

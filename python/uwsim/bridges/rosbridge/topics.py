@@ -29,7 +29,7 @@ class Made(NamedTuple):
 
 
 def stamp(message: Any, given: Any, time_ns: Callable[[], int]) -> None:
-    """Set the time of a message whose header the client left without one, as rosbridge does."""
+    """Set the time of a message if the client has left it out of the header, as rosbridge does."""
     header = getattr(message, "header", None)
     sent = given.get("header") if isinstance(given, dict) else None
     if hasattr(header, "stamp") and not (isinstance(sent, dict) and "stamp" in sent):
@@ -70,7 +70,7 @@ class Topics:
         self._graph.unadvertise(self._name, name)
 
     def publish(self, operation: Operation) -> None:
-        """Publish a client's message; a topic of known type need not be advertised first."""
+        """Publish a client's message. A topic with a known type need not be advertised first."""
         topic, made = self._graph.typed_topic(operation.get("topic")), operation["msg"]
         if topic.type != made.type:
             raise ValueError(f"topic '{topic.name}': its type has just changed from {made.type} to {topic.type}")
@@ -103,7 +103,7 @@ class Topics:
         self._graph.subscribe(self._name, name, name, type_name, lambda sample: self._outbox.put(name, sample))
 
     def unsubscribe(self, operation: Operation) -> None:
-        """End the subscription to a topic with an id, or, without one, all of them; other ids change nothing."""
+        """End the subscription to a topic with this id, or all subscriptions to the topic if there is no id."""
         name, identity = operation.get("topic"), operation.get("id")
         plain_name(name)
         subscription = self._names.subscriptions.get(name)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Type descriptions for rosapi: a type's fields and those of the types it contains."""
+"""Type descriptions for rosapi, with the fields of a type and of all types that it contains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An estimate of the memory that a client's frame will take once decoded, from a scan of its characters or items.
+"""Estimates the memory that a client's frame will take once decoded, from a scan of its characters or items.
 
 An empty list is two characters in JSON or one byte in CBOR, but takes seventy bytes in memory. Frames are therefore
 scanned first, and a frame that has too many objects or would expand too much is refused before it is decoded.
@@ -52,16 +52,19 @@ class Load(NamedTuple):
 
 
 class Weight(NamedTuple):
-    """The maximum memory of a decoded frame. remembers: whether the decoder must share repeated keys to keep to it."""
+    """The maximum memory of a decoded frame.
+
+    remembers: whether the decoder must share repeated keys to stay below it.
+    """
 
     bytes: int
     remembers: bool
 
 
 def weigh(frame: str | bytes, limits: Limits) -> Weight:
-    """Return the memory that a frame will take. Raises ValueError if that is too much for the size of the frame.
+    """Return the memory that a frame will take. Raises ValueError if this is excessive for the size of the frame.
 
-    CBOR is validated in the process: lengths fit the data, nesting is bounded, all tags are typed arrays.
+    This also validates CBOR: lengths must fit the data, nesting is limited, and all tags must be typed arrays.
     """
     allowed, remembers = limits.cost_of(len(frame)), False
     if isinstance(frame, bytes):
@@ -114,7 +117,7 @@ def exact_load(text: str) -> Load:
 
 
 def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
-    """Return the number of distinct keys, judged by length and by both ends; only long keys can differ elsewhere."""
+    """Return the approximate number of distinct keys, which are compared by their lengths and both ends."""
     closing = np.searchsorted(bounds, colons) - 1
     closing = closing[closing >= 1]
     starts, ends = bounds[closing - 1] + 1, bounds[closing]
@@ -130,8 +133,8 @@ def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
 def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
     """Scan the heads of CBOR items (RFC 8949, appendix C).
 
-    Checks the lengths, the nesting depth, and that all tags are typed arrays. Raises ValueError as soon as there are
-    more lists and maps than `objects`, or more than five times as many items.
+    This checks the lengths, the nesting depth, and that all tags are typed arrays. Raises ValueError as soon as there
+    are more than `objects` lists and maps, or more than five times as many items.
     """
     at, size = 0, len(data)
     containers = strings = members = items = 0
