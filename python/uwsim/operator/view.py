@@ -1,4 +1,4 @@
-"""view: the operator's station for your own simulator, from a script, a Python prompt or a notebook."""
+"""The function `view`, which opens the operator's station for a simulator in a script, prompt or notebook."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ SCENE = "/?view=scene"
 class Viewer:
     """The station's page for a running simulator; see `view`.
 
-    live: the LiveSimulator that steps it. url: the page. Close it with `close`, or use it as a context manager; the
-    simulator then remains in the state in which the viewer left it, to be stepped by its owner again.
+    live: the LiveSimulator that steps it. url: the page. Close the viewer with `close`, or use it as a context manager.
+    The simulator remains in the state in which the viewer left it, and can be stepped by its owner again.
     """
 
     live: LiveSimulator
@@ -94,12 +94,14 @@ def view(
             viewer.live.clock.wait(10.0)         # simulated seconds
         sim.advance(1.0)                         # continues from there
 
-    While it is open, the simulator steps itself: command it through `viewer.rov` or `viewer.live`, and do not step or
-    command `sim`. sim: a simulator, whose state is kept, a LiveSimulator, or the scenario to create one from. speed:
-    simulated seconds per wall second, or "max"; paused: whether it waits for `viewer.live.step(n)` or
-    `viewer.live.resume()`; neither has any effect on a LiveSimulator. browser: whether to open a browser window; by
-    default, only on a desktop and outside notebooks. The server listens on 127.0.0.1, on a free port. Raises
-    ScenarioError or ValueError for invalid arguments, OSError if no port is free.
+    While the page is open, the simulator steps itself. Command it through `viewer.rov` or `viewer.live`, and do not
+    step or command `sim`.
+
+    sim: a simulator, whose state is kept, a LiveSimulator, or the scenario to create one from. speed: simulated seconds
+    per wall second, or "max". paused: whether to wait for `viewer.live.step(n)` or `viewer.live.resume()`. Neither has
+    any effect on a LiveSimulator. browser: whether to open a browser window; by default, only on a desktop and outside
+    notebooks. The server listens on 127.0.0.1, on a free port. Raises ScenarioError or ValueError for invalid
+    arguments, OSError if no port is free.
     """
     live = sim if isinstance(sim, LiveSimulator) else LiveSimulator(sim, speed=speed, paused=paused)
     viewer = Viewer(live)

@@ -1,4 +1,4 @@
-"""The operator's station: a web page for flying, and the part of the server that serves it."""
+"""The operator's station: a web page for flying, and its server."""
 
 from uwsim.operator.station.hub import Station
 from uwsim.operator.station.site import Site

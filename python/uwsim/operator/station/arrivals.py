@@ -1,4 +1,4 @@
-"""Vehicle camera pictures that have arrived over the link, the only ones that a pilot receives."""
+"""Forwards the vehicle camera pictures that have arrived over the link, the only ones that a pilot receives."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ SMALL_S = 2.0
 class Arrivals:
     """Arriving pictures for the views of vehicle cameras.
 
-    A view's pictures are sent while any page shows it enlarged; the newest is kept for later viewers and as the small
-    picture. A cable and the ideal link also carry pictures of small views, one every SMALL_S; a modem does not have the
-    capacity.
+    A view's pictures are sent while any page shows the view enlarged. The newest picture is kept for later viewers and
+    for the small view. A cable and the ideal link also carry pictures of small views, one every SMALL_S, for which a
+    modem lacks the capacity.
     """
 
     def __init__(self, live: LiveSimulator, carrier: Carrier, views: Iterable[View], node: Node) -> None:
@@ -70,7 +70,7 @@ class Arrivals:
         return {"link": self.pace(getattr(self._channels[view], "name", ""))}
 
     def pace(self, channel: str) -> Values:
-        """Return the modem, the seconds between pictures (None: no capacity for any), and `large_only`."""
+        """Return the modem, the seconds between pictures (None if there is no capacity), and `large_only`."""
         rate_hz = self._carrier.rates.get(channel)
         period_s = None if rate_hz is None else 1.0 / rate_hz
         return {"modem": self._carrier.modem, "period_s": period_s, "large_only": self._large_only}

@@ -1,4 +1,4 @@
-"""The services of the station: names, requests and responses. `wire_js` generates the page's functions from them."""
+"""The names, requests and responses of the station's services, from which `wire_js` generates the page's functions."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ from uwsim.operator.station.wire_training import (
 class Call:
     """A service `/station/NAME`.
 
-    request, answer: types of the request and of a successful response; a failure returns Refused. is_brief: whether it
-    is handled on the network thread. is_start_screen: whether it belongs to the start screen, so that a server with a
-    fixed scenario does not offer it.
+    request, answer: the types of the request and of a successful response. A failure returns Refused. is_brief: whether
+    calls are handled on the network thread. is_start_screen: whether the service belongs to the start screen, which a
+    server with a fixed scenario does not offer.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The choice made on the start screen, validated field by field and turned into a scenario."""
+"""Validates the choice made on the start screen, field by field, and converts it to a scenario."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
 
 
 def chosen_flight(choice: Values) -> tuple[str, Speed]:
-    """Return the name of the flight that a choice replays, unchecked, and the speed. Raises ChoiceError."""
+    """Return the (unchecked) name of the flight that a choice replays, and the speed. Raises ChoiceError."""
     errors = {name: "is as it was recorded" for name in FIELDS if name != "speed" and choice.get(name) is not None}
     speed = _try(errors, "speed", lambda: _speed(choice.get("speed")))
     if errors:
@@ -90,7 +90,7 @@ def chosen_rosbridge(choice: Values) -> UserRosbridge | None:
 
 
 def _rosbridge(errors: dict[str, str], choice: Values) -> UserRosbridge | None:
-    """Return the user's rosbridge; None if the address is empty or a field is invalid, which adds to `errors`."""
+    """Return the user's rosbridge, or None if the address is empty or a field is invalid. Adds to `errors`."""
     if choice.get("rosbridge_host") is None:
         return None
     checks: dict[str, Callable[[object], Any]] = {
@@ -112,7 +112,7 @@ def scenarios(offered: str) -> list[str]:
 
 @cache
 def catalog(offered: str = "lake") -> Values:
-    """Return the available choices, with those of the scenario `offered` as defaults. Computed once."""
+    """Return the available choices, with the settings of the scenario `offered` as defaults. The result is cached."""
     return {
         "scenarios": [_described(name) for name in scenarios(offered)],
         "vehicles": [
@@ -143,7 +143,7 @@ def _described(name: str) -> Values:
 
 
 def _sonars() -> list[Values]:
-    """Return the four published models by number, and the other instruments by name."""
+    """Return the four published models, by number, and the other multibeams, by name."""
     found = []
     for name in packaged_names("sonars"):
         model = load_sonar(name)

@@ -26,7 +26,7 @@ def cloud(running: Running, vehicle: str, suffix: str) -> bytes:
 
 
 def depth_tiff(running: Running, vehicle: str) -> bytes:
-    """Return the depths as GeoTIFF, georeferenced if the terrain is. Raises ValueError."""
+    """Return the depths as GeoTIFF, which is georeferenced if the terrain is. Raises ValueError."""
     points_m, edge_m = _map(running, vehicle).points()
     grid = depth_grid(points_m - running.table.sources[0].origin_m, edge_m)
     place = georeference(running.live.simulator.scenario)

@@ -41,14 +41,14 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 
 @dataclass(frozen=True)
 class Bounds:
-    """Limits on the number of flights kept, and on their total size; the oldest are deleted first."""
+    """Limits on the number of flights kept and on their total size. The oldest flights are deleted first."""
 
     count: int = COUNT
     size_bytes: int = MEGABYTES * 1_000_000
 
     @classmethod
     def of(cls, text: str) -> Bounds:
-        """Parse the bounds from text such as "50,2000", flights and MB. Raises ValueError."""
+        """Parse bounds such as "50,2000", the number of flights and their size in MB. Raises ValueError."""
         found = re.fullmatch(r"(\d{1,6}),(\d{1,8})", text)
         if found is None:
             raise ValueError(f"{text!r}: must be a number of flights and of MB, such as {COUNT},{MEGABYTES}")
@@ -60,9 +60,9 @@ class Bounds:
 
 @dataclass
 class Flights:
-    """The flights in a folder, by file name; names begin with the start time, and so sort by age.
+    """The flights in a folder, keyed by file name. Names begin with the start time, so they sort by age.
 
-    refused: by name, why a flight could not be replayed. Methods may be called on any thread.
+    refused: the reasons why flights could not be replayed, keyed by name. Methods may be called on any thread.
     """
 
     folder: Path
@@ -103,7 +103,10 @@ class Flights:
                 LOGGER.info("flight %s deleted: more would exceed the bounds", oldest.name)
 
     def timeline(self, name: object) -> Timeline:
-        """Return a flight's time line, simulating it unless that was done earlier. Raises ValueError or OSError."""
+        """Return a flight's time line, simulating the flight unless the time line is cached.
+
+        Raises ValueError or OSError.
+        """
         path = self._path(name)
         with self._opening:
             stat = path.stat()
@@ -120,7 +123,7 @@ class Flights:
             return self._open[key]
 
     def ghost(self, shown: Timeline, name: str, origin_m: NDArray[np.float64]) -> Values:
-        """Return another flight's track, and its distance from the one shown. Raises ValueError or OSError.
+        """Return another flight's track and its distance from the flight shown. Raises ValueError or OSError.
 
         origin_m: origin of the odom frame, in which positions are returned.
         """
@@ -200,7 +203,8 @@ def track(line: Timeline, origin_m: NDArray[np.float64]) -> Values:
 class FlightRecording:
     """Records a running simulator automatically. A flight without any commands is not kept.
 
-    notes: metadata for the recording, such as where it branched from. trouble: why nothing is being recorded, or "".
+    notes: metadata for the recording, such as the flight from which it branched. trouble: the reason why nothing is
+    being recorded, or "".
     """
 
     def __init__(self, running: Running, flights: Flights, notes: Mapping[str, Any] | None = None) -> None:
@@ -245,7 +249,7 @@ class FlightRecording:
             self._is_flown = True
 
     def _watch(self, over: threading.Event) -> None:
-        """Enforce the bounds while a flight is being recorded; end its recording if it alone exceeds them."""
+        """Enforce the bounds while a flight is being recorded. If this flight alone exceeds them, end its recording."""
         while not over.wait(CHECK_S):
             recorder = self._recorder
             if recorder is None:

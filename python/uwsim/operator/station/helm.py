@@ -1,4 +1,4 @@
-"""The pilot's efforts and speed hold: they must be recent, last only while repeated, and end otherwise."""
+"""The pilot's efforts and speed hold, which must be recent and last only while the pilot's page repeats them."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ UNKNOWN: dict[str, float] = {}  # set by another client
 
 
 class LeastDelay:
-    """Estimates the delay of a message from the reading of its sender's clock at the time of sending.
+    """Estimates the delay of a message from its time stamp, which is from the sender's clock.
 
-    The sender's clock differs from ours. The smallest difference in the last WINDOW_S to 2 WINDOW_S is assumed to be
-    that of a message without delay; the limited window allows the clocks to drift.
+    The sender's clock differs from ours. The smallest difference in the last WINDOW_S to 2 WINDOW_S is assumed to
+    belong to a message without delay. The limited window allows the clocks to drift.
     """
 
     def __init__(self) -> None:
@@ -46,11 +46,11 @@ class LeastDelay:
 
 
 class Helm:
-    """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
+    """Steers the vehicles of one simulator for the pilot. Commands are logged with their tick.
 
     Every command is issued, even if it repeats the last one: other clients may have commanded the vehicle since, its
     failsafe may be waiting for a sign of life, and earlier commands may have been lost on a link. Call `beat` at least
-    twice a second, and at the times it returns: it sets efforts to zero when commands have ceased.
+    twice a second, and at the times that it returns. It sets efforts to zero when commands have ceased.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Helm:
             return self._set(vehicle, efforts, {"age_s": age_s})
 
     def all_stop(self, request: Values, text: str = "") -> Future[Values]:
-        """Set or release all stop according to request["on"]. text: message of the response. Raises ValueError."""
+        """Set or release all stop according to request["on"]. text: the message of the response. Raises ValueError."""
         vehicle, on = self._named(request), wants_stop(request)
         require_link(self._live, vehicle, ALL_STOP)
         with self._lock:
@@ -108,7 +108,7 @@ class Helm:
         return vehicle
 
     def beat(self) -> float:
-        """End efforts and speed holds when commands have ceased; return the time [s] until the next check."""
+        """End efforts and speed holds when commands have ceased. Return the time [s] until the next check."""
         with self._lock:
             silent_s = self._clock() - self._heard_s
             if silent_s >= SILENCE_S:
@@ -120,9 +120,9 @@ class Helm:
             return max(CRUISE_S - silent_s, RETRY_S) if self._cruising else math.inf
 
     def let_go(self) -> None:
-        """Set efforts to zero now, including those of clients other than the pilot, because the pilot changes.
+        """Set efforts to zero, even those of other clients. Called when the pilot changes.
 
-        The delay estimate is reset, too, since another pilot has another clock.
+        This also resets the delay estimate, since the new pilot has a different clock.
         """
         with self._lock:
             self._delay = LeastDelay()

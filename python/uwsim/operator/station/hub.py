@@ -51,12 +51,13 @@ class Station:
         with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
             ...
 
-    offered, link: the scenario preselected on the start screen, and the modem, if different from the scenario's.
-    is_fixed: run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the
-    vehicle's true position. wire, origin: see uwsim.channels; invalid values raise ValueError; origin None means the
-    world's, or the scenario's for a session that joins the user's rosbridge. threads: for simulators. folder: where
-    `save` writes. instructor_token: token of a second page, whose user alone may change the world; see `instructor`.
-    keep_flights: how many flights are recorded automatically in `folder`/flights; None: none are recorded or listed.
+    offered, link: the scenario that is preselected on the start screen, and its modem if it differs from the
+    scenario's. is_fixed: whether to run a single simulator, passed to `run`, without a start screen. truth: whether
+    pilots may see the vehicle's true position. wire, origin: see uwsim.channels. If origin is None, it is the world's
+    or, for a session that joins the user's rosbridge, the scenario's. threads: the number of threads of simulators.
+    folder: where `save` writes. instructor_token: the token of a second page, whose user alone may change the world;
+    see `instructor`. keep_flights: how many automatically recorded flights to keep in `folder`/flights, or None to
+    record and list none. Raises ValueError for invalid values.
 
     phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each simulator and
     each restart.
@@ -111,7 +112,7 @@ class Station:
         node.offer_topics(self._topics(None))
 
     def left(self, client: str) -> None:
-        """Called when a connection is closed. If it was the pilot's, efforts are set to zero."""
+        """Remove a closed connection. If it was the pilot's, set efforts to zero."""
         if self.instructor is not None:
             self.instructor.clients.discard(client)
         if self.lease.leave(client):
@@ -195,9 +196,9 @@ class Station:
             raise ChoiceError({"flight": " ".join(str(error).split())}) from None
 
     def take_helm(self) -> str:
-        """Start flying from the current moment of a replay, in a new session and recording; return where it began.
+        """Start flying from the current moment of a replay, in a new session; return a text with the starting point.
 
-        Efforts are zero at first; time continues or remains paused, as before. Raises ValueError.
+        Efforts are zero at first. Time continues or remains paused, as before. Raises ValueError.
         """
         replay = self.present().replay
         if replay is None:
@@ -234,11 +235,11 @@ class Station:
         replay: Replay | None = None,
         notes: Values | None = None,
     ) -> None:
-        """Run the simulator returned by `make`, replacing the current one, which keeps running until then.
+        """Run the simulator returned by `make`. The current simulator keeps running until it is replaced.
 
         prepare: called once the new simulator's channels exist, before its map is built. feed: shared with other sinks.
-        rosbridge: the user's server, which the simulator joins. replay: the replay that it follows. notes: metadata for
-        the recording of the flight.
+        rosbridge: the user's server, which the simulator joins. replay: the replay that the simulator follows. notes:
+        metadata for the recording of the flight.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
@@ -308,9 +309,10 @@ class Station:
         self.tell()
 
     def rewind(self, state: bytes | None = None) -> None:
-        """Go to a saved state, by default the initial one, in a new session, so that pages request everything again.
+        """Return to a saved state, by default the initial state, in a new session.
 
-        The recording of the flight ends, and another begins. Raises ValueError.
+        Pages then request everything again. The recording of the flight ends, and a new recording begins. Raises
+        ValueError.
         """
         running = self.present()
         if running.flight is not None:

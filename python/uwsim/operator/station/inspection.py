@@ -1,4 +1,4 @@
-"""Inspection notes and the comment in pictures: issued as commands in the run, and exported next to its recording."""
+"""Inspection notes and the comment in pictures, which are issued as commands and exported next to the recording."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Inspection:
         return ""
 
     def add(self, running: Running, request: Values) -> str:
-        """Add a note, with a picture if a camera's view is named; return its position. Raises ValueError."""
+        """Add a note, with a picture if the request names a camera's view; return a sentence about its position."""
         text, category = _text(request), str(request.get("category"))
         require_note(text, category, "")
         if category == COMMENT:
@@ -145,7 +145,7 @@ class Inspection:
 
 
 def notes_csv(sim: Simulator, notes: list[Event]) -> bytes:
-    """Return notes as CSV: positions in the world frame, and WGS 84 degrees if the world is located on Earth."""
+    """Return notes as CSV, with positions in the world frame and, if the world is located on Earth, in WGS 84."""
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
@@ -157,7 +157,7 @@ def notes_csv(sim: Simulator, notes: list[Event]) -> bytes:
 
 
 def notes_geojson(sim: Simulator, notes: list[Event]) -> bytes:
-    """Return notes as GeoJSON (RFC 7946): points in WGS 84, or no geometry if the world has no location on Earth."""
+    """Return notes as GeoJSON (RFC 7946), with points in WGS 84 if the world is located on Earth."""
     features = [
         {
             "type": "Feature",
@@ -195,7 +195,7 @@ def _rows(sim: Simulator, notes: list[Event]) -> list[dict[str, Any]]:
 
 
 def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, float | None]]:
-    """Return each place's longitude and latitude (WGS 84), or None for both if it has no position on Earth."""
+    """Return the longitude and latitude (WGS 84) of each place, or None for both if they are unknown."""
     earth = georeference(sim.scenario)
     found: list[tuple[float | None, float | None]] = [(None, None)] * len(places)
     known = [k for k, place in enumerate(places) if place is not None]
@@ -223,7 +223,7 @@ def _seen(running: Running, vehicle: str, view: object) -> tuple[NDArray[np.uint
 def _placed(
     running: Running, vehicle: str, view: str, panel: Values, wants_view: bool
 ) -> tuple[NDArray[np.float64] | None, str]:
-    """Return a note's position in the world (3,), None if unknown, and a sentence about it."""
+    """Return a note's position in the world, (3,) or None if unknown, and a sentence about the position."""
     own_m = np.asarray(panel["position"], np.float64) - running.table.sources[0].origin_m
     if not np.isfinite(own_m).all():
         return None, "Noted without a position: the vehicle does not know where it is"
@@ -244,11 +244,11 @@ def _placed(
 def looked_at(
     world_from_body_xyzw: Any, body_from_camera_xyzw: Any, mount_m: Any, altitude_m: float
 ) -> NDArray[np.float64] | None:
-    """Return where a camera's axis meets the bed, relative to the vehicle, (3,), in world axes.
+    """Return the point where a camera's axis meets the bed, relative to the vehicle, (3,), in world axes.
 
-    mount_m: (3,), position of the camera on the body. altitude_m: height above the bed, which is assumed flat and
-    level. Returns None if the altitude is unknown, or the axis is less than 10 degrees below the horizontal or meets
-    the bed more than 20 m away.
+    mount_m: the position (3,) of the camera on the body. altitude_m: the height above the bed, which is assumed to be
+    flat and level. Returns None if the altitude is unknown, or the axis is less than 10 degrees below the horizontal or
+    meets the bed more than 20 m away.
     """
     axis = matrix(product(world_from_body_xyzw, body_from_camera_xyzw))[:, 0]
     mount = matrix(world_from_body_xyzw) @ np.asarray(mount_m, np.float64)

@@ -1,7 +1,7 @@
-"""The instructor: changes the trainee's world, and returns to saved moments; requires the instructor's token.
+"""The instructor, who needs a token, changes the trainee's world and can return to saved moments.
 
-While a station has an instructor, the pilot can command only the vehicle, and no client is offered the services of the
-simulation, which could show and change parameters.
+While a station has an instructor, the pilot can command only the vehicle. The services of the simulation, which show
+and change parameters, are not offered to any client.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Instructor:
         self.moments.clear()
 
     def act(self, station: Station, request: Values) -> str:
-        """Carry out the instructor's request, and log it; return a sentence about the result. Raises ValueError."""
+        """Execute and log the instructor's request. Return a sentence about the result. Raises ValueError."""
         action, arguments = request.get("action"), request.get("args") or {}
         if not isinstance(action, str) or action not in ACTIONS or not isinstance(arguments, dict):
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
@@ -99,7 +99,7 @@ class Instructor:
 
 
 def parameters(live: LiveSimulator) -> Values:
-    """Return descriptions_json: name, type, unit, bounds, value and so on of each parameter."""
+    """Return descriptions_json, with the name, type, unit, bounds, value and so on of each parameter."""
     from dataclasses import asdict
 
     own = live.simulator.parameters

@@ -1,4 +1,4 @@
-"""An exercise flown by a person at the station: judged while the simulator runs, with a score sheet at the end."""
+"""Judges an exercise flown by a person at the station while the simulator runs, and writes a score sheet at the end."""
 
 from __future__ import annotations
 

@@ -8,10 +8,10 @@ ASK_AGAIN_S = 30.0
 
 
 class Lease:
-    """The members of a station, by connection, and which of them is the pilot. pilot: "" for none.
+    """The members of a station, by connection, and which of them is the pilot.
 
-    asking: members who have requested the controls, in order. lost_by: name of the pilot whose connection was lost,
-    until control is taken; "" otherwise.
+    pilot: the pilot's connection, or "". asking: the members who have requested the controls, in order. lost_by: the
+    name of a pilot whose connection was lost, until someone takes the controls, or "".
     """
 
     def __init__(self) -> None:
@@ -55,7 +55,7 @@ class Lease:
         self._give(client)
 
     def hand_over(self, client: str, to: object) -> None:
-        """Pass the controls to a member, or release them if `to` is "". Raises ValueError."""
+        """Hand over the controls to a member, or release them if `to` is "". Raises ValueError."""
         self.require_pilot(client)
         if to != "" and to not in self.members:
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is not a member")

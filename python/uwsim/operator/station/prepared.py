@@ -1,4 +1,4 @@
-"""A simulator prepared while the start screen is still open, so that starting it takes no time."""
+"""Prepares a simulator while the start screen is still open, so that it can start immediately."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class Prepared:
-    """Holds at most one simulator, for the last validated choice; choices are identified by scenario content.
+    """Holds at most one simulator, for the last validated choice. Choices are identified by scenario content.
 
     make: creates the simulator for a scenario. Methods may be called on any thread.
     """
@@ -28,7 +28,7 @@ class Prepared:
         self._made: Future[Simulator] | None = None
 
     def want(self, scenario: Scenario) -> None:
-        """Start preparing a simulator, replacing any for another scenario. Raises OSError if a file is gone."""
+        """Start preparing a simulator, and discard any other scenario's. Raises OSError if a file is missing."""
         key = scenario_fingerprint(scenario)
         with self._lock:
             if key != self._key:
@@ -36,7 +36,10 @@ class Prepared:
                 self._key, self._made = key, self._worker.submit(self._warm, scenario)
 
     def take(self, scenario: Scenario) -> Simulator:
-        """Return the scenario's simulator, prepared or created now. Raises the errors of `make`, and OSError."""
+        """Return the scenario's simulator, which is created now if it is not prepared.
+
+        Raises the errors of `make`, and OSError.
+        """
         key = scenario_fingerprint(scenario)
         with self._lock:
             made = self._made if self._key == key else None

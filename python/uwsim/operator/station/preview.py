@@ -1,4 +1,4 @@
-"""A top view of a scenario for the start screen: depths, obstacles, survey area, station, starting positions."""
+"""Draws a top view of a scenario for the start screen: depths, obstacles, survey area, station and vehicles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Points = NDArray[np.float64]
 
 @cache
 def preview_png(name: str) -> bytes:
-    """Return the top view of a scenario, by name, as PNG; cached. Raises ScenarioError or OSError."""
+    """Return the top view of a named scenario as PNG. The result is cached. Raises ScenarioError or OSError."""
     return draw(load(name))
 
 
@@ -116,7 +116,7 @@ class Plan:
 
 
 def shaded(terrain: Terrain) -> NDArray[np.uint8]:
-    """Return the colours (rows, columns, 3) of a terrain, southernmost row first: by depth, lit from the north-west."""
+    """Return the colours (rows, columns, 3) of a terrain by depth, lit from the north-west, southernmost row first."""
     heights = np.nan_to_num(np.asarray(terrain.heights_m, float), nan=float(np.nanmin(terrain.heights_m)))
     depth = np.clip(heights / min(float(heights.min()), -1e-3), 0.0, 1.0)[..., None]
     colours = (1.0 - depth) * SHALLOW + depth * np.asarray(DEEP, float)

@@ -1,4 +1,4 @@
-"""The station's heartbeat: zeroes efforts that no pilot renews, starts pictures that are due, publishes the state."""
+"""The station's heartbeat, which zeroes efforts that no pilot renews, starts pictures and publishes the state."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class Pulse:
             self._thread.join()
 
     def stir(self) -> None:
-        """Beat now; called when something may be due. May be called on any thread."""
+        """Run now, because something may be due. May be called on any thread."""
         self._stirred.set()
 
     def tell(self) -> None:
-        """Publish the state now; called when it has changed. May be called on any thread."""
+        """Publish the state now, because it has changed. May be called on any thread."""
         self._is_changed = True
         self._stirred.set()
 
@@ -69,7 +69,7 @@ class Pulse:
                 rest_s = STATE_S
 
     def _beat(self, running: Running | None, now_s: float) -> float:
-        """Perform the actions that are due; return the time [s] until the next one."""
+        """Perform the actions that are due. Return the time [s] until the next one."""
         if self._is_changed or now_s >= self._told_s + STATE_S:
             self._is_changed, self._told_s = False, now_s
             self._tell_state(running)

@@ -1,4 +1,4 @@
-"""A flight replayed at the station: a live simulator that follows a recording instead of a pilot."""
+"""Replays a flight at the station, with a live simulator that follows a recording instead of a pilot."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ REFUSAL = "this is a replay: take the helm to command the vehicle"
 
 
 class Replay:
-    """Issues a recording's commands to a live simulator, which everyone else may only watch, and sets its time.
+    """Issues a recording's commands to a live simulator, and sets its time. Others may only watch the simulator.
 
     Every position on the time line is simulated from the nearest saved state, so it does not depend on how it was
     reached. At the end of the recording, time stops. flight: the flight's name, as in `Flights`.

@@ -38,17 +38,17 @@ SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "si
 
 
 def piloted_commands() -> list[str]:
-    """Return the commands that a pilot may issue by name; `drive` steers, and anyone may call `all_stop`."""
+    """Return the commands that a pilot may issue by name, in addition to the services `drive` and `all_stop`."""
     return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
 
 
 class Running:
     """A live simulator, from `start` to `stop`.
 
-    Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
+    The map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
     whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
-    parameter, and thus the result of `describe`, changes; see `notice_changes`. replay: the replay of a flight that the
-    simulator follows, if any; the truth is then shown, and all values are those aboard, without a link. branched_from:
+    change of a parameter changes the result of `describe`; see `notice_changes`. replay: the replay that the simulator
+    follows, if any. In a replay, the truth is shown, and all values are those aboard, without a link. branched_from:
     the point in a replay at which a pilot took the helm, or "".
     """
 
@@ -97,7 +97,7 @@ class Running:
 
     @property
     def driver(self) -> str:
-        """The kind of client, other than the pilot, whose command is in effect; "" if none."""
+        """The kind of client, other than the pilot, whose command is in effect, or ""."""
         return next((name for each in self.table.steering.values() if (name := each.watch.driver)), "")
 
     def start(self) -> None:
@@ -164,7 +164,7 @@ class Running:
         self.recorder = Recorder(self.live, path, shared=self.table, feed=self.feed, is_light=True).start()
 
     def stop_recording(self) -> Path | None:
-        """Finish the recording; return its path, or None if nothing is being recorded. Raises OSError."""
+        """Finish the recording and return its path, or None if nothing is being recorded. Raises OSError."""
         recorder, self.recorder = self.recorder, None
         if recorder is None:
             return None
@@ -199,7 +199,10 @@ class Running:
             self.plan.stop(because)
 
     def commands(self) -> list[str]:
-        """Return the commands that a pilot may issue by name; with an instructor, only those to a vehicle."""
+        """Return the commands that a pilot may issue by name.
+
+        With an instructor, only those to a vehicle are included.
+        """
         return [name for name in piloted_commands() if not self.is_supervised or COMMANDS[name].crosses_link]
 
     def topics(self) -> list[GuestTopic]:
@@ -215,7 +218,7 @@ class Running:
         return {**said, **topics, **aboard, **self.arrivals.describe(view.name)}
 
     def _sonar_views(self) -> list[Values]:
-        """Return the views of imaging sonars; these are ordinary channels, paced by simulated time."""
+        """Return the views of imaging sonars, which are ordinary channels paced by simulated time."""
         return [
             {
                 "name": source.topic(name), "title": title(source.topic(name)), "kind": SONAR_KINDS[type(sonar.model)],

@@ -1,4 +1,4 @@
-"""Saved sessions: a folder with maps, the state to continue from, the scenario with its files, and the commands."""
+"""Saved sessions. Each is a folder with the maps, the state, the scenario and its files, and the commands."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def load_saved(folder: Path, threads: int | None) -> Simulator:
 
 
 def go_on_with_maps(running: Running, folder: Path) -> None:
-    """Load the maps of a session so that the running simulator continues them."""
+    """Load the maps of a session, to which the running simulator then adds."""
     for vehicle, ping_map in running.maps.items():
         if (folder / f"{vehicle}.ot").is_file():
             ping_map.go_on_from(folder / f"{vehicle}.ot")

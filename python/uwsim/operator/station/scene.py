@@ -1,4 +1,4 @@
-"""The world for the page's 3D view: the bed as a height grid; obstacles, station and hulls as GLB."""
+"""The world for the page's 3D view: the bed as a height grid, and obstacles, station and hulls as GLB."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def outline(points_m: NDArray[np.float64]) -> list[list[float]]:
 
 
 def strip(line_m: NDArray[np.float64], half_width_m: float) -> list[list[float]]:
-    """Return the corners (x, y) of a strip along a line (n, 2) that bends gently: along its left side, and back."""
+    """Return the corners (x, y) of a strip along a gently bending line (n, 2), first along the left side, then back."""
     ways = np.diff(line_m, axis=0)
     ways /= np.linalg.norm(ways, axis=1)[:, None]
     before, after = np.concatenate([ways[:1], ways]), np.concatenate([ways, ways[-1:]])
@@ -136,7 +136,7 @@ def rounded(corners_m: NDArray[np.float64]) -> list[list[float]]:
 
 
 def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:
-    """Return a mesh as a binary glTF without transforms: z is up as in the world, unlike glTF's convention."""
+    """Return a mesh as binary glTF without transforms. As in the world, z is up, unlike in glTF's convention."""
     import trimesh
 
     vertices, triangles = mesh

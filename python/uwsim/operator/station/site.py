@@ -36,7 +36,7 @@ PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
 class File(NamedTuple):
-    """The content of a response. name: file name for downloads; "" if the browser displays the content."""
+    """The content of a response. name: the file name for a download, or "" if the browser displays the content."""
 
     body: bytes
     type: str
@@ -47,11 +47,10 @@ POLICY, FRAMES, NO_PAGES = "Content-Security-Policy", "frame-ancestors ", "'none
 
 
 class Site:
-    """Answers the server's HTTP requests; slow content is generated on separate threads.
+    """Answers the server's HTTP requests. Slow content is generated on separate threads.
 
     may_load: returns whether a request may load more than the page's own files, for example because it carries the
-    token. framed_by: sources of the pages that may show the page in a frame, as in Content-Security-Policy; none by
-    default.
+    token. framed_by: the sources that may show the page in a frame, as in Content-Security-Policy; by default none.
     """
 
     def __init__(
@@ -167,7 +166,7 @@ def _answer(request: Request, status: HTTPStatus, file: File, extra: dict[str, s
 
 
 def _safe(request: Request) -> dict[str, str]:
-    """Return headers that confine the page to this server: no foreign scripts, pictures, sockets or frames."""
+    """Return headers that forbid the page to use scripts, pictures, sockets or frames of other servers."""
     host = request.headers["Host"]  # a known name or an address, as checked by the door
     sockets = [f"ws://{host}", f"wss://{host}"]
     other = parse_qs(urlsplit(request.path).query).get("rosbridge", [""])[0].rstrip("/")

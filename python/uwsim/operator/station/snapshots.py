@@ -1,4 +1,4 @@
-"""Pictures of the views at full size, with the instruments' values in their own metadata."""
+"""Pictures of the views at full size, with the instruments' values in their metadata."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def taken(running: Running, view: object) -> tuple[NDArray[np.uint8], Values]:
 
 
 def panel_of(running: Running, vehicle: str) -> Values:
-    """Return a vehicle's panel now or, over a link, the last that arrived. Raises ValueError if none has."""
+    """Return a vehicle's current panel or, over a link, the last to arrive. Raises ValueError if there is none."""
     if running.arrivals is not None:
         return running.arrivals.panel(vehicle)
     source = _source(running, vehicle)
@@ -55,7 +55,7 @@ def _source(running: Running, vehicle: str) -> Source:
 
 
 def described(running: Running, view: str, panel: Values, comment: str, *, note: str = "") -> dict[str, str]:
-    """Return the text chunks of a picture: PNG's own keywords, and "uwsim" with all values as JSON."""
+    """Return the text chunks of a picture: PNG's standard keywords, and "uwsim" with all values as JSON."""
     scenario = running.live.simulator.scenario.name
     values = instruments(panel)
     line = " ".join(f"{key}={value}" for key, value in values.items() if value is not None)
@@ -67,7 +67,7 @@ def described(running: Running, view: str, panel: Values, comment: str, *, note:
 
 
 def instruments(panel: Values) -> Values:
-    """Return the values shown in pictures, in SI units and degrees; None if no instrument aboard measures a value.
+    """Return the values shown in pictures, in SI units and degrees, or None for values that are not measured.
 
     position_m (east, north and up, in odom) and heading_deg (clockwise from north) are the vehicle's own estimates.
     """

@@ -1,4 +1,4 @@
-"""The user's rosbridge: the server named on the start screen, which a session joins as `uwsim connect` does."""
+"""The user's rosbridge, a server named on the start screen that a session joins as `uwsim connect` does."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class UserRosbridge:
     ros: Ros
 
     def require_reachable(self) -> None:
-        """Connect once. Raises ValueError if the server cannot be reached, or is a station of uwsim."""
+        """Try to connect. Raises ValueError if the server cannot be reached, or is a uwsim station."""
         try:
             socket = WebSocket(self.url)
         except (OSError, TimeoutError, InvalidHandshake, InvalidURI) as error:
@@ -51,7 +51,7 @@ def checked_host(value: object) -> str:
 
 
 def checked_port(value: object) -> int:
-    """Return the port; None means rosbridge_server's default. Raises ValueError."""
+    """Return the port, which for None is rosbridge_server's default. Raises ValueError."""
     if value is None:
         return PORT
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 or not 1 <= value <= 65535:
@@ -60,14 +60,14 @@ def checked_port(value: object) -> int:
 
 
 def checked_ros(value: object) -> Ros:
-    """Return the generation of ROS; None means 1, as in the paper. Raises ValueError."""
+    """Return the generation of ROS, which for None is 1, as in the paper. Raises ValueError."""
     if value is not None and (isinstance(value, bool) or value not in (1, 2)):
         raise ValueError(f"rosbridge_ros = {str(value)[:40]}: must be 1 or 2")
     return 2 if value == 2 else 1
 
 
 def _is_station(socket: WebSocket) -> bool:
-    """Return whether a server responds to a call to a service that only uwsim stations offer."""
+    """Return whether a server answers a call to a service that only uwsim stations offer."""
     request: Values = {"op": "call_service", "service": "/station/catalog", "id": "uwsim"}
     socket.send(json.dumps(request))
     try:

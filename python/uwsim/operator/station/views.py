@@ -1,4 +1,4 @@
-"""Camera pictures shown by the page, rendered at a wall-clock rate and only while being viewed."""
+"""Renders the camera pictures that the page shows, at a wall-clock rate and only while they are viewed."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class View:
         self.call("view", "small")
 
     def call(self, large: str, small: str) -> None:
-        """Set the view's topics, named `large` and `small`, each followed by the name of the view."""
+        """Set the names of the view's topics, which are `large` and `small` followed by the view's name."""
         small_size = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
         whole, reduced = self.camera.resized(self.camera.mount.width), self.camera.resized(SMALL_WIDTH)
         self.large = Stream(f"station/{large}/{self.name}", whole, Size(), self.frame_id)
@@ -116,10 +116,10 @@ class View:
 
 
 class Views:
-    """The views of one simulator. Call `beat` at the times it returns, and after `stir`; it does not block.
+    """The views of one simulator. Call `beat` at the times that it returns, and after `stir`. It does not block.
 
-    over_link: whether vehicle camera pictures are received over a link; those rendered here then have different topics,
-    and exist only if the truth may be shown.
+    over_link: whether vehicle camera pictures are received over a link. Pictures rendered here then have different
+    topics, and exist only if the truth may be shown.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class Views:
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
     def beat(self, now_s: float) -> float:
-        """Start the pictures that are due; return the time [s] until the next one, unless `stir` is called earlier."""
+        """Start the pictures that are due. Return the time [s] until the next one, unless `stir` is called earlier."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
         passing = [view for view in self._made if not is_cut_off(self._live.simulator, view.vehicle)]
         for view in passing:
@@ -195,7 +195,7 @@ class Views:
         return self.views[name]
 
     def capture(self, view: View, also: Callable[[Simulator], Any]) -> tuple[Frame, Any]:
-        """Return a picture at the camera's full size, and the result of `also` at the same time. Blocks."""
+        """Return a picture at the camera's full size, and the result of `also` at the same time. This blocks."""
         snapshot, read = self._live.read(lambda sim: (view.camera.snapshot(), also(sim))).result()
         camera = view.camera.resized(view.camera.mount.width)
         capture = partial(camera.capture, at=snapshot, threads=THREADS, dark_below_ground=True)

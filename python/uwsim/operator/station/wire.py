@@ -1,7 +1,7 @@
-"""The fields of the station's requests and responses, as exchanged with its page; `calls` lists the services.
+"""The fields of the station's requests and responses, as exchanged with its page. For the services, see `calls`.
 
-docs/connections/station-wire.md explains the fields. The page's functions send no others; the server checks values
-where it reads them. Tests check every response against these types.
+docs/connections/station-wire.md explains the fields. The page sends no other fields. The server checks values where it
+reads them. Tests check every response against these types.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Message(BaseModel):
-    """A JSON object with exactly these fields; fields with a default are optional."""
+    """A JSON object with exactly these fields. Fields with a default are optional."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -51,7 +51,7 @@ class Commanded(Done):
 
 
 class Choice(Message):
-    """The choice on the start screen; a missing or null field keeps the scenario's value.
+    """The choice on the start screen. A missing or null field keeps the scenario's value.
 
     rosbridge_*: the user's server.
     """
@@ -100,7 +100,7 @@ class OfferedScenario(Offered):
 
 
 class OfferedSonar(Message):
-    """A multibeam that can be chosen; a number refers to one of the paper's models."""
+    """A multibeam that can be chosen. A number refers to one of the paper's models."""
 
     name: int | str
     title: str
@@ -109,7 +109,7 @@ class OfferedSonar(Message):
 
 
 class RecordedFlight(Message):
-    """A flight that can be replayed. begun: wall-clock time, ISO 8601. refused: why it cannot be, or empty."""
+    """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty."""
 
     name: str
     scenario: str
@@ -196,7 +196,7 @@ class VehicleDescription(Message):
 
 
 class ViewLink(Message):
-    """How pictures are sent over a link. period_s: null if there is no capacity for pictures."""
+    """The transmission of pictures over a link. period_s: null if there is no capacity for pictures."""
 
     modem: str
     period_s: float | None
@@ -314,7 +314,7 @@ class HandOver(Message):
 
 
 class Drive(Message):
-    """Efforts in [-1, 1]; a missing one is 0. stamp_ms: the page's clock when its keys were read."""
+    """Efforts in [-1, 1], by default 0. stamp_ms: the time on the page's clock at which the keys were read."""
 
     vehicle: str
     surge: float | None = None

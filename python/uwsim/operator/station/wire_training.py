@@ -54,7 +54,7 @@ class Supervise(Message):
 
 
 class Instruct(Message):
-    """The instructor's request. action: see docs/connections/station-wire.md, also for its args."""
+    """A request by the instructor. action, args: see docs/connections/station-wire.md."""
 
     action: str
     args: dict[str, Any] | None = None
@@ -91,7 +91,7 @@ class Instruction(Message):
 
 
 class Overview(Message):
-    """The truth, for the instructor. exercise: as in ExerciseState, without success. log: newest first."""
+    """The truth, for the instructor. exercise: an ExerciseState without `success`. log: newest first."""
 
     success: Literal[True]
     time_s: float

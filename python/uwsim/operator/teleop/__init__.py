@@ -1,4 +1,4 @@
 """Teleoperation in the terminal: `uwsim teleop`. Needs the extra 'teleop'.
 
-`connection` is a plain rosbridge client, `hands` turns keys and sticks into efforts, and the other modules draw.
+`connection` is a plain rosbridge client, `hands` converts keys and sticks to efforts, and the other modules draw.
 """

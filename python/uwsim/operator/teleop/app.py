@@ -95,7 +95,7 @@ class TeleopApp(App[None]):
             self.set_interval(PAD_S, self._poll_gamepads)
 
     def end_at_once(self) -> None:
-        """Set the efforts to zero and quit, even if the terminal accepts no more output and would block the process."""
+        """Set the efforts to zero and quit, even if the terminal accepts no more output."""
         self.connection.stop()
         last = threading.Timer(QUIT_S, os._exit, (INTERRUPTED,))
         last.daemon = True
@@ -150,7 +150,7 @@ class TeleopApp(App[None]):
             self.hands.press(character)
 
     def _mark(self) -> None:
-        """Store the current position; marking is a function of the published keyboard, not a command."""
+        """Store the current position. This is a function of the published keyboard, not a command."""
         readout = self.connection.readout
         east, north, up = readout.position_m
         self.marks.append(

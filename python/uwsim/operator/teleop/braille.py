@@ -1,4 +1,4 @@
-"""A canvas of dots in a terminal: each character is a braille pattern of 2 x 4 dots (Unicode block U+2800)."""
+"""A canvas of dots in a terminal. Each character is a braille pattern of 2 x 4 dots (Unicode block U+2800)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ EMPTY = 0x2800
 
 
 class Canvas:
-    """Dots, addressed from the top left corner; a character takes the style of its highest-ranking dots."""
+    """A canvas whose dots are addressed from the top left. A character takes the style of its highest-ranking dots."""
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
@@ -21,7 +21,7 @@ class Canvas:
         self._styles = [""]
 
     def dot(self, across: NDArray[np.float64], down: NDArray[np.float64], style: str) -> None:
-        """Set dots; those outside the canvas are ignored. Dots set later have a higher rank."""
+        """Set dots. Dots outside the canvas are ignored. Dots that are set later have a higher rank."""
         self._styles.append(style)
         column, row = np.rint(across).astype(int), np.rint(down).astype(int)
         inside = (column >= 0) & (column < COLUMNS * self.width) & (row >= 0) & (row < ROWS * self.height)

@@ -1,7 +1,7 @@
 """The connection between the pilot's terminal and a vehicle: a plain rosbridge client for the published topics.
 
-One thread listens and another sends the current efforts, so that they expire in time even if the screen hangs. Efforts
-are sent repeatedly while the pilot has the helm, which shows the vehicle that the pilot is present.
+One thread listens and another sends the current efforts, so that they expire in time even if the screen hangs. While
+the pilot has the helm, efforts are sent repeatedly to show that the pilot is present.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ QUEUE = 2  # maximum number of queued messages per topic, since a pilot needs th
 class Connection:
     """Keeps a terminal connected to a rosbridge server.
 
-    vehicle: selects the topics if there are several vehicles. say: called with text for the pilot, on any thread.
-    Raises ValueError for an invalid url.
+    vehicle: the vehicle's name, needed if there are several. say: called with text for the pilot, on any thread. Raises
+    ValueError for an invalid url.
     """
 
     def __init__(
@@ -192,9 +192,9 @@ class Connection:
         node.close()
 
     def _offered(self, node: Node) -> set[str]:
-        """Return the server's topics, or an empty set if it does not list them.
+        """Return the server's topics, or an empty set if the server does not list them.
 
-        In that case the server is assumed to have the published topics.
+        In that case, the server is assumed to have the published topics.
         """
         answers: list[dict[str, Any]] = []
         node.call("/rosapi/topics", answers.append)
@@ -252,7 +252,7 @@ class Connection:
         self._guarded(lambda node: self._publish(message))
 
     def _guarded(self, act: Callable[[Node], object]) -> None:
-        """Call `act` with the node unless its connection is closing; the listening thread reports that."""
+        """Call `act` with the node unless its connection is closing, which the listening thread reports."""
         try:
             if self._node is not None:
                 act(self._node)

@@ -17,14 +17,14 @@ ARC = 400  # number of dots in a ring
 
 
 def fan_scale_m(ranges_m: NDArray[np.float32]) -> float:
-    """Return the smallest scale that shows nine out of ten echoes, or the largest scale if there are no echoes."""
+    """Return the smallest scale that shows 90 % of the echoes, or the largest scale if there are no echoes."""
     echoes = ranges_m[np.isfinite(ranges_m)]
     far_m = float(np.quantile(echoes, 0.9)) if len(echoes) else math.inf
     return next((scale_m for scale_m in SCALES_M if scale_m >= far_m), SCALES_M[-1])
 
 
 def draw_fan(angles_rad: NDArray[np.float64], ranges_m: NDArray[np.float32], width: int, height: int) -> Text:
-    """Return the fan as `width` x `height` characters; ranges that are not finite are not echoes."""
+    """Return the fan as `width` x `height` characters. Ranges that are not finite are ignored."""
     if width < 8 or height < 4:
         return Text()
     if not len(ranges_m):

@@ -1,4 +1,4 @@
-"""Flies a vehicle from the terminal until the pilot quits, leaving the efforts at zero in all cases."""
+"""Flies a vehicle from the terminal until the pilot quits, and leaves the efforts at zero in all cases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.operator.teleop.hands import Hands
 
 
 class _ToScreen(logging.Handler):
-    """Shows warnings on the pilot's screen, which they would corrupt if printed to stderr."""
+    """Shows warnings on the pilot's screen, since printing them to stderr would corrupt it."""
 
     def __init__(self, app: TeleopApp) -> None:
         super().__init__(logging.WARNING)
@@ -25,7 +25,7 @@ class _ToScreen(logging.Handler):
 
 
 def fly(url: str, name: str, vehicle: str | None = None, *, adds_up: bool = False) -> tuple[list[str], int]:
-    """Show the pilot's screen until the pilot quits; return the marked positions and the exit code.
+    """Show the pilot's screen until the pilot quits. Return the marked positions and the exit code.
 
     adds_up: see Hands. Raises ValueError.
     """

@@ -32,7 +32,7 @@ class Pad(Protocol):
 
 
 def shaped(value: int) -> float:
-    """Map an axis to [-1, 1]: no drift at rest, fine control near the centre, full scale at the end."""
+    """Map an axis to [-1, 1], with no drift at rest, fine control near the centre and full scale at the end."""
     size = min(abs(value) / FULL, 1.0)
     if size < DEAD_ZONE:
         return 0.0
@@ -65,9 +65,9 @@ class Gamepads:
             self._pygame, self._controller = pygame, controller
 
     def look(self) -> None:
-        """Look for a gamepad if there is none, and check that the current one is still connected.
+        """Look for a gamepad if there is none, or check that the current one is still connected.
 
-        Call about once a second.
+        Call this about once a second.
         """
         if not self.is_possible:
             return

@@ -2,9 +2,9 @@
 
 A terminal reports that a key was typed, and again as it repeats, but not that it was released. An effort therefore
 lasts for FIRST_HOLD_S after a key is first typed, by which time a keyboard has started to repeat, and for REPEAT_HOLD_S
-after each repeat. Of several keys held down, only the last one repeats; the others last as long as it does. Terminals
-with the kitty keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is released;
-there an effort lasts until then.
+after each repeat. Of several keys held down, only the last one repeats, and the others last as long as it does.
+Terminals with the kitty keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is
+released, so an effort lasts until then.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Hands:
     """The pilot's current commands. May be read on any thread.
 
     adds_up: whether each press of a driving key adds to its axis or subtracts, and the sum lasts, as in the published
-    keyboard node. has_helm: whether the pilot is steering; the first driving key or stick movement takes the helm.
+    keyboard node. has_helm: whether the pilot is steering, which begins with the first driving key or stick movement.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, *, adds_up: bool = False) -> None:
@@ -54,7 +54,7 @@ class Hands:
         self._share = min(max(self._share + steps, 0), len(SHARES) - 1)
 
     def beat(self) -> None:
-        """Signal that the screen is alive. After the first call, several calls per second are needed."""
+        """Signal that the screen is alive. After the first call, this must be called several times per second."""
         self._beaten_s = self._clock()
 
     def press(self, key: str) -> None:
@@ -89,7 +89,7 @@ class Hands:
             self._held.pop(key, None)
 
     def set_sticks(self, efforts: Mapping[str, float]) -> None:
-        """Set the efforts from gamepad sticks, in [-1, 1] by axis; they are held until the next call."""
+        """Set the efforts from gamepad sticks, in [-1, 1] by axis, which are held until the next call."""
         with self._lock:
             self._sticks = dict(efforts)
             self.has_helm = self.has_helm or any(efforts.values())

@@ -1,4 +1,4 @@
-"""The published keyboard plus a few additional keys: the action of each character."""
+"""The action of each key: those of the published keyboard, plus a few additional keys."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def figures(readout: Readout) -> Text:
 
 
 def effort_bars(asked: dict[str, float], obeyed: tuple[float, ...]) -> Text:
-    """Return a bar for each axis: the effort requested by the pilot next to that reported by the vehicle."""
+    """Return a bar for each axis, with the effort requested by the pilot and the effort reported by the vehicle."""
     text = Text(no_wrap=True)
     for k, axis in enumerate(AXES):
         effort = asked[axis]

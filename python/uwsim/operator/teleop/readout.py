@@ -1,4 +1,4 @@
-"""The pilot's information about the vehicle: the latest message on each of its topics."""
+"""The latest values from the vehicle's topics, as shown to the pilot."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ PUBLISHED_HFOV_DEG = 120.0  # assumed until hFOV arrives
 
 @dataclass
 class Readout:
-    """The latest values; NaN if unknown.
+    """The latest values, or NaN if unknown. heading_deg: compass heading, clockwise from north.
 
-    heading_deg: compass heading, clockwise from north. position_m: from the server, in its odom frame. link: modem,
-    fraction of packets that arrive, delay, and time since the station last received from the vehicle; "" if there is no
-    link.
+    position_m: as reported by the server, in its odom frame. link: modem, fraction of packets that arrive, delay, and
+    time since the station last received from the vehicle; "" if there is no link.
     """
 
     position_m: tuple[float, float, float] = (NAN, NAN, NAN)
@@ -182,7 +181,7 @@ PUBLISHED: dict[str, tuple[str, Take]] = {
 
 
 def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]]:
-    """Return type and handler of each useful topic. offered: the server's topics; empty if it does not list them."""
+    """Return the type and handler of each useful topic. offered: the server's topics, or empty if they are unknown."""
     found: dict[str, tuple[str, Take]] = {}
     panel, sonar = prefix + "telemetry" in offered, prefix + "ping" in offered
     for name, topic in (STANDARD | PUBLISHED).items():

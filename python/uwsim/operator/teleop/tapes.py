@@ -1,4 +1,4 @@
-"""Tapes in the style of aircraft instruments: heading along the top, depth down the side."""
+"""Draws tapes in the style of aircraft instruments, with heading along the top and depth down the side."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNKNOWN = "---"
 
 
 def heading_tape(heading_deg: float, width: int) -> Text:
-    """Return two lines: marks every 15 degrees that move past a fixed pointer, and the heading as a number."""
+    """Return two lines, with marks every 15 degrees that move past a fixed pointer, and the heading as a number."""
     if not math.isfinite(heading_deg):
         return Text("heading unknown".center(width), "dim")
     cells = [" "] * width
@@ -30,7 +30,7 @@ def heading_tape(heading_deg: float, width: int) -> Text:
 
 
 def depth_tape(depth_m: float, seabed_m: float, height: int) -> Text:
-    """Return `height` lines of 12 characters: a depth scale that moves past a pointer, with surface and bed."""
+    """Return `height` lines of 12 characters with a depth scale that moves past a pointer, surface and bed."""
     if not math.isfinite(depth_m):
         return Text("depth unknown", "dim")
     lines = Text(no_wrap=True)

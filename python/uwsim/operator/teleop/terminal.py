@@ -1,6 +1,6 @@
-"""Key releases from terminals with the kitty keyboard protocol; textual itself only requests presses.
+"""Key releases from terminals with the kitty keyboard protocol, from which textual only requests presses.
 
-The protocol: https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With its flag 2, a key event states whether the key
+See https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With the protocol's flag 2, a key event states whether the key
 was pressed (1), has repeated (2) or was released (3): `CSI code ; modifiers : event ; text u`.
 """
 
@@ -25,7 +25,7 @@ LET_GO = "3"
 
 
 class KeyReleased(Message):
-    """A key was released. character: the character of the key without modifiers."""
+    """A message that a key was released. character: the character of the key without modifiers."""
 
     def __init__(self, character: str) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class KeyReleased(Message):
 
 
 class ReleaseParser(XTermParser):
-    """Reports key releases through a callback; presses and repeats are handled as by textual."""
+    """Reports key releases through a callback. Presses and repeats are handled as in textual."""
 
     def __init__(self, released: Callable[[str], object]) -> None:
         super().__init__()

@@ -203,7 +203,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} fov_rad
  */
 
-/** How pictures are sent over a link. period_s: null if there is no capacity for pictures.
+/** The transmission of pictures over a link. period_s: null if there is no capacity for pictures.
  * @typedef {object} ViewLink
  * @property {string} modem
  * @property {number | null} period_s
@@ -357,7 +357,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} text
  */
 
-/** The truth, for the instructor. exercise: as in ExerciseState, without success. log: newest first.
+/** The truth, for the instructor. exercise: an ExerciseState without `success`. log: newest first.
  * @typedef {object} Overview
  * @property {true} success
  * @property {number} time_s
@@ -424,7 +424,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} description
  */
 
-/** A multibeam that can be chosen; a number refers to one of the paper's models.
+/** A multibeam that can be chosen. A number refers to one of the paper's models.
  * @typedef {object} OfferedSonar
  * @property {number | string} name
  * @property {string} title
@@ -432,7 +432,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {'published' | 'instrument'} kind
  */
 
-/** The choice on the start screen; a missing or null field keeps the scenario's value.
+/** The choice on the start screen. A missing or null field keeps the scenario's value.
 
     rosbridge_*: the user's server.
     
@@ -451,7 +451,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [flight]
  */
 
-/** A flight that can be replayed. begun: wall-clock time, ISO 8601. refused: why it cannot be, or empty.
+/** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
  * @typedef {object} RecordedFlight
  * @property {string} name
  * @property {string} scenario
