@@ -27,7 +27,7 @@ from collections.abc import Callable, Iterable, Iterator
 from enum import IntEnum
 from typing import NamedTuple, Protocol
 
-NEVER = 2**62  # later than any tick that is reached
+NEVER = 2**62  # later than any tick in practice
 
 
 class Rank(IntEnum):

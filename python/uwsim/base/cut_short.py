@@ -1,4 +1,4 @@
-"""A warning about truncated text files, in which the last number may have lost its final digits."""
+"""Warns about truncated text files, in which the last number may have lost its final digits."""
 
 from __future__ import annotations
 

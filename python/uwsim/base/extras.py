@@ -42,7 +42,7 @@ EXTRA_OF = {
     "stable_baselines3": "rl",
     "distributed": "sweeps",
 }
-"""By module, the smallest extra in pyproject.toml that installs it."""
+"""The smallest extra in pyproject.toml that installs each module."""
 
 
 class MissingExtraError(ImportError, ValueError):

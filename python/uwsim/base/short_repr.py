@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 LONGEST, SHOWN = 60, 4
-"""Longest text of one value, in characters; largest array whose values are shown."""
+"""The maximum length of a value's text, and the maximum size of an array whose values are shown."""
 
 
 class ShortRepr:

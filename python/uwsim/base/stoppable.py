@@ -19,7 +19,7 @@ class Stoppable:
 
     in_haste = False
     heard = False
-    """Whether the run has noticed the request, and will thus end by itself."""
+    """Whether the run has noticed the request and will end."""
     _stop_requested = False
 
     def stop(self, *, in_haste: bool = False) -> None:

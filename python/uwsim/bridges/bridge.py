@@ -53,7 +53,7 @@ class Bridge:
         self._usual = Lane(f"uwsim-{name}-service", SERVICE_THREADS, self.log, open_calls)
         self._vital = Lane(f"uwsim-{name}-vital", 1, self.log, open_calls)
         self._lock = threading.Lock()
-        self._ends: dict[str, Callable[[], None]] = {}  # for the channels being read
+        self._ends: dict[str, Callable[[], None]] = {}  # functions that stop reading, by channel
         self._going_on: list[Subscription] = []
 
     def keep_up(self) -> None:

@@ -28,7 +28,7 @@ Main = Callable[["Listener[Any]", Callable[[], None]], Awaitable[None]]
 It calls its second argument as soon as clients may connect, and returns once `stopping` is set.
 """
 OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], None]], S]
-"""Opens a session from a connection, a function that wakes its writer, and one that disconnects the client."""
+"""Opens a session, given a connection and the functions that wake its writer and disconnect the client."""
 
 STOP_S = 5.0
 HALF_OPEN_MAX = 64  # connections beyond `places` that have not yet sent a request

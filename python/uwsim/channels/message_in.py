@@ -171,7 +171,7 @@ def _list_reader(kind: Kind) -> Reader:
             raise ValueError(f"{path} = {shortened(value)}: must be a list ({kind.base}[])")
         _check_length(len(value), path, kind)
         cost = element_cost(kind)
-        if not kind.length:  # a list of fixed length is in its message's cost
+        if not kind.length:  # the cost of a message includes its fixed-length lists
             meter.charge(cost, len(value), path)
         step = max(1, SLICE_OBJECTS // max(1, cost.objects))
         found = []

@@ -128,7 +128,7 @@ class Pictures:
         self._streams: dict[str, Stream] = {}
         self._jobs: dict[str, list[_Job]] = {}
         self._wanted: dict[tuple[str, Part], int] = {}  # period of the last reading of a camera's part
-        self._last: dict[str, tuple[int, int]] = {}  # period of each camera's last reading, and its gap to the previous
+        self._last: dict[str, tuple[int, int]] = {}  # period of each camera's last reading, and the gap before it
         self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
 
     @property

@@ -26,9 +26,9 @@ from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
 COMMAND_LIFE_S = 5.0
-"""Time for which a command may wait to be sent; two rounds of all nodes if these take longer."""
+"""The time for which a command may wait to be sent, or two rounds of all nodes if these take longer."""
 VITAL_REPEATS = 2
-"""Repetitions of an all stop, which is not acknowledged: any one of the three copies suffices."""
+"""The number of repetitions of an all stop, which is not acknowledged. Any one of the three copies suffices."""
 LISTENED_S = 2.0
 """How long a channel counts as having a reader after it was last read."""
 ONCE_HZ = 1.0

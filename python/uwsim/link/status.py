@@ -1,4 +1,4 @@
-"""The `link` channel: how well a vehicle and the station receive each other, based on data from both ends."""
+"""The `link` channel, which reports how well a vehicle and the station receive each other."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ FILE = "$file"
 HOLDS, GIVEN = "$holds", "given"
 """Marks a scenario that contains only values set explicitly; without the mark, it contains all defaults."""
 NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
-"""Permitted names of files in a recording, none of which would be written outside the folder."""
+"""The permitted names of files in a recording, which cannot lead outside the folder."""
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:

@@ -47,7 +47,7 @@ class Comparison:
 def diff(first: Recording, second: Recording) -> Comparison:
     """Compare two recordings message by message, pairing the n-th messages of each channel, in recording order."""
     found: dict[str, Parting] = {}
-    waiting: dict[str, deque[tuple[int, Recorded]]] = defaultdict(deque)  # of the recording (0 or 1) that is ahead
+    waiting: dict[str, deque[tuple[int, Recorded]]] = defaultdict(deque)  # of the recording that is ahead (0 or 1)
     compared = 0
     for side, recorded in _in_turn(first, second):
         queue = waiting[recorded.topic]

@@ -28,7 +28,7 @@ LONGEST_S = 12 * 3600.0
 EVENTS_MAX = 500
 MERGED_S = 2.0  # repeats of a command within this time are one event
 UNSEEN = frozenset({EFFORT, SET_STREAM, "start_navigation", "link_send"})
-"""Commands that do not count as events: they are issued in every period, or by programs."""
+"""Commands that are not events, because they are issued in every period or by programs."""
 
 
 class SavedMoment(NamedTuple):
@@ -151,7 +151,7 @@ class Timeline:
         assert self.recording.end is not None
         jumps = (k for k, command in enumerate(self.commands) if command.name in JUMPS)
         end = self.recording.end.tick
-        if (first := next(jumps, None)) is not None:  # its tick is the one to which it led
+        if (first := next(jumps, None)) is not None:  # a jump's tick is the tick after the jump
             end = self._last_ns_before_jump() // self.recording.step_ns
             self._ticks = self._ticks[:first]
         duration_s = (end - self.start_tick) * self.step_s

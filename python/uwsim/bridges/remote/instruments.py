@@ -25,7 +25,7 @@ from uwsim.instruments.cameras.frame import MOUNT_FROM_OPTICAL
 IMAGE = "/image_raw/compressed"
 LEVELS = "/image"
 LINK_FROM_SONAR = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
-"""The sonar's frame (x ahead, y to port, z up) in that of its messages (x up, y to starboard, z ahead), (3, 3)."""
+"""The rotation (3, 3) from sonar axes (x ahead, y to port, z up) to message axes (x up, y to starboard, z ahead)."""
 
 
 def _imu(message: Any) -> SimpleNamespace:

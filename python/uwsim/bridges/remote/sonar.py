@@ -17,7 +17,7 @@ from uwsim.channels import build
 
 FLOAT = "std_msgs/msg/Float64"
 AIMED_RAD = 1e-4
-"""Largest difference at which a joint counts as arrived; links round angles when they pack them."""
+"""The largest error at which a joint counts as having reached its target, since links round angles."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,7 +48,10 @@ class Limits:
     total_bytes: int = 512 << 20
     """Data queued and stored for all clients; beyond it, the client with the most data is disconnected."""
     messages_per_s: float = 2000.0
-    """Messages from a client; beyond this rate, it is read more slowly. A burst worth one second is allowed."""
+    """Messages from a client. Beyond this rate, the client is read more slowly.
+
+    A burst of one second's worth is allowed.
+    """
     bytes_per_s: float = 16e6
     """Bytes from a client, limited in the same way."""
 

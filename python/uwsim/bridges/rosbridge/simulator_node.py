@@ -26,7 +26,7 @@ from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
 """The node's name in the graph for a live simulator, and for a recording."""
-WAITING = 10  # times a topic's usual queue, since one client may keep the network's thread busy for that long
+WAITING = 10  # multiple of a topic's usual queue, since one client may keep the network thread busy that long
 
 
 class SimulatorNode(Bridge):

@@ -73,7 +73,7 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
         load = _quick_load(frame)
         if _is_too_much(load, frame, limits, ROUGH_SHARE):
             exact, fits = exact_load(frame), not _is_too_much(load, frame, limits)
-            shares = exact.members > exact.values // 2  # keys, rather than elements of lists
+            shares = exact.members > exact.values // 2  # mostly members of objects, not elements of lists
             remembers = exact.values <= SLOW_VALUES and (shares or not fits)
             if not remembers and not fits and exact.containers <= limits.objects:
                 raise ValueError(f"frame: {exact.values} values in many objects: must be {SLOW_VALUES} at most")
@@ -100,7 +100,7 @@ def _quick_load(text: str) -> Load:
     containers = text.count("{") + text.count("[")
     commas, colons, quotes = text.count(","), text.count(":"), text.count('"')
     values = commas + containers + 1
-    # A key counted as a string value needs an extra value, or it would hide a number.
+    # Each key is counted as a string, so a value is added for it. Otherwise it would hide a number.
     return Load(containers, quotes // 2, colons, values + quotes // 2, nodes=values + quotes // 2)
 
 

@@ -201,7 +201,7 @@ def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, floa
     known = [k for k, place in enumerate(places) if place is not None]
     if earth.crs is None or not known:
         return found
-    from rasterio.warp import transform  # such a world's terrain was read by rasterio
+    from rasterio.warp import transform  # available, since rasterio has read the terrain
 
     xs = [earth.origin[0] + earth.units_per_m * places[k][0] for k in known]
     ys = [earth.origin[1] + earth.units_per_m * places[k][1] for k in known]

@@ -80,7 +80,7 @@ class Services:
         self._station.lease.require_pilot(caller)
         running = self._station.present()
         if running.plan is not None and running.plan.is_on:
-            if not any(request.get(axis) for axis in AXES):  # a released key leaves the plan alone
+            if not any(request.get(axis) for axis in AXES):  # a released key does not end the plan
                 return {"success": True, "message": "a plan is flown", "tick": running.live.tick, "age_s": 0.0}
             running.end_plan("the pilot has taken over")
         return running.helm.drive(request)

@@ -70,7 +70,7 @@ def _function(call: Call) -> str:
     line = f"{head} {body}"
     sentence = call.description[0].upper() + call.description[1:]
     comment = f"// {sentence}.\n/** @returns {{Promise<{call.answer.__name__} | Refused>}} */\n"
-    if len(head) > 120:  # broken as prettier does
+    if len(head) > 120:  # wrapped as by prettier
         every = "".join(f"    {field},\n" for field in names)
         if len(given) > 117:  # with its indent and comma
             given = "{\n" + "".join(f"    {field},\n" for field in names) + "  }"

@@ -1,4 +1,4 @@
-"""Key releases from terminals with the kitty keyboard protocol, from which textual only requests presses.
+"""Reports key releases from terminals with the kitty keyboard protocol, which textual does not request.
 
 See https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With the protocol's flag 2, a key event states whether the key
 was pressed (1), has repeated (2) or was released (3): `CSI code ; modifiers : event ; text u`.
