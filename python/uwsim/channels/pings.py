@@ -26,7 +26,9 @@ class TakenPing:
 
 
 class Pings:
-    """The pings of a vehicle's multibeam. interval_s: a multiple of SLOT_S, at least the travel time of sound.
+    """The pings of a vehicle's multibeam, at an interval that allows for the travel time of sound.
+
+    interval_s: the interval, a multiple of SLOT_S.
 
     Readers at the same simulated time get the same ping. Without readers, no pings are computed. model: the sonar model
     at the latest ping.

@@ -231,8 +231,7 @@ class Carrier:
     def due_tick(self) -> int:
         """The first tick at which a message may arrive.
 
-        Once a message has arrived, the network reports a later message as its next arrival, even though the arrived
-        message has yet to be applied.
+        Messages that have arrived but have not been applied are included, unlike in the network's next arrival.
         """
         arrival = -(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9))
         self._awaited_tick = min(self._awaited_tick, arrival)

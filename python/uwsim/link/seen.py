@@ -44,7 +44,7 @@ def seen_channels(
 
 
 def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
-    """Return whether these channels are those seen from the station, through a link."""
+    """Return whether channels are a station's, which result from `seen_channels`."""
     return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 

@@ -76,7 +76,7 @@ class Trial:
 def run_trial(
     scenario: str | Path | Scenario, modem: str | None, *, seed: int | None = None, depth_m: float = 10.0
 ) -> Trial:
-    """Move the vehicle out along the longest clear path at a depth, and back, and send messages at each place.
+    """Move the vehicle out and back along the longest clear path at a depth, and send messages at each place.
 
     Raises ValueError if there is no link or no clear path.
     """

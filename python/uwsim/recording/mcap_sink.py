@@ -47,7 +47,7 @@ QOS = "offered_qos_profiles"
 
 
 class McapSink:
-    """An MCAP file. Each flush ends a chunk, which then survives the death of the process."""
+    """An MCAP file. Each flush ends a chunk, which is then safe even if the process is killed."""
 
     def __init__(self, path: Path, start: Mapping[str, str], attachments: Mapping[str, bytes]) -> None:
         """Create the file with metadata and attachments. Raises OSError if it exists or cannot be written."""

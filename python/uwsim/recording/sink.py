@@ -22,7 +22,7 @@ class Sink(Protocol):
         """Append a message at its simulated time. Raises OSError."""
 
     def flush(self) -> None:
-        """Pass all written data to the operating system, so that they survive the death of the process.
+        """Pass all written data to the operating system, so that they are safe if the process is killed.
 
         Raises OSError.
         """

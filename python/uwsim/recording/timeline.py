@@ -207,7 +207,7 @@ class Timeline:
         self._compare_end(sim, place)
 
     def _compare_end(self, sim: Simulator, place: int) -> None:
-        """Continue after a reset, if any, to the end of the recording, and compare the states."""
+        """Continue to the end of the recording (past a reset, if any), and compare the states."""
         end = self.recording.end
         assert end is not None
         for index in range(place, len(self.commands)):

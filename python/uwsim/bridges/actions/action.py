@@ -39,10 +39,10 @@ class Progress(NamedTuple):
 class Action:
     """An action of one vehicle.
 
-    name: without a leading slash. type: a key of ACTION_TYPES. uses_truth: whether it flies by the true pose instead of
-    the estimate, as chosen for /tf. route: converts a goal message to a route; raises ValueError. feedback: builds the
-    message for a Progress. result: builds the message from the duration of the flight [s] and the reason for an early
-    end ("" for none).
+    name: without a leading slash. type: a key of ACTION_TYPES. uses_truth: whether flights use the true pose, like /tf,
+    instead of the estimate. route: converts a goal message to a route; raises ValueError. feedback: builds the message
+    for a Progress. result: builds the message from the duration of the flight [s] and the reason for an early end (""
+    for none).
     """
 
     name: str

@@ -26,8 +26,8 @@ UNIT = 0.01  # tolerance of the norm of a quaternion
 def actions_of(sim: Simulator, table: Table) -> list[Action]:
     """Return the actions of all vehicles.
 
-    A vehicle has no actions if commands to it go over a modem, which an action would bypass. It also has none if the
-    truth is hidden and it lacks the IMU that estimating its pose requires.
+    A vehicle has no actions if commands to it go over a modem, which an action would bypass, or if the truth is hidden
+    and it has no IMU with which to estimate its pose.
     """
     uses_truth = table.tf == "truth"
     sources = [] if sim.link is not None else [one for one in table.sources if uses_truth or has_estimate(one)]

@@ -42,7 +42,7 @@ PACKET_BYTES = 65_536
 
 
 class RtpsParticipant:
-    """The participant. Call `start` after the last call of `server`. Raises OSError."""
+    """An RTPS participant that serves calls. Call `start` after creating all servers. Raises OSError."""
 
     def __init__(self, settings: Ros2Settings) -> None:
         self._settings = settings

@@ -66,7 +66,10 @@ def read_fragment_size(operation: dict[str, Any]) -> int | None:
 
 
 def split(text: str, size: int, identity: str, most: int) -> Iterator[str]:
-    """Split a text into at most `most` "fragment" operations, of up to `size` characters each if that suffices."""
+    """Split a text into "fragment" operations of up to `size` characters.
+
+    Fragments are longer if there would otherwise be more than `most`.
+    """
     size = max(size, -(-len(text) // most))
     total = -(-len(text) // size)
     for number in range(total):

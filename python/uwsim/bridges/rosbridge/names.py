@@ -8,9 +8,10 @@ from uwsim.bridges.rosbridge.subscription import Subscription
 
 
 class Names:
-    """A client's names. advertised: whether each topic is latched, by plain name. subscriptions: by name as sent.
+    """A client's names.
 
-    actions: names as sent, by plain name.
+    advertised: whether each advertised topic is latched, keyed by its name without a slash. subscriptions: keyed by the
+    name as sent. actions: the names as sent, keyed by the name without a slash.
     """
 
     def __init__(self, graph: Graph, limits: Limits) -> None:
