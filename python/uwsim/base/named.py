@@ -20,8 +20,8 @@ class UnknownNameError(KeyError, ValueError):
 class Named(dict[str, T]):
     """A read-only dict whose lookups of unknown names raise UnknownNameError.
 
-    what: the name of the collection in messages, such as `rov.sensors`. changed_by: the method that changes an item,
-    which messages recommend instead of an assignment.
+    what: the name of the collection in messages, such as `rov.sensors`. changed_by: the method that error messages
+    suggest in place of an assignment.
     """
 
     def __init__(self, items: Mapping[str, T], what: str, changed_by: str = "") -> None:

@@ -56,7 +56,10 @@ class Door:
                 self._names.add(parts.hostname)
 
     def refusal(self, fields: Fields, *, names_matter: bool) -> Refusal | None:
-        """Return the reason to refuse a request, or None. names_matter: check Host even without an Origin."""
+        """Return the reason to refuse a request, or None.
+
+        names_matter: whether to check Host even without an Origin.
+        """
         origins, hosts = fields.get_all("Origin") or [], fields.get_all("Host") or []
         if len(origins) > 1 or len(hosts) != 1:
             return HTTPStatus.BAD_REQUEST, "one Host and at most one Origin are expected\n"

@@ -16,7 +16,7 @@ _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, KeyError, EOFE
 
 
 def glance(path: Path) -> tuple[Start, End]:
-    """Return the metadata at the start and at the end. Nothing else is verified, unlike in Recording.
+    """Return the metadata at the start and at the end. For a verification of the whole file, see Recording.
 
     Raises OSError, or ValueError if the file is not a recording, was cut off, or has a different version.
     """

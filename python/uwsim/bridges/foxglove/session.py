@@ -1,4 +1,4 @@
-"""A session of Foxglove's protocol with one client. It handles frames and fills an outbox, for any transport."""
+"""A session of Foxglove's protocol with one client. It handles frames and fills an outbox, without a transport."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A session of the protocol with one client. It handles frames and fills an outbox, for any transport.
+"""A session of the protocol with one client. It handles frames and fills an outbox, without a transport.
 
 The protocol is rosbridge v2: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCOL.md
 """

@@ -136,7 +136,7 @@ def rounded(corners_m: NDArray[np.float64]) -> list[list[float]]:
 
 
 def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:
-    """Return a mesh as binary glTF without transforms. As in the world, z is up, unlike in glTF's convention."""
+    """Return a mesh as binary glTF without transforms. The z axis is up, as in the world, despite glTF's convention."""
     import trimesh
 
     vertices, triangles = mesh
