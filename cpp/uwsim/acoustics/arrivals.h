@@ -11,19 +11,19 @@
 
 namespace uwsim {
 
-/// What reduces the level of sound in addition to its spreading.
+/// The losses of sound in addition to its spreading.
 struct SoundLosses {
   double frequency_hz;
   FluidBottom bottom;
   double surface_rms_m = 0;                      ///< rms height of the waves
-  const AbsorptionColumn* absorption = nullptr;  ///< at the frequency; none if null
+  const AbsorptionColumn* absorption = nullptr;  ///< at the sound's frequency; null: no absorption
 };
 
-/// Which arrivals are kept.
+/// Limits on which arrivals are kept.
 struct ArrivalLimits {
-  double within_db = 40;    ///< weaker ones, relative to the strongest, are dropped
-  std::size_t most = 500;   ///< of the others, the strongest
-  int most_bounces = 1000;  ///< off both boundaries together
+  double within_db = 40;    ///< arrivals weaker than the strongest by more than this are dropped
+  std::size_t most = 500;   ///< largest number of arrivals; the strongest are kept
+  int most_bounces = 1000;  ///< sum over both boundaries
 };
 
 /// Sound that arrives along one ray. Dips are below the horizontal, in the direction of travel.
@@ -37,8 +37,9 @@ struct Arrival {
   double length_m = 0;
   double level_db = 0;   ///< relative to the source's level at 1 m
   double phase_rad = 0;  ///< in (-pi, pi]: sound sent as cos(w t) arrives as cos(w (t - time_s) - phase_rad)
-  /// The ray's legs, separated by bounces and turning points: the horizontal length of the first, of the last and of
-  /// each between them, and the least and the greatest depth with the grazing angles there, 0 where the ray turns.
+  /// Bounces and turning points divide the ray into legs: the horizontal lengths of the first leg, the last leg and
+  /// each leg between them. Then the least and the greatest depth of the ray, and the grazing angles there, which are 0
+  /// where it turns.
   double first_m = 0, crossing_m = 0, last_m = 0;
   double top_m = 0, bottom_m = 0, top_grazing_rad = 0, bottom_grazing_rad = 0;
   double widening_m2_s = 0;  ///< dx / dp: change of the distance with the Snell invariant; 0 at a caustic
@@ -51,29 +52,30 @@ struct Arrival {
 /// and the same number of turning points and bounces form a family, whose range is a piecewise smooth function of the
 /// launch angle; every crossing of the receiver's range is solved for (RayFan has the closed forms).
 ///
-/// Level: the ray tube's, I = cos(launch) / (r |dr / dlaunch| sin(arrival)) for intensity, times the ratio of the
-/// speeds of sound for pressure (Jensen, Kuperman, Porter and Schmidt 2011, "Computational Ocean Acoustics", ch. 3.3;
-/// cited from memory), less absorption along the ray, Rayleigh reflection at the bottom (bottom_reflection) and the
-/// coherent loss of the rough surface (surface_loss_db). At a caustic the tube's width vanishes: the intensity is
-/// limited to (k L / 2)^(1/3) times that of spherical spreading over the ray's length L, with k = 2 pi f / c, which is
-/// the focusing by Airy's function at a smooth caustic whose d2r / dlaunch2 is L. Within 1 m of the source, the level
-/// is that at 1 m.
+/// Level: that of the ray tube. Its intensity is I = cos(launch) / (r |dr / dlaunch| sin(arrival)), times the ratio of
+/// the speeds of sound for pressure (Jensen, Kuperman, Porter and Schmidt 2011, "Computational Ocean Acoustics", ch.
+/// 3.3; cited from memory), reduced by absorption along the ray, Rayleigh reflection at the bottom (bottom_reflection)
+/// and the coherent loss of the rough surface (surface_loss_db). At a caustic the tube's width vanishes: the intensity
+/// is limited to (k L / 2)^(1/3) times that of spherical spreading over the ray's length L, with k = 2 pi f / c, which
+/// is the focusing given by the Airy function at a smooth caustic with d2r / dlaunch2 = L. Closer to the source than 1
+/// m, the level at 1 m is returned.
 ///
-/// Phase, for exp(-i w t): pi at the surface, Rayleigh's at the bottom, -pi/2 for each caustic that the ray has
-/// touched.
+/// Phase, for exp(-i w t): pi for each reflection at the surface, that of the Rayleigh coefficient at the bottom, and
+/// -pi/2 for each caustic that the ray has touched.
 ///
 /// High-frequency limit: no diffraction, no sound behind a caustic, no waves along the bottom. In a profile with linear
-/// layers, rays that graze a level between two of them are weaker or stronger than in a smooth one. Throws InvalidValue
-/// for ends outside the water.
+/// layers, rays that graze the boundary between two layers are weaker or stronger than in a smooth profile. Throws
+/// InvalidValue for ends outside the water.
 std::vector<Arrival> arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses,
                               const ArrivalLimits& limits = {});
 
-/// As above, into `found`. Allocates nothing once it has been called with as many layers and arrivals.
+/// As above, but writes to `found`. Allocates memory only if there are more layers or arrivals than in any earlier
+/// call.
 void find_arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses,
                    const ArrivalLimits& limits, std::vector<Arrival>& found);
 
-/// Returns the first arrival that has not bounced, or nullopt in a shadow zone of such rays; its level is that of its
-/// ray tube. Allocates nothing once it has been called with as many layers.
+/// Returns the first arrival that has not bounced, with the level of its ray tube, or nullopt in a shadow zone of such
+/// rays. Allocates memory only if there are more layers than in any earlier call.
 std::optional<Arrival> direct_arrival(const SoundSpeedProfile& profile, const RayEnds& ends);
 
 }  // namespace uwsim

@@ -4,8 +4,8 @@
 
 namespace uwsim {
 
-/// How often the rays of a family pass the parts of the water. They start up or down and reverse their vertical
-/// direction `reversals` times, by bouncing or turning.
+/// The number of times that the rays of a family pass through each part of the water. The rays start upwards or
+/// downwards and reverse their vertical direction `reversals` times, by bouncing or turning.
 struct RayFamily {
   int above, between, below;
 

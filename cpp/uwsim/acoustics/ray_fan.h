@@ -31,17 +31,18 @@ struct Snell {
   double sine_at(double c) const;
 };
 
-/// What a ray gathers on its way through a part of the water.
+/// Distances and times summed along a ray through a part of the water.
 struct RaySum {
   double across_per_p = 0;  ///< horizontal distance x, divided by p [m^2/s]
-  double widening = 0;      ///< dx / dp at the depth of the part's end [m^2/s]
-  double time_s = 0;        ///< this and the following: only in a full sum
+  double widening = 0;      ///< dx / dp at the depth where the part ends [m^2/s]
+  double time_s = 0;        ///< like the following members, set only in a full sum
   double length_m = 0;
   double absorbed_db = 0;
 };
 
-/// The sums of one passage through each part of the water: from the upper end of the fan's rays to where they turn or
-/// reflect above it, between the ends' depths, and from the lower end to where they turn or reflect below it.
+/// The sums for one passage through each part of the water: from the upper end of the fan's rays to the turning point
+/// or reflection above it, between the depths of the ends, and from the lower end to the turning point or reflection
+/// below it.
 struct RayParts {
   RaySum above, between, below;
 };
@@ -53,18 +54,18 @@ struct RayBand {
   double end_rad;    ///< dip of its steepest ray at that speed
   bool at_surface;   ///< whether its rays reflect from the surface, otherwise they turn below it
   bool at_bottom;    ///< whether its rays reflect from the bottom
-  bool returns;      ///< whether its rays return from below: not if they leave bottomless water
+  bool returns;      ///< whether its rays return from below; they do not if the water has no bottom
   std::size_t top, end;  ///< the layers that its rays pass, including those in which they turn
 };
 
 /// All rays through two depths of layered water, with closed forms for each layer. With s the sine of the dip at the
 /// top and the bottom of a layer of thickness h, and p the Snell invariant: x = p h (c1 + c2) / (s1 + s2) and
-/// dx / dp = x / (p s1 s2); from the depth where the ray's sine is s to where it turns under a gradient g:
+/// dx / dp = x / (p s1 s2); from the depth where the ray's sine is s to its turning point in a gradient g:
 /// x = s / (p |g|) and dx / dp = -1 / (p^2 |g| s).
 class RayFan {
  public:
   /// Replaces the sound speed profile and the ends of the rays. Allocates only if the profile has more layers than any
-  /// before.
+  /// previous one.
   void set(const SoundSpeedProfile& profile, const RayEnds& ends);
 
   const std::vector<RayBand>& bands() const { return bands_; }
@@ -82,7 +83,7 @@ class RayFan {
   struct Layer {
     double top_m, bottom_m, at_top_m_s, at_bottom_m_s, gradient_1_s;
   };
-  /// A layer in which rays turn whose speed of sound, where they turn, is in a range.
+  /// A layer in which rays turn, and the range of the speed of sound at their turning points.
   struct Turn {
     double from_m_s, to_m_s;
     std::size_t layer;
@@ -91,7 +92,7 @@ class RayFan {
   void add_bands(double passed_m_s, bool has_bottom);
 
   std::vector<Layer> layers_;
-  std::size_t between_ = 0, below_ = 0;  // first layer of these parts
+  std::size_t between_ = 0, below_ = 0;  // first layers of the parts between and below the ends
   std::vector<RayBand> bands_;
   std::vector<Turn> up_, down_;  // by increasing speed
   std::vector<double> speeds_m_s_;

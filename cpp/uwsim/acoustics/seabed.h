@@ -14,7 +14,7 @@ struct Seabed {
   double density_ratio;    ///< of sediment to water
   double speed_ratio;      ///< of sound in sediment to water
   double loss;             ///< imaginary to real wave number in the sediment
-  double volume;           ///< scattering cross-section of the sediment's volume to its attenuation coefficient
+  double volume;           ///< volume scattering cross-section of the sediment, relative to its attenuation
   double strength_cm4;     ///< spectral strength of the relief at a wave number of 1 / cm
   double exponent = 3.25;  ///< of the relief's spectrum
 
@@ -39,8 +39,8 @@ inline constexpr double kSeabedLowest_hz = 10e3, kSeabedHighest_hz = 100e3;
 /// Jackson, Winebrenner and Ishimaru 1986 (J. Acoust. Soc. Am. 79:1410); its factor b is derived here from that
 /// integral at vertical incidence, which also reproduces table 3 (another source's printed b is 3.6 dB below it).
 ///
-/// Valid from 10 to 100 kHz and for speeds of sound in water of 1400 to 1600 m/s, with an uncertainty stated by the
-/// report of about 3 dB for well-known sand and silt above 5 degrees of grazing, and 10 dB for rock and gravel.
+/// Valid from 10 to 100 kHz and for speeds of sound in water of 1400 to 1600 m/s, with an uncertainty, as stated by the
+/// report, of about 3 dB for well-known sand and silt at grazing angles above 5 degrees, and 10 dB for rock and gravel.
 class SeabedBackscatter {
  public:
   /// Throws InvalidValue outside of the range of validity.

@@ -3,7 +3,7 @@
 #include "uwsim/acoustics/modem/boundary_loss.h"
 #include "uwsim/acoustics/seabed.h"
 
-/// Textbook relations are cited from memory; chapters and pages were not checked against the books.
+/// Textbook relations are cited from memory; chapter and page numbers were not checked.
 namespace uwsim {
 
 /// The parameters of an active sonar: transmitter, receiver and detector. Levels are in dB: the source level re 1 uPa
@@ -43,7 +43,7 @@ struct BottomMaterial {
   double strength_db = -30;  ///< backscatter per square metre at normal incidence; other angles follow Lambert's law
   double relief = 0.1;       ///< rms slope of the relief across a footprint, which spreads the echo in range
   const Seabed* seabed = nullptr;  ///< if set, its backscatter by angle replaces Lambert's law
-  FluidBottom fluid = {};          ///< reflects sound that travels by more than one bounce
+  FluidBottom fluid = {};          ///< reflects sound that bounces more than once
 };
 
 /// The geometry of a beam that hits a plane bottom.

@@ -24,7 +24,7 @@ class SoundPath {
  public:
   /// `profile` must outlive this object. dip_rad: below the horizontal.
   SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad);
-  /// The same, for a caller that knows the cosine and the sine of the dip.
+  /// As above, for a caller that already has the cosine and the sine of the dip.
   SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double cosine, double sine);
 
   const SoundState& state() const { return state_; }

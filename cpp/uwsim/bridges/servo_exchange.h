@@ -32,7 +32,7 @@ struct ServoCounts {
   std::uint64_t others = 0;    ///< frames from another autopilot
 };
 
-/// The frames of one call of ServoExchange::run, one for each step made.
+/// The frames that one call of ServoExchange::run received, one for each step.
 struct ServoRun {
   std::vector<ServoOutputs> outputs_us;
   bool changed = false;  ///< whether the last frame changed a watched output, or the first one set it
@@ -52,8 +52,8 @@ struct ServoRun {
 class ServoExchange {
  public:
   static constexpr double kSilence_s = 1;
-  /// A repeated frame is answered only if the last line was sent this long ago, since otherwise that line is still on
-  /// its way: two lines for one frame would put the autopilot one frame ahead.
+  /// A repeated frame is answered only if the last line was sent at least this long ago. Otherwise that line may still
+  /// be in transit, and two lines for one frame would put the autopilot one frame ahead.
   static constexpr double kAnswerAgain_s = 0.5;
 
   /// Opens the socket. Throws InvalidValue for an invalid spec or address, FileError if the port is not available.
@@ -72,8 +72,8 @@ class ServoExchange {
   /// Waits until a packet has arrived, at most `patience_s`; returns whether one has.
   bool wait(double patience_s) const;
 
-  /// Runs one step for each frame, at most `steps`; returns early after a frame that changed a watched output, and if
-  /// no frame arrives for `patience_s`. `steers`: whether frames command the thrusters. Throws InvalidValue if the
+  /// Runs one step for each frame, at most `steps`. Returns early after a frame that changed a watched output, or if no
+  /// frame arrives for `patience_s`. `steers`: whether frames command the thrusters. Throws InvalidValue if the
   /// vehicle's motion diverges.
   ServoRun run(Simulation& simulation, std::uint64_t steps, double patience_s, bool steers);
 

@@ -24,7 +24,7 @@ struct ServoFrame {
   ServoOutputs outputs_us{};
 };
 
-enum class Packet { kFrame, kShort, kForeign };  ///< kShort: the magic number is right, the length is not
+enum class Packet { kFrame, kShort, kForeign };  ///< kShort: correct magic number, wrong length
 
 /// Decodes a packet into `frame`, which only changes if the result is kFrame.
 Packet decode(std::span<const std::uint8_t> packet, ServoFrame& frame);

@@ -38,8 +38,8 @@ class CameraScene {
  public:
   CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed);
 
-  /// A scene with the same surfaces and appearances in another water, with another seed. It shares the hulls' search
-  /// structures and the textures.
+  /// A scene with the surfaces and appearances of `like`, in different water and with a different seed. Both scenes
+  /// share the textures and the hulls' search structures.
   CameraScene(const CameraScene& like, const Water& water, std::uint64_t seed);
 
   /// Sets the material, class and texture of a solid; the defaults are steel, structure and no texture. Throws
@@ -47,7 +47,8 @@ class CameraScene {
   void set_appearance(Label label, const SurfaceAppearance& appearance);
   /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
-  /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft. Throws InvalidValue for another mesh's texture.
+  /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft. Throws InvalidValue for a texture made for a
+  /// different mesh.
   std::size_t add_vehicle(std::string name, const TriangleMesh& hull_body_m, const SurfaceAppearance& appearance);
 
   const World& world() const { return world_; }
@@ -64,7 +65,7 @@ class CameraScene {
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
 
-  /// The ripples that a wind causes, at one time. The last result is cached, since several cameras render the same
+  /// The ripples caused by a wind, at one time. The last result is cached, since several cameras render the same
   /// time.
   std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double time_s,
                                                    double index, int threads) const;

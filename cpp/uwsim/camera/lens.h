@@ -7,16 +7,16 @@
 namespace uwsim {
 
 /// A flat window between an air-filled housing and the water, across the optical axis. A ray at the angle a to the axis
-/// in air is at the angle w in water, sin a = n sin w (Snell), and is displaced on its way through the glass. So rays
-/// in water do not meet at one point, and the magnification grows with the angle: no distortion model of a central
-/// camera is exact (Treibitz, Schechner, Kunz and Singh 2012, "Flat Refractive Geometry", IEEE TPAMI 34:51;
+/// in air is at the angle w in water, sin a = n sin w (Snell), and is displaced on its way through the glass. Rays in
+/// water therefore do not meet at one point, and the magnification grows with the angle, so no distortion model of a
+/// central camera is exact (Treibitz, Schechner, Kunz and Singh 2012, "Flat Refractive Geometry", IEEE TPAMI 34:51;
 /// Jordt-Sedlazeck and Koch 2012, "Refractive Calibration of Underwater Cameras", ECCV).
 struct FlatPort {
   double distance_m = 0;           ///< from the lens's centre of projection to the inside of the glass
   double thickness_m = 0;          ///< of the glass
   double refractive_index = 1.49;  ///< of the glass; acrylic
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 };
 
@@ -32,7 +32,7 @@ struct Lens {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
   std::optional<FlatPort> port;
 
-  /// Throws InvalidValue naming the field, also if the distortion folds the image over itself.
+  /// Throws InvalidValue naming the field, including when the distortion folds the image over itself.
   void check() const;
 };
 
@@ -40,14 +40,14 @@ inline constexpr int kLargestSide = 8192;
 
 /// Maps undistorted (x, y) to a pixel.
 Eigen::Vector2d project(const Lens& lens, const Eigen::Vector2d& ray, bool distort = true);
-/// The image of a point in water (x right, y down, z ahead of the lens's centre [m]) behind the lens's flat port; none
-/// if it is not beyond the glass.
+/// Projects a point in water (x right, y down, z ahead of the lens's centre [m]) through the lens's flat port to a
+/// pixel. Returns nullopt if the point is not beyond the glass.
 std::optional<Eigen::Vector2d> project_through_port(const Lens& lens, const Eigen::Vector3d& point_m, bool distort);
 /// From pixel to undistorted (x, y), by Newton's method to 1e-12. Throws InvalidValue if it does not converge.
 Eigen::Vector2d unproject(const Lens& lens, const Eigen::Vector2d& pixel, bool distort = true);
 
-/// The ray through each pixel's centre, row by row: undistorted x and y, and behind a flat port, in water, also where
-/// the ray's line meets the plane z = 0; empty otherwise.
+/// The ray through each pixel's centre, row by row: undistorted x and y. In water behind a flat port, the offsets are
+/// the point where the extended ray meets the plane z = 0; otherwise they are empty.
 struct RayTable {
   std::vector<float> x, y, offset_x_m, offset_y_m;
   /// The same for each whole block of 4 x 4 pixels, sixteen values each; incomplete blocks at the edges are omitted.

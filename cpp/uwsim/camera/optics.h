@@ -17,16 +17,16 @@ struct Optics {
 
   double forward_scatter_rad = 0;  ///< mean angle of scattering by particles on the way to the camera; 0: no blur
 
-  /// Throws InvalidValue naming the field. The sun and the wind are not checked here, but where they are used.
+  /// Throws InvalidValue naming the field. The sun and the wind are checked where they are used.
   void check() const;
 };
 
 /// The standard deviation of the angle by which turbulence displaces the scene, along one axis of the picture: sqrt(2
 /// sqrt(pi) / 3 L / l) dn/dT T' (geometrical optics with a Gaussian correlation of the index, Chernov 1960, "Wave
 /// Propagation in a Random Medium", ch. 2; the factor of a third applies to rays from a point, Tatarskii 1971). |dn/dT|
-/// = 1e-4 per K (Quan and Fry 1995, Appl. Opt. 34:3477, at 10 to 20 degrees C). It is assumed that eddies measure l = 5
-/// cm and that every ray bends as over a path of L = 5 m. Valid for small displacements that focus weakly, up to a few
-/// mrad.
+/// = 1e-4 per K (Quan and Fry 1995, Appl. Opt. 34:3477, at 10 to 20 degrees C). It is assumed that eddies have a size
+/// of l = 5 cm and that every ray bends as it would over a path of L = 5 m. Valid for weak focusing and displacements
+/// up to a few mrad.
 double turbulence_bend_rad(double turbulence_k);
 
 }  // namespace uwsim

@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// A mesh's image, 8-bit sRGB, rows from the top, and the texture coordinates of each triangle's corners: in [0, 1]
-/// from the lower left, repeating.
+/// The image of a mesh's surface, 8-bit sRGB, rows from the top, and the texture coordinates of each triangle's
+/// corners: [0, 1] from the lower left, repeating outside that range.
 struct Texture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;

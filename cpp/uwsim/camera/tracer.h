@@ -13,9 +13,8 @@ class Tracer {
   /// Sets distance, normal, label and primitive of active lanes; inactive lanes hit nothing. u and v are stored in
   /// `hits`.
   void cast(camera::Block& block, HitPacket& hits, RayOrder order) const;
-  /// Recomputes distances to solids and vehicles in double where they are not exact yet: on the plane of the solid's
-  /// triangle that was hit, or, for vehicles and round shapes, by another cast. Terrain is refined by the kernels
-  /// (kernels/hits.h).
+  /// Recomputes inexact distances to solids and vehicles in double precision: on the plane of the triangle that was hit
+  /// or, for vehicles and round shapes, by another cast. Terrain is refined by the kernels (kernels/hits.h).
   void refine(const HitPacket& hits, camera::Block& block) const;
   /// Marks the lanes that need a shadow ray and whose light is blocked.
   void occluded(const camera::Block& block, camera::BlockMask& blocked, RayOrder order) const;

@@ -42,7 +42,7 @@ const std::vector<std::string>& jerlov_types();
 /// Irradiance reflectance of deep water, R = 0.33 bb / a (Morel and Prieur 1977, "Analysis of variations in ocean
 /// color", Limnol. Oceanogr. 22:709), limited to 0.3; bb is 0.5 of molecular and 0.018 of particle scattering (the mean
 /// of Petzold's 1972 measurements as commonly quoted). The molecular part is the b of type I, since that water is
-/// nearly pure. The values are quoted from memory of these papers, and thus assumed.
+/// nearly pure. The values are quoted from memory, and are therefore marked as assumed.
 Bands upwelling_share(const WaterOptics& water);
 Bands molecular_scattering();
 

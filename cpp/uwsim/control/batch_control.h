@@ -5,8 +5,8 @@
 
 #include "uwsim/control/motion_controller.h"
 
-/// Controllers of many vehicles of one kind, called together. Vehicle k's results are bitwise identical to those of a
-/// controller of its own, regardless of the number of threads.
+/// Controllers for many vehicles of one kind, called together. The results for vehicle k are bitwise identical to those
+/// of a separate controller, regardless of the number of threads.
 namespace uwsim {
 
 /// The estimated motion of n vehicles, one row per vehicle.

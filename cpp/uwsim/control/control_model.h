@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// A controller's model of its vehicle, from the vehicle's file: the equations of motion deep in still water, the
-/// forces that thrusters produce there, and, for axes that only fins drive, the torques of fins at small angles in flow
+/// A controller's model of its vehicle, from the vehicle's file: the equations of motion in deep, still water, the
+/// forces that thrusters produce there and, for axes driven only by fins, the torques of fins at small angles in flow
 /// from ahead.
 class ControlModel {
  public:

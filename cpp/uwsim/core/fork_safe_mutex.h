@@ -25,8 +25,7 @@ class ForkSafeMutex {
   /// Returns false, without locking, if another thread of the parent process held the mutex at the fork.
   bool lock_unless_forked() {
     if (try_lock()) return true;
-    // The lock may just have been taken by a thread that has yet to record this process's generation, so look more than
-    // once
+    // A thread of this process that has just locked the mutex may not have recorded its generation yet, so look again
     for (int look = 0; generation_ != fork_generation(); ++look) {
       if (look == kLooks) return false;
       pause_between_looks();

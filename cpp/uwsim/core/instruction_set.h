@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-/// 1 if kernels for AVX2 and AVX-512 are compiled. For other processors CMake leaves their files out, and the portable
-/// kernels take their places.
+/// 1 if kernels for AVX2 and AVX-512 are compiled. For other processors, CMake omits their files and the portable
+/// kernels are used instead.
 #if defined(__x86_64__)
 #define UWSIM_X86 1
 #else

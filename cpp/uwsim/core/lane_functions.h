@@ -15,8 +15,8 @@ inline DoubleLanes nearest_whole(DoubleLanes x, IndexLanes& bits) {
   return shifted - kShift;
 }
 
-/// For |x| <= 1e6. Pi / 2 is split into three parts, of which the first two have so few bits that their multiples are
-/// exact (Cody and Waite 1980).
+/// Sine and cosine for |x| <= 1e6. Pi / 2 is split into three parts; the first two have so few bits that their
+/// multiples are exact (Cody and Waite 1980).
 inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosine) {
   constexpr double kHigh = 0x1.921fb544p+0, kMiddle = 0x1.0b4611a6p-34, kLow = 0x1.3198a2e037073p-69;
   IndexLanes quarter;

@@ -10,8 +10,8 @@ struct PhiloxWords {
   Unsigned word[4];
 };
 
-/// Philox4x32-10 as in core/random.h, for sixteen counters at once, with the same words. Values stay in the low halves
-/// of wide lanes; anything that accumulates in the high halves is never read.
+/// Philox4x32-10 as in core/random.h, for sixteen counters at once, with the same words. Values are kept in the low
+/// halves of wide lanes; the high halves accumulate garbage, which is never read.
 UWSIM_LANES PhiloxWords philox(Wide c0, Wide c1, Wide c2, Wide c3, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key), k1 = static_cast<std::uint32_t>(key >> 32);
   for (int round = 0; round < 10; ++round) {

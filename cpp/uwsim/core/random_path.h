@@ -12,8 +12,8 @@ namespace uwsim {
 /// (Levy's construction). The ends x(0) and x(2^40) are drawn first. Then intervals are halved down to the requested
 /// step, and each midpoint is drawn from its distribution given the two ends. Each step is the midpoint of exactly one
 /// interval, so the step's number keys its draw. The distribution is exact, not approximate. The midpoints of the last
-/// descent are cached, and a descent begins where it leaves the previous one: reading steps in order costs about one
-/// draw and two levels per step. Steps beyond 2^40 (174 years at 5 ms) start again from 0.
+/// descent are cached, and the next descent begins at the level where the two diverge, so reading steps in order costs
+/// about one draw and two levels per step. Steps beyond 2^40 (174 years at 5 ms) start again from 0.
 class RandomPath {
  public:
   /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), with the correlation

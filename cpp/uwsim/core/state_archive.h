@@ -12,7 +12,7 @@
 namespace uwsim {
 
 /// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that both
-/// writes them to the archive and reads them back, so that saving and restoring cannot disagree. Values are stored
+/// writes them to the archive and reads them back, so saving and restoring cannot disagree. Values are stored
 /// without padding, in this machine's representation. Reading throws InvalidValue if the bytes end prematurely or a
 /// value is not finite.
 class StateArchive {

@@ -41,8 +41,8 @@ class ThreadTeam {
     if (error_) std::rethrow_exception(error_);
   }
 
-  /// Runs one phase; every thread of the job must call it. Returns when all threads have finished the phase: true, or,
-  /// if the work of any thread threw, false on all threads, in which case the job must return.
+  /// Runs one phase; every thread of the job must call it. Returns when all threads have finished the phase: true, or
+  /// false on all threads if the work of any thread threw an exception. After false, the job must return.
   template <typename Work>
   bool phase(const Work& work) {
     keep_error(work);

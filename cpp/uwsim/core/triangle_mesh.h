@@ -26,7 +26,7 @@ struct SolidProperties {
   Eigen::Matrix3d inertia_per_density_m5 = Eigen::Matrix3d::Zero();
 };
 
-/// Computes the properties as sums over signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2), but
+/// Computes the properties as sums over signed tetrahedra from the origin (as Mirtich 1996, J. Graphics Tools 1(2), but
 /// with the closed form for tetrahedra).
 SolidProperties solid_properties(const TriangleMesh& mesh);
 

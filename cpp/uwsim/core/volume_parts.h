@@ -19,13 +19,13 @@ struct VolumeParts {
   double length_m = 0;  ///< of the longest side
   /// Inverse of the moment of inertia about the centroid, per unit density.
   Eigen::Matrix3d inverse_inertia_1_m5 = Eigen::Matrix3d::Zero();
-  /// Three columns d: six points at c + d and c - d, with equal weights, have the second moment of the whole.
+  /// Three columns d such that six points at c + d and c - d, with equal weights, have the second moment of the whole.
   Eigen::Matrix3d spread_m = Eigen::Matrix3d::Zero();
 
   const VolumePart& whole() const { return slices[0].front(); }
 };
 
-/// A volume at a position, given by its centroid, with a rotation.
+/// A volume at a position, that of its centroid, and a rotation.
 struct PlacedVolume {
   const VolumeParts& parts;
   const Eigen::Vector3d& centroid_world_m;

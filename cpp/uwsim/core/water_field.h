@@ -45,8 +45,8 @@ struct WaterSurface {
   double slope_x = 0, slope_y = 0;
 };
 
-/// An area of the surface: everything within `radius_m` of its middle. The mean is taken over a part of it, whose
-/// second moment per unit area about the middle is `spread_m2`: xx, xy, yy.
+/// An area of the surface: everything within `radius_m` of its middle. The mean is taken over a part of the area;
+/// `spread_m2` is that part's second moment per unit area about the middle: xx, xy, yy.
 struct SurfaceArea {
   double x_world_m = 0, y_world_m = 0, radius_m = 0;
   std::array<double, 3> spread_m2{};
@@ -88,7 +88,7 @@ class WaterField {
   virtual VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const = 0;
   /// The index of the division of a volume whose slices are short compared with the waves.
   virtual std::size_t division_of(const VolumeParts& parts, double centre_z_m) const = 0;
-  /// The load due to the gradient of the waves' pressure on a volume below the surface, world frame.
+  /// The load on a volume below the surface due to the gradient of the waves' pressure, world frame.
   virtual VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const = 0;
 };
 

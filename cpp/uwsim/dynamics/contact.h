@@ -7,7 +7,7 @@
 namespace uwsim {
 
 inline constexpr int kFixedBody = -1;
-/// A smaller gap counts as touching, as does every contact with an impulse.
+/// A contact with a smaller gap, or with an impulse, counts as touching.
 inline constexpr double kTouch_m = 1e-3;
 /// Slower impacts do not bounce, so that bodies come to rest.
 inline constexpr double kBounceThreshold_m_s = 0.05;

@@ -15,8 +15,8 @@ class ContactBudgetExceeded : public std::runtime_error {
 };
 
 /// Limits the cost of one body's contact search in a step, counted in tests of one feature against another (about 10 ns
-/// each). A hull given in millimetres by mistake, among cells a thousand times smaller, is thus refused at the same
-/// step on every machine instead of being searched for hours.
+/// each). A hull given in millimetres by mistake, and thus a thousand times too large for the terrain's cells, is
+/// refused at the same step on every machine instead of being searched for hours.
 class ContactBudget {
  public:
   /// About a second on one core, and about a hundred times the cost of a vehicle on a bed with a 5 cm grid

@@ -22,7 +22,7 @@ struct MovingBody {
   bool collides = true;
 };
 
-/// Finds where bodies made of convex pieces come near each other, the terrain or the solids.
+/// Finds the places where bodies made of convex pieces come close to each other, to the terrain or to solids.
 ///
 /// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states evolve
 /// equally. Shapes have no margin: a contact's gap is the distance between the surfaces minus kRestGap_m. The terrain

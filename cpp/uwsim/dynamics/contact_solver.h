@@ -60,7 +60,7 @@ class ContactSolver {
   void solve_velocities(std::span<ContactBody> bodies);
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 
-  // Kept so that a step does not allocate.
+  // Kept between steps to reuse memory.
   BodyGroups islands_;
   std::vector<std::uint32_t> island_;  // indices of the contacts of the island being solved
   std::vector<Rows> rows_;             // of the contacts solved by Gauss-Seidel

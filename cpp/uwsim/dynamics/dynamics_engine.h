@@ -10,8 +10,8 @@ namespace uwsim {
 
 /// Integrates the bodies of a RigidBodyWorld and solves their contacts.
 ///
-/// The motion in a step is a function of the bodies and the water alone: nothing that an engine keeps from one step to
-/// the next affects the result. A state that has been saved and restored therefore continues in the same way.
+/// The motion in a step depends only on the bodies and the water: nothing that an engine keeps from one step to the
+/// next affects the result. A simulation therefore continues identically from a saved and restored state.
 class DynamicsEngine {
  public:
   virtual ~DynamicsEngine() = default;

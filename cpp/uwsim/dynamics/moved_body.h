@@ -29,7 +29,7 @@ double pair_restitution(const BodySpec& a, const BodySpec& b);
 
 /// A body of a RigidBodyWorld.
 struct MovedBody {
-  BodySpec spec;  ///< with its collision pieces, whatever its shape
+  BodySpec spec;  ///< includes its collision pieces for every shape
   BodyState state;
   Vector6d tau_body = Vector6d::Zero();
   Vector6d acceleration_body = Vector6d::Zero();

@@ -5,9 +5,9 @@
 
 namespace uwsim {
 
-/// Rest: the velocity is zero and the pose stays the same to the last bit.
+/// A body at rest has zero velocity, and its pose does not change by a single bit.
 ///
-/// Without this rule, the residual of a contact's constant force over a Runge-Kutta step, about 1e-5 m/s, would let a
+/// Without this rule, the residual of a contact's constant force over a Runge-Kutta step, about 1e-5 m/s, would make a
 /// vehicle creep over the bed by millimetres per hour, and a light vehicle would rock on two corners for a minute.
 /// Therefore a group of bodies that press on each other and on the fixed world is stopped if no point of the bodies
 /// moves faster than kSlow_m_s and if, once stopped, they would stay at rest: the contacts must reduce the acceleration

@@ -24,8 +24,8 @@ struct PlacedShape {
 /// Finds where a convex shape touches a surface, feature by feature: the shape's corners against triangles and edges,
 /// its edges against edges, its faces against peaks. Each normal lies in the normal cone of the surface's feature
 /// (Bouma and Vanecek 1993, "Modeling contacts in a physically based simulation"; cf. van den Bergen and Gregorius
-/// 2010, "Game Physics Pearls", ch. 3); flat and concave edges have no such cone. Overlaps deeper than `reach_m` that
-/// the features miss are found by ConvexContact. The result is a pure function of the poses.
+/// 2010, "Game Physics Pearls", ch. 3); flat and concave edges have no such cone. ConvexContact finds overlaps deeper
+/// than `reach_m` that the features miss. The result is a pure function of the poses.
 class SurfaceContact {
  public:
   enum class Under {

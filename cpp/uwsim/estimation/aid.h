@@ -33,7 +33,7 @@ class Aid {
   /// Index of the first of the three errors that the aid observes; these are inflated when the filter doubts its
   /// estimate.
   virtual ErrorIndex seen() const = 0;
-  /// Corrects `state` with a reading (width(),), one scalar at a time.
+  /// Corrects `state` with a reading of shape (width(),), one scalar at a time.
   virtual void correct(FilterState& state, const double* reading) const = 0;
   /// Saves or restores its parameters. Throws InvalidValue.
   virtual void exchange_figures(StateArchive& archive) = 0;

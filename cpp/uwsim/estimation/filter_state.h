@@ -32,13 +32,14 @@ struct BiasModel {
   double growth(double dt_s) const;
 };
 
-/// How many of an aid's scalars were accepted and rejected, and how many of its latest readings in a row had outliers.
+/// The numbers of an aid's scalars that were accepted and rejected, and of its latest consecutive readings with
+/// outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };
 
-/// The IMU's values at the state's time, interpolated between two samples, with biases not removed, in the body axes at
-/// that time.
+/// The IMU's values at the state's time, interpolated between two samples, in the body axes at that time. Biases are
+/// not removed.
 struct LastSample {
   Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero(), force_m_s2 = Eigen::Vector3d::Zero();
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};

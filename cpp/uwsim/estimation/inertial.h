@@ -16,8 +16,7 @@ struct ImuErrors {
   /// A sample's specific force is the mean over this time before the sample; 0 if it is an instantaneous value
   double averaging_s = 0;
   BiasModel rate_bias, force_bias;
-  /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample at this limit does not show the whole of
-  /// a shock.
+  /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample at this limit understates a shock.
   double rate_limit = std::numeric_limits<double>::infinity();
   double force_limit = std::numeric_limits<double>::infinity();
 };
@@ -43,8 +42,8 @@ class Inertial {
   /// kAidBias on.
   void advance(FilterState& state, std::uint64_t time_ns, const ImuSample& next,
                const std::vector<BiasModel>& aid_biases) const;
-  /// Advances the state without a sample, assuming motion in a straight line; the covariance grows as for a vehicle
-  /// that may manoeuvre.
+  /// Advances the state without a sample, assuming motion in a straight line. The covariance grows fast enough to cover
+  /// manoeuvres.
   void coast(FilterState& state, std::uint64_t time_ns, const std::vector<BiasModel>& aid_biases) const;
 
   /// Saves or restores the parameters passed to the constructor. Throws InvalidValue.

@@ -25,13 +25,13 @@ struct FilterStart {
 };
 
 /// An error-state Kalman filter that accepts readings in any order. It keeps the readings of the last kHorizon_s, and
-/// its state at some times in between (checkpoints). When a reading arrives late, the filter returns to the last
+/// its state at some of their times (checkpoints). When a reading arrives late, the filter returns to the last
 /// checkpoint before the reading and replays the readings that followed. The result depends only on the readings and
 /// their times, not on when they were added.
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
-  /// Version of the bytes that save() returns. Version 2 includes the parameters of the filter's instruments, the IMU's
+  /// Version of the bytes that save() returns. Version 2 added the parameters of the filter's instruments, the IMU's
   /// last sample, and all three axes of a compass's hard iron.
   static constexpr std::uint64_t kVersion = 2;
 
@@ -52,7 +52,7 @@ class NavigationFilter {
   /// Processes the readings that have been added. Readings newer than the IMU's last sample wait.
   void catch_up();
 
-  /// The newest state, of the IMU's centre.
+  /// The newest state; its motion is that of the IMU's centre.
   const FilterState& state() const { return present_; }
   Eigen::Vector3d position_body_origin_m() const;
   Eigen::Vector3d velocity_body_m_s() const;  ///< of the body's origin, body axes
@@ -60,8 +60,7 @@ class NavigationFilter {
   int aids() const { return static_cast<int>(aids_.size()); }
   int aid_width(int aid) const { return aids_.at(static_cast<std::size_t>(aid))->width(); }
 
-  /// Returns everything that future results depend on. A filter with the same aids that restores these bytes continues
-  /// identically.
+  /// Returns the complete state. A filter with the same aids that restores these bytes continues identically.
   std::string save();
   /// Throws InvalidValue for bytes that do not match, and for an unknown version.
   void restore(std::string_view bytes, std::uint64_t version = kVersion);

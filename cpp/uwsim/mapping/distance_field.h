@@ -17,8 +17,8 @@ namespace uwsim {
 /// Computed by dynamicEDT3D, which ships with OctoMap (B. Lau, C. Sprunk, W. Burgard, "Efficient grid-based spatial
 /// representations for robot navigation in dynamic environments", Robotics and Autonomous Systems 61(10), 2013): after
 /// a change, only the voxels whose nearest obstacle may have changed are visited. Distances are between the centres of
-/// voxels. They are truncated at a maximum distance; below it, the wave front that carries each voxel's nearest
-/// obstacle to its neighbours may choose one that is farther by a fraction of a voxel.
+/// voxels. They are truncated at a maximum distance. Shorter distances may be too long by a fraction of a voxel,
+/// because each voxel chooses its nearest obstacle among those of its neighbours.
 class DistanceField {
  public:
   struct Options {
@@ -26,15 +26,15 @@ class DistanceField {
     bool unknown_is_occupied = false;  ///< count unknown voxels as obstacles
   };
 
-  /// Covers the voxels whose centres lie in a box. Throws InvalidValue for invalid options, for a box without voxels,
-  /// and for one with more than 32 million, which take a gigabyte.
+  /// Covers the voxels whose centres lie in a box. Throws InvalidValue for invalid options, and for a box with no
+  /// voxels or with more than 32 million, which take a gigabyte.
   DistanceField(const OccupancyMap& map, const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
                 const Options& options);
   ~DistanceField();
   DistanceField(DistanceField&&) noexcept;
 
   /// Reads the map, which must be the one from which the field was made, and updates the distances. Returns the number
-  /// of voxels of the box that became obstacles, or ceased to be.
+  /// of voxels in the box that became obstacles or are no longer obstacles.
   std::size_t update(const OccupancyMap& map);
 
   /// The distance at each point [m], interpolated trilinearly between the centres of voxels; NaN outside the box of

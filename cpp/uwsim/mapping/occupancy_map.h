@@ -75,7 +75,7 @@ struct StateGrid {
   Eigen::Vector3d low_centre_world_m = Eigen::Vector3d::Zero();  ///< the centre of the voxel with the lowest indices
 };
 
-/// A pose of a body: where its origin is, and its rotation to the world.
+/// A pose of a body: the position of its origin, and its rotation to the world.
 struct BodyPose {
   Eigen::Vector3d position_world_m;
   Eigen::Quaterniond world_from_body;
@@ -179,13 +179,13 @@ class OccupancyMap {
   /// centres_world_m: rows of x, y, z. radius_m: at most 256 voxels. Throws InvalidValue.
   std::vector<std::uint8_t> spheres_blocked(std::span<const double> centres_world_m, double radius_m,
                                             bool unknown_blocks) const;
-  /// Returns 1 for each pose in which a body has points in such voxels. points_body_m: rows of x, y, z. Throws
+  /// Returns 1 for each pose in which points of a body lie in such voxels. points_body_m: rows of x, y, z. Throws
   /// InvalidValue.
   std::vector<std::uint8_t> bodies_blocked(std::span<const double> points_body_m, std::span<const BodyPose> poses,
                                            bool unknown_blocks) const;
   /// The volume [m^3] of the unknown voxels that a sensor in each pose would see: those that lie on a ray within the
   /// pyramid before the first occupied voxel. Adjacent rays are at most a voxel apart at the pyramid's range, which is
-  /// at most 400 voxels. Throws InvalidValue, also for a position outside the cube.
+  /// at most 400 voxels. Throws InvalidValue, including for a position outside the cube.
   std::vector<double> unknown_in_view_m3(std::span<const BodyPose> poses, const ViewPyramid& view) const;
 
   struct Changes {

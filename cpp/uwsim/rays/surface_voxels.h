@@ -33,9 +33,9 @@ class SurfaceVoxels {
   void distances(std::span<const PackedKey> voxels, std::span<double> distances_m, int threads);
 
   /// For each voxel, returns 1 if the surface passes through the voxel or within `kTouch_m` of it, else 0. The distance
-  /// from the voxel's centre to the surface decides: it does if the distance is at most half an edge, and does not if
-  /// the distance exceeds half a diagonal. For distances in between, the voxel is split into eight cubes, at most
-  /// `kHalvings` times, and these are tested in the same way.
+  /// from the voxel's centre to the surface decides: 1 if the distance is at most half an edge, 0 if it exceeds half a
+  /// diagonal. For distances in between, the voxel is split into eight cubes, at most `kHalvings` times, and these are
+  /// tested in the same way.
   void hold_surface(std::span<const PackedKey> voxels, std::span<const double> distances_m,
                     std::span<std::uint8_t> hold, int threads) const;
 

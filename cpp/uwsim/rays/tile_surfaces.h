@@ -17,10 +17,10 @@ namespace uwsim {
 /// A tile's surfaces in double. Surfaces are identified by geometry and primitive, with the same numbers as in Embree's
 /// tree.
 ///
-/// The terrain consists of two geometries, so that a hit immediately shows whether a solid is near: open terrain, and
-/// cells near solids. In open terrain, triangles are numbered within the block: 2 cell and 2 cell + 1, where cells are
-/// counted row by row, including cells near solids. In the other geometry, only the cells near solids are counted.
-/// Solids follow, each under its label.
+/// The terrain consists of two geometries, so that the geometry that was hit reveals whether a solid is near: open
+/// terrain, and cells near solids. In open terrain, triangles are numbered within the block: 2 cell and 2 cell + 1,
+/// where cells are counted row by row, including cells near solids. In the other geometry, only the cells near solids
+/// are counted. Solids follow, each under its label.
 class TileSurfaces {
  public:
   static constexpr std::uint32_t kTerrainNearSolids = 0;

@@ -17,8 +17,8 @@ inline constexpr double kGrazingSine = 1.7e-3;
 inline constexpr double kFloatError = 1e-6;
 /// Lower limit of that bound, which applies to tiles of a few millimetres or less.
 inline constexpr double kLeastFloatError_m = 1e-8;
-/// How much farther a float ray reaches than the ray in double, so that rounding does not cut it short; hits beyond the
-/// ray's end are discarded in double.
+/// The relative extension of a float ray beyond the ray in double, so that rounding does not cut it short; hits beyond
+/// the ray's end are discarded in double.
 inline constexpr double kFartherRelative = 1e-6;
 inline constexpr double kFarther_m = 1e-6;
 /// For the same reason, a search for the nearest triangle reaches farther than the best distance so far, by this
@@ -61,8 +61,8 @@ struct Tolerances {
   /// triangle just ahead of the origin may end up behind it, by 1 / sine times the perpendicular error.
   double setback_m;
 
-  /// r / 2: how far the terrain is raised for Embree, measured perpendicularly to its steepest triangle at each vertex:
-  /// 8 roundings.
+  /// r / 2, or 8 roundings: how far the terrain is raised for Embree, measured perpendicularly to the steepest triangle
+  /// at each vertex.
   double raise_m;
 
   /// `raise_m` times `steepest`, which is 1 / cosine of the steepest slope in the tile: the raise measured vertically.
@@ -97,9 +97,9 @@ struct Tolerances {
   /// between ray and surface: the error perpendicular to the ray, plus its effect along the surface.
   double hit_error_along_m(double sine) const { return hit_error_m * (1 + 1 / sine); }
 
-  /// How far outside the true triangle a float ray may hit the widened one and still be accepted. Float's error along a
-  /// ray grows with the ray's length over the triangle. Only a twentieth of the bound is used, so that the tips of
-  /// slivers do not grow.
+  /// The largest distance outside the true triangle at which a float ray's hit on the widened triangle is accepted.
+  /// Float's error along a ray grows with the ray's length over the triangle. Only a twentieth of the bound is used, so
+  /// that the tips of slivers do not grow.
   double picture_edge_m(double sine) const { return hit_error_m * (1 + 0.05 / sine); }
 };
 

@@ -11,8 +11,8 @@
 
 namespace uwsim {
 
-/// Cubes on a grid, such as the occupied voxels of a map, as targets for the rays that render it. Building this scene
-/// takes a few bytes per voxel, and a fraction of the time for building a mesh with a tree over its triangles.
+/// Cubes on a grid, such as the occupied voxels of a map, as targets for the rays that render it. This scene takes a
+/// few bytes per voxel, and is built in a fraction of the time needed for a mesh with a tree over its triangles.
 ///
 /// A ray walks from column to column of cubes (Amanatides and Woo 1987), and skips whole blocks of columns if it passes
 /// above or below all of their cubes.

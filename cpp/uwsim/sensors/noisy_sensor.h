@@ -37,8 +37,8 @@ class NoisySensor {
 
   /// The next tick whose snapshot must be recorded; kNever for a sensor that only measures the present.
   std::uint64_t next_due() const { return next_due_; }
-  /// Stores the snapshot for later samples. A sensor whose rays may hit another body observes immediately, since
-  /// bodies move; otherwise, the observation is made when the sensor is read.
+  /// Stores the snapshot for later samples. A sensor whose rays may hit another body observes immediately, because
+  /// bodies move; other sensors observe when they are read.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around);
 
   /// The reference is valid until the next read.

@@ -60,9 +60,9 @@ class Sensor {
  public:
   virtual ~Sensor() = default;
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
-  /// A cone around the rays that the sensor casts; nullopt if it casts none.
+  /// A cone that encloses the rays that the sensor casts; nullopt if it casts none.
   virtual std::optional<RayCone> rays(const Pose& /*world_from_body*/) const { return std::nullopt; }
-  /// Applies errors that depend on the measured values alone, such as those of scale, before the noise.
+  /// Applies errors that depend only on the measured values, such as scale errors, before noise is added.
   virtual void distort(std::span<double>) const {}
   /// Converts raw values to a reading; returns whether it is valid. By default, the reading consists of the raw values.
   virtual bool report(std::span<const double> raw, std::span<double> reading) const {

@@ -28,10 +28,11 @@ struct NoiseSpec {
   double limit_low = -std::numeric_limits<double>::infinity();  ///< readings saturate below this [u]
   double limit_high = std::numeric_limits<double>::infinity();
 
-  /// Flicker noise, of power spectral density h / f, is a superposition of relaxations whose times are spread evenly in
-  /// their logarithm (van der Ziel 1950, Physica 16:359). Its Allan variance is 2 ln 2 h (IEEE Std 952-1997, B.4.1.3,
-  /// where h = B^2 / pi). Relaxations with times in the ratio of 4 therefore have the standard deviation
-  /// sqrt(h ln 4) = `instability` each. These times make the Allan deviation flat within 4 % from 1 s to 4 h.
+  /// Flicker noise, with the power spectral density h / f, is a superposition of relaxations whose time constants are
+  /// spaced evenly on a logarithmic scale (van der Ziel 1950, Physica 16:359). Its Allan variance is 2 ln 2 h (IEEE Std
+  /// 952-1997, B.4.1.3, where h = B^2 / pi). If each time constant is 4 times the previous one, each relaxation
+  /// therefore has the standard deviation sqrt(h ln 4) = `instability`. With the time constants below, the Allan
+  /// deviation is flat within 4 % from 1 s to 4 h.
   static constexpr double kFlickerTimes_s[] = {0.0625, 0.25, 1, 4, 16, 64, 256, 1024, 4096, 16384, 65536};
   /// Standard deviation of the flicker noise, in units of `instability`, if no relaxation is too fast for the samples.
   static constexpr double kFlickerStd = 3.3166247903554;  // the square root of their number

@@ -48,8 +48,8 @@ struct AcousticRows {
 
 /// n independent simulations of one world, advanced and read together by several threads. They share terrain, solids
 /// and the search structures for these. Each has its own water, seed and vehicles, but vehicles and instruments have
-/// the same names in all members. A member is equivalent to a Simulation with its spec: results are bitwise identical,
-/// regardless of the number of threads. Only one thread at a time may call these functions.
+/// the same names in all members. A member is equivalent to a separate Simulation built from the same spec: results are
+/// bitwise identical, regardless of the number of threads. Only one thread at a time may call these functions.
 ///
 /// If a member throws, the others continue. Afterwards, the error of the first failing member is rethrown, prefixed
 /// with the member's index, such as batch[3].
@@ -66,7 +66,8 @@ class Batch {
   /// Restarts the chosen members. `specs`: new specs for these members; empty to reuse the present ones. On error,
   /// throws without changing anything.
   void restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs = {});
-  /// See Simulation::release and Simulation::set_state. Throws InvalidValue; all members that can be placed are placed.
+  /// See Simulation::release and Simulation::set_state. If a member cannot be placed, throws InvalidValue after the
+  /// other members have been placed.
   void release(std::size_t vehicle, std::span<const std::size_t> chosen);
   void set_states(std::size_t vehicle, std::span<const std::size_t> chosen, std::span<const BodyState> states);
 

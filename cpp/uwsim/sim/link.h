@@ -35,11 +35,11 @@ struct Transducer {
 
 /// The propagation of sound between transducers in a world: all arrivals (arrivals.h), through the sound-speed profile
 /// and between a flat surface and a flat bottom, which is at the depth of the bed half-way between the transducers.
-/// Where arrivals that count have bounced off the bottom, Reception::bed_departure is by how much the bed is higher or
-/// lower than that at the transducers and half-way to them: beyond kUnevenBed, the times and levels of these arrivals
-/// are those of other water. Terrain in a ray's path blocks it (no diffraction); solids and hulls do not (they are
-/// small). The bed is compared with the ray at places as far apart as the first Fresnel zone is wide, 1.2 m over
-/// 100 m and 8.5 m over 5 km at 26 kHz, or a cell of the terrain.
+/// If significant arrivals have bounced off the bottom, Reception::bed_departure compares this depth with the bed at
+/// the transducers and half-way to them. Beyond kUnevenBed, the times and levels of these arrivals are not those of the
+/// true bed. Terrain in a ray's path blocks it (no diffraction); solids and hulls do not, because they are small. The
+/// bed is compared with the ray at points whose spacing is the width of the first Fresnel zone (1.2 m over 100 m and
+/// 8.5 m over 5 km at 26 kHz), or of a terrain cell if that is wider.
 class LinkWater {
  public:
   LinkWater(const LinkSpec& spec, const Water& water);
@@ -54,7 +54,7 @@ class LinkWater {
  private:
   ModemSpec modem_;
   ModemWater water_;
-  mutable ArrivalCells cells_;            // what it returns does not depend on what it remembers
+  mutable ArrivalCells cells_;            // its results do not depend on which cells it holds
   mutable std::vector<HeardPath> paths_;  // these two are kept to reuse their memory
   mutable std::vector<double> bed_m_;
 };

@@ -28,7 +28,7 @@ class PositionExchange {
   std::size_t node() const { return node_; }
   std::size_t sensor() const { return sensor_; }
 
-  /// Gives up an overdue ping, and sends a new one if the sensor requests it. Must be called before packets are sent.
+  /// Abandons an overdue ping, and sends a new one if the sensor requests it. Must be called before packets are sent.
   void ask(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns);
   /// Returns whether the ping has been sent since the last call; if so, the caller must pass the vehicle's state to
   /// left().

@@ -59,8 +59,8 @@ class Simulation {
   /// Throws InvalidValue if the motion of a vehicle diverges.
   void step(std::uint64_t count = 1);
   std::uint64_t tick() const { return tick_; }
-  /// A number that changes whenever an observation may change, which is when time, a vehicle's pose or a sonar's
-  /// elevation changes.
+  /// A number that changes whenever an observation may change: when time, a vehicle's pose or a sonar's elevation
+  /// changes.
   std::uint64_t version() const { return version_; }
   std::uint64_t time_ns() const { return tick_ * step_ns_; }
   double time_s() const { return 1e-9 * static_cast<double>(time_ns()); }

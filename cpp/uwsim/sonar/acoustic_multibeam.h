@@ -56,19 +56,19 @@ struct PingRequest {
 struct AcousticPing {
   std::vector<float> ranges_m;        ///< sound speed at the head x half the travel time; infinity
   std::vector<float> points_sonar_m;  ///< beams x 3: the range along the beam's axis at transmission; NaN
-  /// True value for the strongest ray; NaN, also for false detections, ghosts, and targets in the water
+  /// True value for the strongest ray; NaN, including for false detections, ghosts, and targets in the water
   std::vector<float> incidence_rad;
   std::vector<float> intensity_db;   ///< received level minus source level, plus gain, with speckle; -infinity
   std::vector<float> snr_db;         ///< at the detector, with noise; -infinity
   std::vector<float> travel_time_s;  ///< two-way; infinity
   std::vector<float> deviation_m;    ///< standard deviation of the range, by the detector's own estimate; infinity
-  /// The vertical and horizontal standard deviations of the echo's place, from the deviations of its range and of its
-  /// angle across the fan. The angle may lie anywhere in the transmitter's width: range x width / sqrt(12), the
-  /// deviation of a uniform distribution. The sonar's share of the total vertical and horizontal uncertainty (TVU, THU)
-  /// of IHO S-44, at one standard deviation; Hare 1995's error model also includes those of position, attitude and
-  /// sound speed. Infinity.
+  /// The vertical and horizontal standard deviations of the echo's position, due to those of its range and of its angle
+  /// across the fan. The angle may lie anywhere within the transmitter's width, so its contribution is range x width /
+  /// sqrt(12), as for a uniform distribution. This is the sonar's share of the total vertical and horizontal
+  /// uncertainty (TVU, THU) of IHO S-44, at one standard deviation; the error model of Hare 1995 also includes errors
+  /// of position, attitude and sound speed. Infinity.
   std::vector<float> vertical_deviation_m, horizontal_deviation_m;
-  /// True value; kNothing, also for false detections, ghosts, and targets in the water
+  /// True value; kNothing, including for false detections, ghosts, and targets in the water
   std::vector<Label> labels;
   std::vector<std::uint8_t> valid;       ///< 1 for a detection, including false ones
   std::vector<std::uint8_t> detections;  ///< Detection
@@ -100,8 +100,8 @@ struct AcousticPing {
 /// A head above the water or below the terrain detects nothing, not even noise.
 ///
 /// Optional: backscatter by angle (Seabed); ghosts (ghosts.cpp); targets in the water (WaterTargets). A beam has one
-/// detection, at the strongest of the bottom's echo, ghosts and targets. Volume reverberation, sv Omega cell / R^2
-/// 10^(-2 alpha R / 10) of the source's intensity (Urick 1983, ch. 8), adds to the noise in which echoes are detected.
+/// detection: the strongest of the bottom's echo, ghosts and targets. Volume reverberation, sv Omega cell / R^2 10^(-2
+/// alpha R / 10) of the source's intensity (Urick 1983, ch. 8), adds to the noise in which echoes are detected.
 ///
 /// Not modelled: side lobes, the surface's own backscatter, Doppler, the near field (valid beyond the array's length^2
 /// / wavelength), focusing by refraction.

@@ -14,8 +14,8 @@ namespace uwsim {
 /// The pattern is the product of the transmitter's, narrow across the fan's plane, and the receiver's, narrow within
 /// the plane; both are assumed Gaussian (main lobe only, no side lobes). A receiving beam widens as its array is
 /// steered (steered_widening). The rays' offsets form a sunflower pattern (Vogel 1979, Math. Biosci. 44:179; from
-/// memory) with radii at the quantiles of the Gaussian. They are adjusted to have exactly its mean and variance, so
-/// that a footprint's centre and extent do not depend on the number of rays.
+/// memory) with radii at the quantiles of the Gaussian. They are adjusted to have exactly the mean and variance of the
+/// Gaussian, so that a footprint's centre and extent do not depend on the number of rays.
 class BeamFootprint {
  public:
   /// Offsets within and across the fan's plane, in standard deviations of the pattern. Throws InvalidValue unless the

@@ -71,9 +71,9 @@ struct AxisEcho {
 ///
 /// If all rays are in the echo, level = energy x exp(-d^2 / (2 var r)) x cell / extent, where the extent is that of a
 /// rectangle as high as the Gaussian echo, sqrt(2 pi var r + point_m2). This uses only the rays' first and second
-/// moments, which equal those of the pattern for any number of rays; their density near the axis does not (with 8 rays,
-/// it is 1 to 2 dB too low). d is the distance from the rays' mean range to the centroid of their energy, which is
-/// shifted towards the stronger, near side; the factor is exact if energy falls exponentially over a Gaussian
+/// moments, which equal those of the pattern for any number of rays; the density of rays near the axis does not (with 8
+/// rays, it is 1 to 2 dB too low). d is the distance from the rays' mean range to the centroid of their energy, which
+/// is shifted towards the stronger, near side; the factor is exact if energy falls exponentially over a Gaussian
 /// footprint. If rays are missing, the level is the sum of the rays' shapes.
 AxisEcho axis_echo(const BeamEcho& echo, const BeamRays& beam, double axis_m, float cell_m);
 

@@ -21,8 +21,8 @@ inline std::uint32_t mixed(std::uint32_t h) {
 /// The variance of each number of byte_sums: (256^2 - 1) / 12 for a byte, and four times as much for four bytes.
 inline constexpr float kByteSumVariance = 65535.0f / 3;
 
-/// Two numbers with mean 0: sums of a hash's four bytes, with signs that make the two uncorrelated. No test here can
-/// distinguish a weighted sum of several of them from a normal distribution.
+/// Two numbers with mean 0: sums of a hash's four bytes, with signs that make the two uncorrelated. The tests do not
+/// distinguish a weighted sum of several such numbers from a normal distribution.
 inline std::array<float, 2> byte_sums(std::uint32_t hash) {
   const auto a = static_cast<std::int32_t>(hash & 0xff), b = static_cast<std::int32_t>((hash >> 8) & 0xff);
   const auto c = static_cast<std::int32_t>((hash >> 16) & 0xff), d = static_cast<std::int32_t>(hash >> 24);

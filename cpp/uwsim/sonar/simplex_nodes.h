@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// The corners of the simplex that a point is in, by keys to hash, with weights whose squares add up to 1. The weighted
-/// sum of independent noise at the corners is noise that varies with the point.
+/// The corners of the simplex that contains a point, as keys for hashing, with weights whose squares add up to 1. The
+/// weighted sum of independent noise at the corners is noise that varies with the point.
 template <std::size_t N>
 struct SimplexNodes {
   std::array<float, N + 1> weights;
@@ -19,8 +19,8 @@ struct SimplexNodes {
 };
 
 /// A lattice of simplices, skewed so that it has no preferred direction (Perlin 2001, "Noise hardware"; from memory):
-/// N + 1 nodes instead of the 2^N of a cube. The squared correlation of the noise at two points is 0.30 half a unit
-/// apart, 0.02 or less one unit apart and 0 farther apart than 1.5 (averages over places; N = 3 and 5).
+/// N + 1 nodes instead of the 2^N of a cube. The squared correlation of the noise at two points is 0.30 at a distance
+/// of half a unit, at most 0.02 at one unit and 0 beyond 1.5 units (averages over positions; N = 3 and 5).
 template <std::size_t N>
 SimplexNodes<N> simplex_nodes(const std::array<double, N>& point, std::uint32_t key) {
   double sum = 0;

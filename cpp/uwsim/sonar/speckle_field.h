@@ -32,8 +32,7 @@ EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<con
 /// The noise is hashed by cells of square lattices whose sizes are powers of two. Each footprint is covered by linear
 /// B-splines on the two nearest sizes, along the fan's plane and across it, mixed so that the correlation has the
 /// footprint's extent. Lattices are aligned with the fan to within 4 degrees and are fixed in the world for headings
-/// that round to the same value; from other headings, the scatterers appear with independent random phases, as in real
-/// water.
+/// that round to the same value; from other headings, the scatterers have independent random phases, as in real water.
 class SpeckleField {
  public:
   /// One key per cell size 2^level, at index level modulo 64.
@@ -51,7 +50,7 @@ class SpeckleField {
    private:
     friend SpeckleField;
     const SpeckleField* field_;
-    SimplexNodes<3> nodes_;   // by the head's place
+    SimplexNodes<3> nodes_;   // at the head's position
     Eigen::Vector3d head_m_;  // in the lattices' frame
     Eigen::Matrix3d lattice_from_sonar_;
   };
@@ -60,7 +59,7 @@ class SpeckleField {
  private:
   std::uint64_t key_;
   LevelKeys across_, within_;
-  Eigen::Vector3d nodes_m_;  // unit of the head's place, along the lattices' axes
+  Eigen::Vector3d nodes_m_;  // units of the head's position, along the lattices' axes
 };
 
 }  // namespace uwsim

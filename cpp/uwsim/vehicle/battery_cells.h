@@ -18,7 +18,7 @@ struct BatterySpec {
   double hotel_w = 0;         ///< power of everything but the thrusters
   double initial_charge = 1;  ///< fraction
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 };
 
@@ -29,8 +29,8 @@ struct BatterySpec {
 /// for V in closed form between two voltages of the thrusters' sheets. Charge is the integral of current. Once the
 /// voltage falls below a limit, or the charge is used up, the battery stays off until it is charged.
 ///
-/// Valid at one temperature, for discharges slower than its own relaxation (minutes), above about 10 % of charge: below
-/// that, and in cold water, the resistance of real cells rises.
+/// Valid at one temperature, for discharges slower than the cells' relaxation (minutes), and above a charge of about 10
+/// %; below that, and in cold water, the resistance of real cells rises.
 class BatteryCells {
  public:
   /// Throws InvalidValue: see BatterySpec::check.
@@ -54,7 +54,7 @@ class BatteryCells {
   void exchange_state(StateArchive& archive);
 
  private:
-  /// Voltage and current under a load; 0 V if the cells cannot hold their lowest voltage.
+  /// Voltage and current under a load; 0 V if the voltage would fall below the cut-off.
   struct Solution {
     double voltage_v = 0, current_a = 0;
   };

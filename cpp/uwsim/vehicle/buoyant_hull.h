@@ -37,12 +37,13 @@ struct Buoyancy {
 /// is fully submerged in one layer, or completely dry, requires no work on triangles.
 ///
 /// Waves: the integral of -grad p over the wet volume, which equals the integral of the pressure p over the wetted
-/// surface, since p is 0 at the water's surface (Gauss). The hull is cut into slices along its longest side that are
-/// short compared with the waves (WaterField::division_of), when it first meets waves, and each slice is cut by the
-/// plane that has the mean height and slopes of the surface over it. To first order in the waves' steepness, the error
-/// is that of the plane, 1 % of the wave's load for slices of a quarter of its length. For a hull deep enough below the
-/// waves, force and moment follow from the acceleration of the displaced water instead (VolumeFlow), which includes the
-/// second-order part of the pressure. The two are blended smoothly over one radius of depth.
+/// surface, since p is 0 at the water's surface (Gauss). When the hull first meets waves, it is cut along its longest
+/// side into slices that are short compared with the waves (WaterField::division_of). Each slice is cut by the plane
+/// that has the mean height and slopes of the surface over it. To first order in the waves' steepness, the error is
+/// that of approximating the surface by planes: 1 % of a wave's load if slices are a quarter of the wave's length. For
+/// a hull deep enough below the waves, force and moment follow from the acceleration of the displaced water instead
+/// (VolumeFlow), which includes the second-order part of the pressure. The two are blended smoothly over one radius of
+/// depth.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward.
@@ -94,7 +95,7 @@ class BuoyantHull {
   Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s, const VolumeFlow& flow) const;
   VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
                      double time_s) const;
-  /// The hull's slices for waves, which are cut on the first call.
+  /// The hull's slices for waves; the first call cuts them.
   const Slices& in_slices() const;
   void cut_into_slices(Slices& slices) const;
 

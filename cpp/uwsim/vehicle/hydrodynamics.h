@@ -24,9 +24,9 @@ struct CraftParameters {
   double munk_share = 1;          ///< share of the Munk moment remaining in separated flow, 0 to 1; 1 in an ideal fluid
   double crossflow_length_m = 0;  ///< length along x over which sway and heave drag is spread; 0: at the origin
 
-  /// Buoyancy as a fraction of rho(z) g V, with the density at atmospheric pressure and the volume at the surface. The
-  /// values are at depths 0, `buoyancy_share_step_m`, twice that, and so on, linear in between and constant below the
-  /// last. Empty: 1 at all depths, for a hull that compresses like the water around it.
+  /// Buoyancy as a fraction of rho(z) g V, with the density at atmospheric pressure and the volume at the surface.
+  /// Values at depths 0, `buoyancy_share_step_m`, twice that, and so on; linear in between and constant below the last.
+  /// Empty: 1 at all depths, for a hull that compresses like the water around it.
   std::vector<double> buoyancy_share;
   double buoyancy_share_step_m = 0;  ///< [m]
 
@@ -50,10 +50,10 @@ struct CraftParameters {
 ///
 /// The Munk moment v x A v (Munk 1924, NACA Report 184), where A is the translational part of M_A, assumes an ideal
 /// fluid, which closes behind the body. Where the flow separates, the stern's contribution is lost (Hopkins 1951, NACA
-/// RM A51C14), and on a sharp-edged frame so is the bow's. C_A therefore uses s A + (1 - s) tr(A)/3 in place of A, with
-/// s = munk_share: only the deviatoric part of A turns the body. C_A remains skew-symmetric, so it does no work for any
-/// s; with s < 1 the wake carries momentum away. Fossen omits such entries in the same pairs (PythonVehicleSimulator,
-/// remus100.py).
+/// RM A51C14); on a sharp-edged frame, the bow's contribution is lost, too. C_A therefore uses s A + (1 - s) tr(A)/3 in
+/// place of A, with s = munk_share: only the deviatoric part of A turns the body. C_A remains skew-symmetric, so it
+/// does no work for any s; with s < 1 the wake carries momentum away. Fossen omits such entries in the same pairs
+/// (PythonVehicleSimulator, remus100.py).
 ///
 /// nu_c is the motion of the water (current and orbital wave motion), expressed as that of a rigid body with the linear
 /// and angular momentum of the water that the hull would displace if it were moved to the centre of its submerged

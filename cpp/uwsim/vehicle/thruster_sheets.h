@@ -22,9 +22,9 @@ struct ThrusterSheet {
 /// within the sheets' voltages, in still water, and once the propeller has reached its final speed.
 ///
 /// For the T200 (Blue Robotics, September 2019), the sheets at 10 and 16 V reproduce the thrust at 14 V to within 0.027
-/// kgf rms, and those at 14 and 20 V the thrust at 16 V to within 0.047 kgf; if thrust itself is linear, the errors are
-/// 0.026 and 0.095 kgf. Thrust is not proportional to the square of the voltage, since the dead band widens as the
-/// voltage falls and the losses do not scale with its square.
+/// kgf rms, and those at 14 and 20 V the thrust at 16 V to within 0.047 kgf; with linear interpolation of the thrust
+/// itself, the errors are 0.026 and 0.095 kgf. Thrust is not proportional to the square of the voltage, since the dead
+/// band widens as the voltage falls and the losses do not scale with its square.
 class ThrusterSheets {
  public:
   struct Point {

@@ -107,8 +107,8 @@ void motion(const WaveBlock* waves, std::size_t count, const CrestBlock* crests,
   lanes.store(sums);
 }
 
-/// A body much longer than a wave spans crests and troughs, which cancel. There the series do not converge: their
-/// argument is limited to 1, and the integrals decrease in inverse proportion to what exceeds it.
+/// A body much longer than a wave spans crests and troughs, which cancel. The series do not converge there, so their
+/// argument is limited to 1, and the integrals decrease in inverse proportion to the excess.
 inline DoubleLanes limited(DoubleLanes size) { return size > 1 ? 1 / size : DoubleLanes{} + 1; }
 
 /// The mean of cos(k x) over an area, and the slope of the straight line nearest to sin(k x) over k: 1 - u^2 / 6 + u^4

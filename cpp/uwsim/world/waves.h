@@ -24,20 +24,20 @@ struct WaveComponent {
 ///
 ///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b phi(omega),   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
 ///
-/// sigma 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the significant
-/// height (4 sqrt(m0)). phi = tanh(k h)^2 / (1 + 2 k h / sinh(2 k h)) is the factor of Kitaigorodskii et al. 1975 (J.
-/// Phys. Oceanogr. 5:410), with which the spectrum in wave numbers does not depend on the depth: 1 in deep water, where
-/// this is JONSWAP's spectrum, and omega^2 h / (2 g) in shallow water, where it moves the peak to slightly higher
-/// frequencies. For wind seas on water of constant depth; all sources from memory.
+/// with sigma = 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the
+/// significant height (4 sqrt(m0)). phi = tanh(k h)^2 / (1 + 2 k h / sinh(2 k h)) is the factor of Kitaigorodskii et
+/// al. 1975 (J. Phys. Oceanogr. 5:410), with which the spectrum in wave numbers does not depend on the depth: It is 1
+/// in deep water, where this is the JONSWAP spectrum, and omega^2 h / (2 g) in shallow water, where it moves the peak
+/// to slightly higher frequencies. For wind seas on water of constant depth; all sources from memory.
 ///
-/// The spectrum is truncated where the second moment m2 is 0.8 % short, at about 11 omega_p, or at 42 rad/s, where
-/// gravity waves end: m2 is short by more for peak periods below 2 s. Each component has the energy and the m2 of its
-/// own share of it, so that their sums do not depend on the number of components. The shares are random, about equally
-/// large in the mean of energy and m2: the tail, which has a tenth of m2 above 3 omega_p, takes few components, and no
-/// two frequencies are commensurable, so that the sea does not recur (evenly spaced frequencies recur after 2 pi /
-/// spacing; 64 of them after 26 peak periods). A component that would break has a lower frequency than its share: in
-/// the steepest seas, or with few components. Directions spread about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0
-/// is long-crested.
+/// The spectrum is truncated at about 11 omega_p, where the second moment m2 is 0.8 % too small, or at 42 rad/s, where
+/// gravity waves end; for peak periods below 2 s, m2 is therefore smaller still. Each component has the energy and the
+/// m2 of its share of the spectrum, so that the sums do not depend on the number of components. The shares are random,
+/// and about equal in the mean of energy and m2. The tail, which has a tenth of m2 above 3 omega_p, therefore takes few
+/// components, and no two frequencies are commensurable, so that the sea does not recur (evenly spaced frequencies
+/// recur after 2 pi / spacing; 64 of them after 26 peak periods). A component that would break has a lower frequency
+/// than its share: in the steepest seas, or with few components. Directions spread about the heading as cos^n
+/// (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
 struct JonswapSea {
   double significant_height_m = 0.5;
   double peak_period_s = 4;
@@ -68,7 +68,7 @@ struct WaveMotion {
 /// against the waves of a^2 omega k exp(k z) / 2, which exceeds the Stokes drift below k z = -0.7.
 ///
 /// To second order, particles in deep water drift with the waves at a^2 omega k exp(2 k z) (Stokes 1847) and do not
-/// drift vertically. To ensure that a body that moves with the water keeps doing so, the acceleration is that of the
+/// drift vertically. So that a body that moves with the water keeps doing so, the acceleration is that of the
 /// particles, including the convective part (u . grad) u, whose pressure is the Bernoulli term -rho u^2 / 2. A current
 /// carries the particles through the waves, but does not shift the wave frequencies: valid for currents that are slow
 /// compared with the phase speed. Second-order waves at sums and differences of frequencies are not modelled, nor is

@@ -10,28 +10,31 @@
 
 namespace uwsim {
 
-/// The arrivals between points in the same water, for many packets between slowly moving ends. They are computed once
-/// for each cell of range, depths of both ends and depth of the bottom, at the middle of the cell, and moved to the
-/// true ends. With the slowness vectors of the ray at its ends and at its reflections from the bottom, the travel time
-/// changes to first order by their components along the displacements. To second order it changes by d^2 / (2 dx/dp),
-/// where d is the horizontal distance by which a ray with the same Snell invariant p misses the true receiver (the
-/// time is the Legendre transform of the delay p x + T(p)); near a caustic, where p would have to change by more than
-/// 1/32 of the slowness, this term is left out. Levels change as under spherical spreading.
+/// A cache of the arrivals between points in the same water, for many packets between slowly moving ends. A cell is a
+/// small interval of range, of the depth of each end and of the depth of the bottom. Arrivals are computed once for the
+/// middle of a cell and then corrected for the true ends. With the slowness vectors of the ray at its ends and at its
+/// reflections from the bottom, the travel time changes to first order by their components along the displacements. To
+/// second order it changes by d^2 / (2 dx/dp), where d is the horizontal distance by which a ray with the same Snell
+/// invariant p misses the true receiver (the time is the Legendre transform of the delay p x + T(p)); near a caustic,
+/// where p would have to change by more than 1/32 of the slowness, this term is left out. Levels change as under
+/// spherical spreading.
 ///
-/// A cell is 1/64 to 1/32 as wide as the ends are apart, and at most that part of the water's depth high. The error of
-/// a travel time is of third order along a straight ray: at most 1/65536 of it. The content of a cell depends on the
-/// cell alone, so results do not depend on which cells are remembered, nor on the order of calls.
+/// The width of a cell is 1/64 to 1/32 of the distance between the ends; its height is at most the same fraction of the
+/// water's depth. Along a straight ray, the error of the travel time is of third order: at most 1/65536 of the travel
+/// time. The content of a cell depends on the cell alone, so results depend neither on which cells are in the cache nor
+/// on the order of calls.
 class ArrivalCells {
  public:
-  /// `cells`: how many of them are remembered.
+  /// `cells`: the number of cells that the cache holds.
   explicit ArrivalCells(std::size_t cells);
 
   /// Returns the arrivals within 30 dB of the strongest, at most 24, strongest first. Valid until the next call, which
-  /// must be for the same water and losses. Allocates nothing once the search has seen as many layers. Not thread-safe.
+  /// must be for the same water and losses. Allocates memory only if there are more layers than in any earlier call.
+  /// Not thread-safe.
   std::span<const Arrival> at(const SoundSpeedProfile& profile, const RayEnds& ends, const SoundLosses& losses);
 
  private:
-  /// A size [m], and numbers of cells: range, depths of the ends, depth of the bottom.
+  /// The size of a cell [m], and its index along range, depths of the ends and depth of the bottom.
   struct Key {
     double across_m = 0, depth_m = 0;
     std::array<std::int64_t, 4> cell{};

@@ -29,22 +29,22 @@ struct ModemSpec {
   Modulation modulation = Modulation::kFsk;
   bool fading = false;
   double coding_gain_db = 0;
-  /// The guard time: echoes that follow the first arrival within this time add to the signal. Later ones disturb the
-  /// next symbol, the more the later they are; after another symbol_s, they are only noise (reception.h).
+  /// The guard time: echoes that follow the first arrival within this time add to the signal. Later echoes interfere
+  /// increasingly with the next symbol; after another symbol_s, they are only noise (reception.h).
   double multipath_window_s = 0.01;
   double symbol_s = 0;
   double speed_max_m_s = 5;  ///< largest closing speed at which the receiver can track the Doppler shift
 
   MediumAccess access = MediumAccess::kTdma;
   double slot_s = 1;  ///< TDMA: time to send in a slot; a guard time follows
-  /// Travel time over the largest range for which the network is designed: follows each slot of TDMA; twice this time
-  /// is allowed for an acknowledgement's way.
+  /// Travel time over the largest range for which the network is designed. It follows each TDMA slot; twice this time
+  /// is allowed for an acknowledgement's round trip.
   double guard_s = 1;
   double backoff_s = 0;  ///< ALOHA: maximum of the uniformly distributed wait before a packet
 
   std::uint64_t queue_bytes = 4096;  ///< largest total payload that may be queued at a node
 
-  /// How many times a message is sent again if it is not acknowledged; 0: there are no acknowledgements.
+  /// Number of times that a message is sent again while it is not acknowledged; 0: no acknowledgements are sent.
   std::uint64_t retransmissions = 0;
   std::uint64_t acknowledgement_bytes = 0;  ///< payload of an acknowledgement
 

@@ -44,9 +44,9 @@ struct LinkDelivery {
 };
 
 /// Counts the outcomes of the messages that a node submitted on a topic. replaced: superseded by newer messages before
-/// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: counted by
-/// the reason their first lost packet was lost, or as dropped by a relay. resent: retransmissions, by all nodes. Byte
-/// counts include payloads only, of all transmissions.
+/// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: by the
+/// reason for the loss of their first lost packet, or as dropped by a relay. resent: retransmissions, by all nodes.
+/// Byte counts include the payloads of all transmissions, and no headers.
 struct TopicCounts {
   std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0, resent = 0;
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;
@@ -57,7 +57,8 @@ struct TopicCounts {
 };
 
 /// The quality of the link from one node to another, as last observed by the receiver. Between nodes that are connected
-/// by relays only, a packet is a message that arrived, delay_s is summed over all hops, and the rest is the last hop's.
+/// only by relays, a packet is a message that arrived, delay_s is the sum over all hops, and the other values are those
+/// of the last hop.
 struct LinkQuality {
   std::uint64_t packets = 0, packets_lost = 0;
   std::uint64_t packets_uneven = 0;                               ///< packets that were received over an uneven bed
@@ -68,11 +69,12 @@ struct LinkQuality {
 
 /// Nodes that exchange messages over one shared channel, packet by packet, in simulated time. Every node receives every
 /// packet. Nodes are half-duplex: they cannot receive while they send. Packets that overlap at a receiver are noise to
-/// each other. A message with a lost packet is lost unless it is sent again, whole: in any case (`repeats`), or, if the
-/// modem has retransmissions, because no acknowledgement has arrived within timeout_s() of the end of its last packet.
-/// Every copy that arrives is acknowledged, by a packet that waits for its turn, takes up air time and may be lost,
-/// too. If p is the probability that all packets of a copy arrive, n retransmissions deliver 1 - (1 - p)^(n + 1) of the
-/// messages. Receivers discard duplicates. A message arrives when its last packet does.
+/// each other. A message with a lost packet is lost unless the whole message is sent again. Repeats (`repeats`) are
+/// sent in any case; a modem with retransmissions sends it again if no acknowledgement has arrived within timeout_s()
+/// of the end of its last packet. Every copy that arrives is acknowledged by a packet, which waits for its turn, takes
+/// up air time and may be lost, too. If p is the probability that all packets of a copy arrive, n retransmissions
+/// deliver 1 - (1 - p)^(n + 1) of the messages. Receivers discard duplicates. A message arrives when its last packet
+/// does.
 ///
 /// Static routing: a node may have a relay, through which it exchanges messages with the station and with the other
 /// nodes, except those for which it is a relay itself. Relays store whole messages and forward them; each hop has its
@@ -131,7 +133,7 @@ class PacketNetwork {
     PacketQueue queue;
     std::uint64_t may_send_ns = 0;       // ALOHA: end of the random wait
     bool waits = false;                  // ALOHA: whether the wait before the next packet has been drawn
-    std::uint64_t sending_until_ns = 0;  // end of its newest packet
+    std::uint64_t sending_until_ns = 0;  // end of the newest packet
   };
   /// A packet in flight to its addressee.
   struct Flight {
@@ -150,10 +152,10 @@ class PacketNetwork {
     double level_db = 0;
     void exchange_state(StateArchive& archive);
   };
-  /// A message some of whose packets have arrived. fate: the reason the first lost packet of its newest copy was lost,
-  /// if any was. before: the same for the previous copy. delivered: whether any copy has been delivered.
+  /// A message of which some packets have arrived. fate: the reason for the first lost packet of its newest copy, if
+  /// any. before: the same for the previous copy. delivered: whether any copy has been delivered.
   struct Partial {
-    std::uint64_t number = 0, from = 0;  // the message's, and the node that sends it on this hop
+    std::uint64_t number = 0, from = 0;  // of the message, and of the node that sends it on this hop
     std::uint64_t fate = 0, before = 0;
     bool delivered = false;
     void exchange_state(StateArchive& archive, std::uint64_t layout);

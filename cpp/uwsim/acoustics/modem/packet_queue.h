@@ -17,16 +17,16 @@ namespace uwsim {
 struct LinkMessage {
   std::uint64_t number = 0;    ///< sequence number among all messages of the network
   std::uint64_t from = 0;      ///< node that submitted it
-  std::uint64_t to = 0;        ///< node that it is for, which relays may precede
+  std::uint64_t to = 0;        ///< its final destination, possibly through relays
   std::uint64_t topic = 0;     ///< index of the topic, for counting
   std::uint64_t priority = 0;  ///< 0 is sent first
   std::uint64_t given_ns = 0;
   std::uint64_t deadline_ns = 0;    ///< the message is dropped if sending has not begun by then; 0: no deadline
   bool replaces = false;            ///< replaces an older message of its topic and receiver whose sending has not begun
   bool signal = false;              ///< sent by an instrument; does not reset the failsafe's silence timer
-  std::uint64_t repeats = 0;        ///< number of further times that the whole message is sent in any case
-  std::uint64_t repeats_given = 0;  ///< the same, when it was submitted
-  std::uint64_t retransmissions = 0;   ///< number of further times that it is sent if it is not acknowledged
+  std::uint64_t repeats = 0;        ///< number of times that the whole message is still sent again in any case
+  std::uint64_t repeats_given = 0;  ///< value of repeats when the message was submitted
+  std::uint64_t retransmissions = 0;   ///< number of times that it is still sent again while not acknowledged
   std::uint64_t held_until_ns = 0;     ///< time until which it waits for its acknowledgement
   std::uint64_t acknowledges = kNone;  ///< number of the message that this one acknowledges
   double travel_s = 0;                 ///< travel time of the sound over all previous hops
@@ -67,8 +67,8 @@ class PacketQueue {
   LinkMessage* next(std::uint64_t now_ns);
   /// Takes next(), which must exist.
   LinkMessage take_next(std::uint64_t now_ns) { return take(find_next(now_ns)); }
-  /// Returns a copy of next(), which must exist, and moves that message behind all others of the same priority, to be
-  /// sent again: held until a time, as a retransmission, or not held, as a repeat.
+  /// Returns a copy of next(), which must exist, and moves the message behind all others of the same priority, to be
+  /// sent again: a retransmission is held until `held_until_ns`, a repeat is not held.
   LinkMessage repeat_next(std::uint64_t now_ns, std::uint64_t held_until_ns);
   /// Drops the remaining transmissions of a message; one that has begun is completed. Returns whether the message has
   /// been removed.
@@ -77,7 +77,7 @@ class PacketQueue {
   /// All messages, in order of submission.
   std::vector<const LinkMessage*> messages() const;
 
-  /// node: the one whose queue it is.
+  /// Saves or restores the queue of `node`.
   void exchange_state(StateArchive& archive, std::uint64_t layout, std::uint64_t node);
 
  private:

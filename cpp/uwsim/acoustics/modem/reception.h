@@ -28,7 +28,7 @@ struct HeardPath {
   double closing_m_s;  ///< closing speed of the ends along the ray, which sets its Doppler shift
 };
 
-/// A bed that departs from a flat bottom by more than this part of its depth is uneven.
+/// A bed that departs from a flat bottom by more than this fraction of its depth is uneven.
 inline constexpr double kUnevenBed = 0.05;
 
 /// How a packet reaches a receiver.
@@ -39,8 +39,8 @@ struct Reception {
   double noise_db = -300;   ///< within the band, including interference between symbols
   double closing_m_s = 0;   ///< closing speed of the ends along the strongest arrival
   double spread_s = 0;      ///< from the first to the last arrival within 20 dB of the strongest
-  /// By how much the bed between the ends departs from the flat bottom that was assumed, as a part of its depth; 0 if
-  /// no arrival that counts has bounced off the bottom.
+  /// The departure of the bed between the ends from the flat bottom that was assumed, as a fraction of its depth; 0 if
+  /// no significant arrival has bounced off the bottom.
   double bed_departure = 0;
 
   double snr_db() const { return signal_db - noise_db; }
@@ -54,8 +54,8 @@ double spherical_loss_db(const ModemWater& water, double length_m, double depth_
 /// receiver's integration over one symbol, and 0 after one more symbol. The rest interferes with the next symbols
 /// (Brugger and Hemingway 2003, "OFDM receivers - impact on coverage of inter-symbol interference and FFT window
 /// positioning", EBU Technical Review 295; cited from memory). It holds for receivers that integrate over a symbol
-/// after a guard time: OFDM with a guard interval, and tones or chirps whose frequencies return only after the guard
-/// time. An equaliser is a longer guard time.
+/// after a guard time: OFDM with a guard interval, and tones or chirps whose frequencies are reused only after the
+/// guard time. An equaliser is modelled as a longer guard time.
 double symbol_share(const ModemSpec& modem, double delay_s);
 
 /// Adds arrivals incoherently, for a receiver that synchronises with the first arrival within 20 dB of the strongest.

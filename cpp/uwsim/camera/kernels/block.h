@@ -42,7 +42,7 @@ struct Block {
   BlockVectors sun_backscatter;  ///< the sun beam's part of the backscatter, which shafts modulate
   BlockVectors veil;             ///< radiance scattered by the water on the first segment; for forward scattering
   BlockFloats first_reach;       ///< of the first segment
-  // The light under test, which is added only if the path's shadow ray is not blocked:
+  // The light being tested, which is added only if the path's shadow ray is not blocked:
   BlockVectors unshadowed;  ///< radiance that it adds unless blocked
   BlockVectors to_light;
   BlockFloats light_distance;

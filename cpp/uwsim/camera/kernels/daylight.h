@@ -3,7 +3,7 @@
 #include "uwsim/camera/kernels/caustics.h"
 #include "uwsim/camera/kernels/materials.h"
 
-/// Daylight on surfaces, and the light that passes its shadow test. Included only by the kernels.
+/// Daylight on surfaces, and the addition of light that passes its shadow test. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
@@ -51,7 +51,7 @@ void shade_daylight(const View& view, Block& block) {
   store(block.needs_shadow_ray.at, lit & (sunlight > kShadowRayThreshold * so_far) & (sunlight > 1e-9f));
 }
 
-/// Adds the light under test in lanes whose shadow ray was not blocked.
+/// Adds the light being tested in lanes whose shadow ray was not blocked.
 void add_unblocked_light(const View&, const BlockMask& blocked, Block& block) {
   const Int reaches = load(block.needs_shadow_ray.at) & ~load(blocked.at);
   const Vector light = load(block.radiance);

@@ -38,8 +38,8 @@ UWSIM_LANES void move_rays(const View& view, Float row, Block& block) {
   store(block.origin, turned(load(block.origin)) + broadcast(view.velocity) * time);
 }
 
-/// Rays of rows from `top` on, `scale` rows apart, at the slopes x and y to the axis, from (offset_x, offset_y) across
-/// it.
+/// Sets the rays of the rows from `top` on, `scale` rows apart. Their slopes to the optical axis are x and y; they
+/// start at (offset_x, offset_y) in the plane across it.
 UWSIM_LANES void set_rays(const View& view, int top, int scale, Float x, Float y, Float offset_x, Float offset_y,
                           Block& block) {
   if (view.wobble_rad > 0) wobble(view, x, y);

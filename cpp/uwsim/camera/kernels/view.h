@@ -36,12 +36,12 @@ struct View {
   const float *ray_x, *ray_y;              ///< each pixel's direction at unit depth
   const float *block_ray_x, *block_ray_y;  ///< the same for whole blocks, block by block
   const float *lens_x, *lens_y;            ///< each pixel's direction at the lens, inside a flat port
-  /// Behind a flat port: where the lines of rays meet the plane at depth 0, by pixel and by block.
+  /// Behind a flat port: the points where the extended rays meet the plane at depth 0, by pixel and by block.
   int has_offsets;
   const float *offset_x, *offset_y, *block_offset_x, *block_offset_y;
   float right[3], down[3], ahead[3];
-  /// The camera's motion while it takes the picture: velocity [m/s] and rotation, the time between rows, and the time
-  /// of the exposure's present part relative to the middle of the exposure.
+  /// The camera's motion during the exposure: velocity [m/s] and rotation, the time between rows, and the time of the
+  /// part being rendered, relative to the middle of the exposure.
   int moves;
   float velocity[3], spin_axis[3], spin_turns_per_s, row_s, part_s;
   float pixel_rad;  ///< angle across one pixel, approximately

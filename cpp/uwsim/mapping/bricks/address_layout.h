@@ -15,8 +15,8 @@ namespace uwsim::bricks {
 ///   |  for the scan's chunks      |      Morton order of the voxel in its chunk: z y x z y x ... (18 bits)
 ///
 /// Chunks are numbered from the first one that the scan reaches. A step to the next voxel along an axis adds one to the
-/// bits of that axis (axis_mask), skipping all other bits. A scan whose addresses would need more than kTableBits does
-/// not fit the bitmap: its addresses are instead the Morton codes of the voxels' keys (48 bits), and its voxels are
+/// bits of that axis (axis_mask), skipping all other bits. If a scan's addresses need more than kTableBits, it does not
+/// fit into the bitmap. Its addresses are then the Morton codes of the voxels' keys (48 bits), and its voxels are
 /// marked in a hash table.
 struct AddressLayout {
   static constexpr int kChunkBits = 18;

@@ -30,7 +30,7 @@ class OctreeWalk {
   Result run() { return walk_chunks(kTreeDepth, 0, std::span(chunks_), std::span(store_.large_leaves()), nullptr); }
 
  private:
-  /// Returns true only if the voxels of a cube are equal, but does not detect every such cube. levels: 1 or 2.
+  /// Returns true only if all voxels of a cube are equal; may return false even so. levels: 1 or 2.
   bool are_equal(const Brick& brick, int first, int levels) const {
     const std::uint32_t block = brick.block[first >> 6];
     if (block == kNone) return true;  // all at clamping_min

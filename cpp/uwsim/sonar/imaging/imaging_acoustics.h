@@ -24,13 +24,13 @@ struct ImagingAcoustics {
   double solid_strength_db = 0;
   std::vector<double> strengths_db;
   double range_max_m = 0;
-  int range_bins = 0;            ///< each one range resolution wide: range_max_m / range_bins
+  int range_bins = 0;            ///< the range resolution is range_max_m / range_bins
   bool time_varied_gain = true;  ///< whether a log10 R + 2 alpha R is added; if not, levels are as received
   double gain_db_decade = 0;     ///< a
   int looks = 1;                 ///< independent looks averaged in a cell: 1 for full speckle, 0 for none
-  bool multipath = false;        ///< whether echoes by more than one bounce are received, see surface_ghosts.cpp
-  /// By label: a seabed, which takes precedence over the Lambert strength, and how the surface reflects. Labels beyond
-  /// its end follow Lambert's law and reflect as BottomMaterial does by default.
+  bool multipath = false;        ///< whether echoes with several bounces are received, see surface_ghosts.cpp
+  /// By label: a seabed, which takes precedence over the Lambert strength, and the fluid that determines reflections.
+  /// Labels beyond the end of this list follow Lambert's law and reflect like a default BottomMaterial.
   std::vector<BottomMaterial> materials;
 
   /// The Lambert coefficient mu of a surface, as a linear ratio.
@@ -51,26 +51,26 @@ ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::ve
 ///
 /// Many scatterers in a cell with random phases make a complex Gaussian pressure (Goodman 1975, "Statistical properties
 /// of laser speckle patterns"), so amplitude is Rayleigh and power exponential: standard deviation = mean. The mean of
-/// n looks is a gamma variate of shape n: std = mean / sqrt(n). Speckle belongs to the place (FanSpeckle); the
-/// receiver's noise, also complex Gaussian, adds to the pressure and is a function of (stream, ping, cell) only.
+/// n looks is a gamma variate of shape n: std = mean / sqrt(n). Speckle is determined by the position (FanSpeckle). The
+/// receiver's noise, also complex Gaussian, is added to the pressure and is a function of (stream, ping, cell) only.
 class ImagingReceiver {
  public:
   ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);
 
-  /// The cells of one beam in a ping: its number, and those of the cells among all of the ping, which start at
-  /// `first_cell` and differ by `cell_step` from bin to bin.
+  /// The cells of one beam in a ping: the ping's number, and the numbers of the cells within the ping, which start at
+  /// `first_cell` and increase by `cell_step` from bin to bin.
   struct Cells {
     std::uint64_t ping;
     std::uint32_t first_cell, cell_step;
   };
 
   /// Replaces the mean echo power of each bin, relative to the source's at 1 m, by the received power relative to 1
-  /// uPa^2, without gain; and sets the displayed levels, with the gain at that range [dB re 1 uPa], always finite.
-  /// `speckle`: of the beam, see FanSpeckle::of_beam.
+  /// uPa^2, without gain. Also sets the displayed levels, with the gain at that range [dB re 1 uPa]; they are always
+  /// finite. `speckle`: the beam's amplitudes, see FanSpeckle::of_beam.
   void receive(const Cells& cells, std::span<const std::complex<float>> speckle, std::span<double> power,
                std::span<float> level_db) const;
   double noise() const { return noise_; }
-  /// The echo whose mean power equals the noise, relative to the source's power at 1 m.
+  /// The mean echo power that equals the noise, relative to the source's power at 1 m.
   double echo_at_noise() const { return noise_ / source_; }
 
  private:

@@ -8,14 +8,14 @@ namespace uwsim {
 /// Limits the extent of a patch, as a multiple of its range.
 inline constexpr float kPatchStretch = 1.5f;
 
-/// The arcs of sixteen rays (RayArc), which may be of several arcs: their axes in the world, the angles of their cones,
-/// and the extent of their patches across.
+/// The arcs (RayArc) of sixteen rays, which may belong to several arcs: the arcs' axes in the world, the angles of
+/// their cones, and the extent of their patches across the arc.
 struct ArcFrames {
   alignas(64) float ahead[3][16], up[3][16], aside[3][16];
   alignas(64) float cos_aside[16], sin_aside[16], tan_half_width[16];
 };
 
-/// Cosines and sines of the angles of sixteen rays, and of the ends of the intervals that they represent.
+/// Cosines and sines of the angles of sixteen rays, and of both ends of the interval that each represents.
 struct ArcAngles {
   const float *cosine, *sine, *lower_cosine, *lower_sine, *upper_cosine, *upper_sine;
 };
@@ -25,14 +25,14 @@ struct ArcHits {
   const float *distance_m, *normal_x, *normal_y, *normal_z;
 };
 
-/// How a patch distributes its echo; see SurfaceEchoes.
+/// The rule by which a patch distributes its echo; see SurfaceEchoes.
 struct PatchRule {
   float head_z_m, absorption_db_m, bin_m;
 };
 
 /// The patches of sixteen hits: the bins between which their echo is distributed, the cosine of the incidence (0 or
-/// less where there is no echo: on the inside of a surface and above the water), and the loss of energy by spreading
-/// and absorption, there and back, for a unit of scattered power and of solid angle.
+/// less where there is no echo: on the inside of a surface and above the water), and the two-way loss of energy by
+/// spreading and absorption, per unit of scattered power and solid angle.
 struct ArcPatches {
   float *near_bin, *far_bin, *cosine, *loss;
 };
@@ -57,18 +57,18 @@ struct ImagingKernels {
   /// without power, and those beyond the last bin, are skipped.
   void (*spread)(const double* power, const double* near_bin, const double* far_bin, std::size_t count,
                  std::size_t bins, double* profile);
-  /// Adds up `count` rows of `bins` values, times their weights, for up to four beams at once: sums[b][bin] of
-  /// weights[3 step + k] rows[b step + k][bin], in the order of k. There are 3 step zeros before and after the weights.
-  /// `sums` has four rows.
+  /// Computes weighted sums of `count` rows of `bins` values, for up to four beams at once: sums[b][bin] is the sum of
+  /// weights[3 step + k] rows[b step + k][bin], in the order of k. The weights are preceded and followed by 3 step
+  /// zeros. `sums` has four rows.
   void (*sum_beams)(const double* rows, const double* weights, std::size_t count, std::size_t step, std::size_t beams,
                     std::size_t bins, double* sums);
-  /// Adds a complex noise, of which cell k is a function of `key` + k (hashed_noise.h), times a weight.
+  /// Adds complex noise, times a weight. The noise of cell k is a function of `key` + k (hashed_noise.h).
   void (*add_noise)(std::uint32_t key, float weight, std::size_t cells, float* row);
   /// Adds a row, times a weight.
   void (*add_row)(float weight, const float* from, std::size_t count, float* row);
-  /// Converts mean echo powers of a beam's bins to received powers and to levels, which include `gain_db`. `speckle`:
-  /// complex, all looks of the first bin, then of the next. Normal draws are those of core/random.h in float, and the
-  /// logarithm is a series: levels are within 2e-5 dB of those in double.
+  /// Converts the mean echo powers of a beam's bins to received powers and to levels, which include `gain_db`.
+  /// `speckle`: complex, all looks of the first bin, then those of the next. Normal draws are those of core/random.h in
+  /// float, and the logarithm is a series; levels are within 2e-5 dB of a computation in double.
   void (*receive)(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
                   std::size_t bins, double* received, float* level_db);
 };

@@ -171,7 +171,7 @@ UWSIM_LANES Float decibels(Double power) {
   return to_float(exponent - 1023) * 3.01029996f + logarithm(m) * 4.34294482f;
 }
 
-/// The amplitudes of sixteen cells of one look, of `looks` per cell.
+/// The amplitudes of sixteen cells for one of `looks` looks per cell.
 template <bool kOneLook>
 UWSIM_LANES void load_amplitudes(const float* speckle, std::uint32_t looks, std::uint32_t look, Float& real,
                                  Float& imaginary) {
@@ -194,8 +194,8 @@ UWSIM_LANES void load_amplitudes(const float* speckle, std::uint32_t looks, std:
 
 #define UWSIM_BLOCKS _Pragma("GCC unroll 2") for (int b = 0; b < kBlocks; ++b)
 
-/// Complex noise of the cells with these numbers. Each step is a long chain of operations, so that several blocks take
-/// hardly longer than one.
+/// Complex noise of the cells with these numbers. Each step is a long chain of dependent operations, so several blocks
+/// take hardly longer than one.
 template <int kBlocks>
 UWSIM_LANES void draw_noise(const ReceiverLanes& receiver, const Unsigned (&cell)[kBlocks], Float (&real)[kBlocks],
                             Float (&imaginary)[kBlocks]) {
@@ -211,7 +211,7 @@ UWSIM_LANES void draw_noise(const ReceiverLanes& receiver, const Unsigned (&cell
   }
 }
 
-/// Blocks of sixteen bins.
+/// Converts blocks of sixteen bins.
 template <int kBlocks, bool kOneLook>
 UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* echo, const float* speckle,
                                 const float* gain_db, std::uint32_t first_cell, double* received, float* level_db) {

@@ -19,7 +19,7 @@ namespace uwsim {
 struct ImagingRequest {
   const RayScene& scene;
   const Water& water;
-  /// Poses of the head, by default with one ping from each; x ahead, y to port, z up
+  /// Poses of the head: x ahead, y to port, z up. By default, there is one ping from each
   std::span<const Pose> world_from_sonar;
   std::span<const double> angles_rad;  ///< angles of a steered beam, about the sonar's +z; empty for other kinds
   const RandomStream& random;

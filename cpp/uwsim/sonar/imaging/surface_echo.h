@@ -27,7 +27,7 @@ struct RayArc {
 struct ArcTurn {
   float cosine, sine;
 
-  ArcTurn(double angle_rad)  // NOLINT(google-explicit-constructor): the angle in another form
+  ArcTurn(double angle_rad)  // NOLINT(google-explicit-constructor): another form of the angle
       : cosine(static_cast<float>(std::cos(angle_rad))), sine(static_cast<float>(std::sin(angle_rad))) {}
 };
 
@@ -81,8 +81,8 @@ class SurfaceEchoes {
   /// Adds the echoes of an arc to `profile`, one power per range bin, and to `by_label` unless it is null.
   void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
            EchoesByLabel* by_label = nullptr) const;
-  /// The same for neighbouring arcs of the same rays: `profiles` has a row for each arc, and `by_label` an entry,
-  /// unless it is empty. Four arcs share their packets, which Embree traverses faster than those of one arc.
+  /// The same for neighbouring arcs with the same rays: `profiles` has a row for each arc, and `by_label` has an entry
+  /// for each arc or is empty. Four arcs share packets, which Embree traverses faster than packets of a single arc.
   void add(std::span<const RayArc> arcs, std::span<const ArcRay> rays, std::span<double> profiles,
            std::span<EchoesByLabel> by_label) const;
 
