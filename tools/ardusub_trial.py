@@ -1,8 +1,8 @@
 """Fly a compiled ArduSub in lockstep through its modes; see tools/ardusub-trial.
 
-One thread sends MAVLink messages while the firmware waits for a line, and makes the steps: each message arrives at the
-same frame in each run. ArduSub gets its position from the vehicle's own navigation (IMU, compass, DVL, depth) as
-ODOMETRY, at 10 Hz.
+A single thread makes the steps and sends MAVLink messages while the firmware waits for a line, so that each message
+arrives at the same frame in each run. ArduSub gets its position from the vehicle's own navigation (IMU, compass, DVL,
+depth) as ODOMETRY, at 10 Hz.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ NEUTRAL = {"x": 0, "y": 0, "z": 500, "r": 0}
 
 
 class Trial:
-    """A flight in progress. texts: all status texts. armed, reached: by the firmware's messages."""
+    """A flight in progress. texts: all status texts. armed, reached: as reported by the firmware's messages."""
 
     def __init__(self, sim: Simulator, autopilot: ArduSub, link: Any) -> None:
         self.sim, self.autopilot, self.link = sim, autopilot, link
@@ -81,7 +81,7 @@ class Trial:
         return NED_FROM_ENU @ self.sim.rov.pose.position_world_m
 
     def fly(self, seconds: float, until: Callable[[], bool] = lambda: False) -> list[Any]:
-        """Fly for a while, or until something is true; return the true positions every 0.05 s, (n, 3)."""
+        """Fly for a time, or until a condition is true; return the true positions every 0.05 s, (n, 3)."""
         track = []
         for _ in range(round(seconds * 400 / CHUNK)):
             if until():
@@ -136,12 +136,12 @@ class Trial:
         self.link.mav.command_long_send(1, 1, command, 0, *values, *[0.0] * (7 - len(values)))
 
     def mode(self, name: str) -> None:
-        """Change the mode, and wait until the firmware has."""
+        """Request a mode, and wait until the firmware has changed to it."""
         self.command(dialect.MAV_CMD_DO_SET_MODE, 1, MODES[name])
         self.fly(5, lambda: self.messages["HEARTBEAT"].custom_mode == MODES[name])
 
     def arm(self, *, on: bool = True) -> None:
-        """Arm or disarm, and wait until the firmware has."""
+        """Arm or disarm, and wait until the firmware has done so."""
         self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, float(on))
         self.fly(5, lambda: self.armed == on)
 
@@ -168,7 +168,7 @@ class Trial:
 
 
 def spread(track: list[Any], axes: slice | int) -> float:
-    """Return how far a track strays from its mean [m]."""
+    """Return the largest distance of a track's positions from their mean [m]."""
     points = np.array(track)[:, axes].reshape(len(track), -1)
     return float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
 
@@ -178,7 +178,7 @@ Row = tuple[str, float, float]
 
 
 def flights(trial: Trial) -> Iterator[Row]:
-    """Fly in each mode; yield what was measured."""
+    """Fly in each mode; yield the measured values."""
     trial.fly(8)
     trial.autopilot.wait()
     trial.link.mav.set_gps_global_origin_send(1, round(1e7 * HOME.lat_deg), round(1e7 * HOME.lon_deg), 0)
@@ -267,7 +267,7 @@ def firmware(binary: Path, defaults: str) -> Iterator[int]:
 
 
 def connected() -> Any:
-    """Return the link to the firmware, which waits for it."""
+    """Return the MAVLink connection to the firmware, for which the firmware waits."""
     for _ in range(100):
         try:
             return mavutil.mavlink_connection("tcp:127.0.0.1:5760", source_system=255, dialect="ardupilotmega")
@@ -296,7 +296,7 @@ def flown(binary: Path, defaults: str, path: Path, print_row: Callable[[Row], No
 
 
 class Speed(NamedTuple):
-    """Simulated seconds a second; processor time of a frame [us]: of this thread's steps, its pings, the firmware."""
+    """Simulated seconds per second; processor time per frame [us] of this thread's steps, its pings and the firmware."""
 
     factor: float
     steps_us: float

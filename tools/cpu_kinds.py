@@ -1,7 +1,7 @@
-"""Compare the results of different kinds of CPU: python tools/cpu_kinds.py prints a table for docs/inside/trust.md.
+"""Compare the results of different kinds of CPU. `python tools/cpu_kinds.py` prints a table for docs/inside/trust.md.
 
 One machine emulates the others: UWSIM_INSTRUCTION_SET selects the instructions of the kernels and Embree,
-GLIBC_TUNABLES those of the C library, as on a machine that lacks the rest.
+and GLIBC_TUNABLES those of the C library, as on a machine that lacks all others.
 """
 
 from __future__ import annotations

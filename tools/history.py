@@ -1,8 +1,8 @@
 """Keep a history of ten ratios: `python -m tools.history measure`, or `compare OLD NEW` for two commits on one machine.
 
 Each ratio compares uwsim with a peer that the same benchmark measures in the same rounds, so that it depends little on
-the load and the machine. `measure` writes docs/benchmarks/COMMIT.json, with the load that the machine had, and the site
-draws these files.
+the load and the machine. `measure` writes docs/benchmarks/COMMIT.json, which includes the machine's load; the site
+plots these files.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PEERS = {
 
 
 class Ratio(NamedTuple):
-    """One ratio: where a benchmark's JSON has it, what it is, and whether more is better."""
+    """A ratio: its place in a benchmark's JSON, its meaning, and whether higher is better."""
 
     path: tuple[str, ...]
     title: str
@@ -119,7 +119,7 @@ def checkout(name: str) -> Path:
 
 
 def ratios(tree: Path, rounds: int) -> dict[str, float]:
-    """Run the benchmarks of a tree that is set up, and return the ratios that it knows."""
+    """Run the benchmarks of a tree that is set up, and return the ratios that they report."""
     figures: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, options in PEERS.items():
@@ -131,7 +131,7 @@ def ratios(tree: Path, rounds: int) -> dict[str, float]:
 
 
 def table(old: list[dict[str, float]], new: list[dict[str, float]], *names: str) -> list[str]:
-    """Return a line per ratio: the medians of both commits, and how much better the new one is, with its spread."""
+    """Return a line per ratio: the medians of both commits, and the improvement by the new one, with its spread."""
     width = max(len(ratio.title) for ratio in RATIOS.values())
     lines = [f"{'':{width}} {names[0][:12]:>12} {names[1][:12]:>12}  new is better by (lowest to highest round)"]
     for name, ratio in RATIOS.items():

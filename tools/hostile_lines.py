@@ -4,7 +4,8 @@
     tools/hostile --only map --sample 200
     tools/hostile --files --part 0/2
 
-Do not run it as root, who can write to folders that must be read-only here. Exits with 1 if a line broke a rule.
+Do not run it as root, because root can write to folders that must be read-only here. Exits with 1 if a line broke a
+rule.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ def main() -> int:
 
 
 def reaches(licence: str) -> bool:
-    """Return True if each of the alternative licences extends beyond its own files."""
+    """Return True if each of the alternative licences extends beyond the files that it covers."""
     return all(
         REACHING.search(each) and "LGPL" not in each and "exception" not in each
         for each in re.split(r" or | OR ", licence)
@@ -53,7 +53,7 @@ def reaches(licence: str) -> bool:
 
 
 def python_packages(everything: bool) -> Iterable[tuple[str, str, str, str]]:
-    """Yield kind, name, version and licence of the packages that uwsim and its extras need; if asked, also tests."""
+    """Yield kind, name, version and licence of the packages for uwsim and its extras and, if requested, for tests."""
     config = tomllib.loads((ROOT / "pyproject.toml").read_text())
     project = config["project"]
     extras = [line for extra, lines in project["optional-dependencies"].items() if extra != "fuzz" for line in lines]
@@ -115,7 +115,7 @@ def _libraries() -> Iterable[tuple[str, str, str, str]]:
 
 
 def headers() -> Iterable[tuple[str, str, str, str]]:
-    """Yield what is compiled into the native module."""
+    """Yield the libraries whose headers are compiled into the native module."""
     for package in HEADERS:
         yield "compiled", package, debian_version(package), debian_licence(package)
     yield "compiled", "pybind11", metadata.version("pybind11"), _licence_of(metadata.distribution("pybind11"))

@@ -1,7 +1,7 @@
 """Print the requirements of pyproject.toml, one per line: `python tools/requirements.py build|run|dev`.
 
-build: those of building; run: also those of running, with the extra `standard`; dev: with all extras and the group
-`dev`.
+build: requirements for building. run: also those for running, with the extra `standard`. dev: also all extras and the
+group `dev`.
 """
 
 import re

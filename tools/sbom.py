@@ -26,7 +26,7 @@ KINDS = {"Python": "pypi", "library": "deb/debian", "compiled": "deb/debian", "p
 
 
 def bill(wheel: Path) -> dict[str, Any]:
-    """Return the bill; the same wheel and SOURCE_DATE_EPOCH make the same bytes."""
+    """Return the bill of materials. The same wheel and SOURCE_DATE_EPOCH yield the same bytes."""
     digest = hashlib.sha256(wheel.read_bytes()).hexdigest()
     rows = [*(row for row in python_packages(everything=False) if row[0] == "Python"), *_bundled(wheel)]
     rows += [*headers(), *javascript()]
@@ -65,7 +65,7 @@ def _component(kind: str, name: str, version: str, licence: str) -> dict[str, An
 
 
 def _bundled(wheel: Path) -> list[tuple[str, str, str, str]]:
-    """Return the Debian packages of the libraries in the wheel, whose names auditwheel extended by a hash."""
+    """Return the Debian packages of the libraries in the wheel. auditwheel has added a hash to the libraries' names."""
     with zipfile.ZipFile(wheel) as archive:
         names = {Path(name).name for name in archive.namelist() if ".so" in name and "uwsim.libs/" in name}
     packages = set()

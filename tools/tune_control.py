@@ -1,10 +1,10 @@
 """Tune the `control:` block of a vehicle's file: `python tools/tune_control.py bluerov2_heavy`; prints YAML.
 
 Differential evolution (Storn and Price 1997, SciPy's) finds one set of gains for surge, sway and heave and one for
-roll, pitch and yaw. It minimises, over the steps of `uwsim validate control` and a minute in gusts, the time-weighted
-error, the overshoot, the drift in gusts, and the changes of the efforts, which keep the gains from growing without
-bound. Gusts: 0.5 m/s mean, 0.2 m/s rms, 10 s correlation; the estimate has white noise of 0.02 m, 0.01 m/s, 0.01 rad
-and 0.005 rad/s.
+roll, pitch and yaw. Over the steps of `uwsim validate control` and a minute in gusts, it minimises the time-weighted
+error, the overshoot, the drift in gusts, and the changes of the efforts; the last term keeps the gains from growing
+without bound. Gusts: 0.5 m/s mean, 0.2 m/s rms, 10 s correlation; the estimate has white noise of 0.02 m, 0.01 m/s,
+0.01 rad and 0.005 rad/s.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def with_gains(model: VehicleModel, driven: list[str], gains: np.ndarray) -> Veh
 
 
 def cost(gains: np.ndarray, model: VehicleModel, driven: list[str]) -> float:
-    """Return the cost to minimise: a sum over the steps, and the flight in gusts."""
+    """Return the cost to minimise: a sum over the steps and the flight in gusts."""
     tuned = with_gains(model, driven, gains)
     total = 0.0
     for response in step_responses(model.name, tuned):

@@ -1,4 +1,4 @@
-"""Keep words that uwsim's prose avoids below their ceilings: python -m tools.words [--update].
+"""Keep the counts of words that uwsim's prose avoids below their ceilings: python -m tools.words [--update].
 
 Ceilings are counts by word and area in words.json. They may only fall; --update lowers them to the current counts.
 """

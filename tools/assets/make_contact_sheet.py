@@ -1,8 +1,9 @@
 """Draw docs/guides/cameras.jpg, the contact sheet of docs/guides/cameras.md.
 
-It shows the ROV's front and down cameras in several waters, at noon without lamps and at dusk with lamps; then the
-front camera without any effects and with warm and cold water mixing in front of it, the ROV from its chase camera, and
-the ROV in its cage from the station's camera. The layout is in figures/contact_sheet.py. Needs the built package.
+It shows pictures of the ROV's front and down cameras in several waters, at noon without lamps and at dusk with lamps.
+Further pictures are of the front camera without any effects and with warm and cold water mixing in front of it, of the
+ROV from its chase camera, and of the ROV in its cage from the station's camera. The layout is in
+figures/contact_sheet.py. Needs the built package.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Draw the screens that `uwsim reproduce paper` keeps for machines without a browser: fig04.jpg and fig05.jpg."""
+"""Draw fig04.jpg and fig05.jpg, the screenshots that `uwsim reproduce paper` uses on machines without a browser."""
 
 from __future__ import annotations
 

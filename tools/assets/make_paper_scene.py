@@ -1,7 +1,7 @@
 """Generate the meshes of the scenario `paper`: station and rocks; needs manifold3d and trimesh.
 
-Metres, z up. Their dimensions are those of the published simulator's scene (LawnTest.unity), as far as it has them;
-their shapes are our own.
+Metres, z up. Dimensions are those of the published simulator's scene (LawnTest.unity) where it defines them; the shapes
+are our own.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def rails() -> list[Manifold]:
 
 
 def cage() -> list[Manifold]:
-    """Return the frame ahead of the deck, in which the vehicle hangs at (12.15, 0, 4.1), open below."""
+    """Return the frame ahead of the deck, open below, in which the vehicle hangs at (12.15, 0, 4.1)."""
     low, high, near, far = DECK_Z - 0.9, DECK_Z - 0.35, DECK_M - 0.2, 15.25
     parts = [box((near, y - 0.25, low), (far, y + 0.25, high)) for y in (-2.2, 2.2)]
     parts += [box((x - 0.25, -2.45, low), (x + 0.25, 2.45, high)) for x in (near + 0.25, far - 0.25)]
@@ -47,7 +47,7 @@ def cage() -> list[Manifold]:
 
 
 def dish() -> Manifold:
-    """Return a bowl that looks up and ahead."""
+    """Return a bowl that faces up and ahead."""
     bowl = ball((0, 0, 0), 1.7, sides=24) - ball((0, 0, 0.25), 1.65, sides=24)
     bowl -= box((-2, -2, -0.7), (2, 2, 2))
     return (bowl + rod((0, 0, -1.65), (0, 0, 0.1), 0.06, sides=8)).rotate((0, 50, 0)).translate((-1.5, -5.5, 17.0))
@@ -81,7 +81,7 @@ def station() -> dict[Colour, list[Manifold]]:
 
 
 def rocks() -> Manifold:
-    """Return a field of boulders on a bed at z = 0, of 30 m across."""
+    """Return a field of boulders, 30 m across, on a bed at z = 0."""
     random = np.random.default_rng(33)
     parts = []
     for _ in range(70):

@@ -1,4 +1,4 @@
-"""Writes docs/guides/vehicle.png, the three views in the report that `uwsim vehicle rov --out FILE` writes."""
+"""Write docs/guides/vehicle.png, the three views in the report of `uwsim vehicle rov --out FILE`."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Draw docs/guides/water-column.png by the example of docs/guides/sonars.md."""
+"""Draw docs/guides/water-column.png with the example code of docs/guides/sonars.md."""
 
 import os
 import re

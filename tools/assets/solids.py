@@ -47,7 +47,7 @@ def united(parts: list[Manifold]) -> Manifold:
 
 
 def united_by_colour(parts: dict[Colour, list[Manifold]]) -> tuple[Manifold, dict[int, Colour]]:
-    """Return the union of solids, and the colour of each of its originals by manifold3d's number."""
+    """Return the union of solids, and the colour of each original solid by manifold3d's number."""
     originals = {colour: united(solids).as_original() for colour, solids in parts.items()}
     return united(list(originals.values())), {solid.original_id(): colour for colour, solid in originals.items()}
 

@@ -96,7 +96,7 @@ def loop_s(sim: Simulator, steps: int) -> float:
 
 
 def batch_s(batch: Batch, steps: int) -> float:
-    """Return the seconds per step and member of a batch that is read equally often."""
+    """Return the seconds per step and member of a batch whose motion is read equally often."""
     batch.place(START_M)
     calls = max(steps // HELD_STEPS // batch.n, 1)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (calls, batch.n, 6))
@@ -167,7 +167,7 @@ def pings(scenario: str, rounds: int) -> dict[str, float]:
 
 
 def control(scenario: str, rounds: int) -> dict[str, float]:
-    """Return the processor time of a member's control period, and relative to that of a single Controller."""
+    """Return the processor time of a member's control period, in seconds and relative to a single Controller."""
     batch, lone = Batch(scenario, n=CONTROLLED, threads=1), Simulator(scenario, threads=1)
     batch.place(START_M)
     lone.rov.place(START_M)

@@ -133,7 +133,7 @@ def write_rays(file: Path, sim: Simulator, camera: Camera, *, geometry_only: boo
 
 
 class BareEmbree:
-    """The peer's process; a call returns the seconds of wall time that it needs for all rays of one image."""
+    """The peer's process. A call returns the wall time [s] for all rays of one image."""
 
     def __init__(self, command: list[str]) -> None:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

@@ -28,8 +28,8 @@ console = Console()
 TILT_RAD = np.radians(30.0)  # as in the lake's survey
 ALTITUDE_M = 8.0
 AREA_M = ((-100.0, -76.0), (50.0, 20.0))  # the survey area, with pipeline and gate
-# Total columns of all cameras, rows, number of cameras, whether interpolated, bits of a quantised depth. With 64 rows
-# none lies in the fan's plane; with 65 the middle one does.
+# Total columns of all cameras, rows, number of cameras, whether interpolated, bits of a quantised depth. With 64 rows,
+# no row lies in the fan's plane; with 65, the middle row does.
 METHODS = (
     (256, 1, 1, False, 0), (512, 1, 1, False, 0), (1024, 1, 1, False, 0), (2048, 1, 1, False, 0),
     (8192, 1, 1, False, 0), (1024, 1, 1, True, 0), (1024, 1, 1, False, 16), (1024, 1, 1, False, 8),
@@ -119,7 +119,7 @@ def _depth_map(sim: Simulator, poses: list[np.ndarray], setting: tuple[int, int,
 
 
 def _figures(methods: list[Method]) -> dict[str, dict[str, float]]:
-    """Return for each method: seconds per ping, cost relative to rays per round, and range errors."""
+    """Return for each method the seconds per ping, the cost relative to rays in each round, and the range errors."""
     figures = {}
     for method in methods:
         ratio = statistics.median(own / rays for own, rays in zip(method.seconds, methods[0].seconds, strict=True))

@@ -109,8 +109,8 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
 class Flight:
     """Vehicles that move over the lake; a call returns steps per second.
 
-    Runs of `steps` steps are timed. The vehicles are returned to their initial state before each, so that all runs are
-    alike.
+    Runs of `steps` steps are timed. The vehicles are returned to their initial state before each run, so that all runs
+    are the same.
     """
 
     def __init__(
@@ -157,7 +157,7 @@ class Flight:
 class Settled:
     """A vehicle that rests on the lake's bed or floats at its surface; a call returns steps per second.
 
-    It settles once, before any timing.
+    The vehicle settles once, before anything is timed.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""How cost grows with size: triangles, beams, vehicles, voxels, members, seconds of recording and clients.
+"""The growth of cost with size: triangles, beams, vehicles, voxels, members, seconds of recording and clients.
 
 The sizes of a panel alternate within each round, so that other load on the machine affects them equally; medians over
 the rounds are reported, in processor time. The slope is that of a straight line through the larger half of the sizes,
@@ -44,9 +44,9 @@ Costs = dict[str, float]  # the processor time of each operation [s]
 
 @dataclass(frozen=True)
 class Growth:
-    """A size, and what is measured at each value of it.
+    """A kind of size, and the operations that are measured at each of its values.
 
-    prepare: returns the measurement at a size, which is called once a round.
+    prepare: returns the measurement at a size, which is called once per round.
     """
 
     name: str
@@ -120,7 +120,7 @@ def fan(beams: int) -> Any:
 
 
 def triangles(count: int) -> Callable[[], Costs]:
-    """A ping of 512 beams over a bed of so many triangles, and the preparation of the bed for rays."""
+    """Measure a ping of 512 beams over a bed of `count` triangles, and the preparation of the bed for rays."""
     cells, beams = round(np.sqrt(count / 2.0)), fan(512)
     scene, rng = _core.RayScene(bed(cells)), np.random.default_rng(count)
 
@@ -135,7 +135,7 @@ def triangles(count: int) -> Callable[[], Costs]:
 
 
 def beams(count: int) -> Callable[[], Costs]:
-    """A ping of so many beams over a bed of half a million triangles."""
+    """Measure a ping of `count` beams over a bed of half a million triangles."""
     scene, directions = _core.RayScene(bed(500)), fan(count)
     rng = np.random.default_rng(0)
 
@@ -146,7 +146,7 @@ def beams(count: int) -> Callable[[], Costs]:
 
 
 def vehicles(count: int) -> Callable[[], Costs]:
-    """A step of so many vehicles, 5 m apart."""
+    """Measure a step of `count` vehicles, 5 m apart."""
     scenario = load("lake")
     entry = VehicleEntry.model_validate(
         {"name": "x", "model": load_vehicle("bluerov2_heavy"), "start": {"position_m": START_M}}
@@ -170,7 +170,7 @@ def vehicles(count: int) -> Callable[[], Costs]:
 
 
 def voxels(count: int) -> Callable[[], Costs]:
-    """A ping that adds 10,000 voxels to a map of so many occupied voxels, and writing that map."""
+    """Measure a ping that adds 10,000 voxels to a map of `count` occupied voxels, and writing that map."""
     cells = np.arange(TILE_CELLS) * VOXEL_M
     x, y = np.meshgrid(cells, cells)
     tile = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]) + 0.5 * VOXEL_M
@@ -195,7 +195,7 @@ def voxels(count: int) -> Callable[[], Costs]:
 
 
 def members(count: int) -> Callable[[], Costs]:
-    """A step of a batch of so many members, on one thread."""
+    """Measure a step of a batch of `count` members, on one thread."""
     batch = Batch("lake", n=count, threads=1)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (count, 6))
 
@@ -207,7 +207,7 @@ def members(count: int) -> Callable[[], Costs]:
 
 
 def seconds(count: int) -> Callable[[], Costs]:
-    """A recording without pictures and maps of so much simulated time, and reading it."""
+    """Measure recording `count` simulated seconds without pictures and maps, and reading the recording."""
 
     def record() -> Costs:
         with tempfile.TemporaryDirectory() as folder:
@@ -228,7 +228,7 @@ def seconds(count: int) -> Callable[[], Costs]:
 
 
 def clients(count: int) -> Callable[[], Costs]:
-    """The server's cost of a simulated second with so many clients that read scans at 50 Hz and pictures at 10 Hz."""
+    """Measure the server's cost per second with `count` clients that read scans at 50 Hz and pictures at 10 Hz."""
     network = runpy.run_path(str(Path(__file__).with_name("network.py")))
     sys.setswitchinterval(network["SWITCH_S"])
     sim = Simulator("lake", sonar_model=4)

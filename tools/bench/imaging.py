@@ -1,11 +1,12 @@
 """A picture of the packaged forward-looking imaging sonar on the lake, compared with bare Embree casting the same rays.
 
 The cases alternate within one run, so that other load on the machine affects them equally; results are medians over the
-rounds, and ratios are computed per round. Each picture is taken from a new place along a line. The native peer casts
-the rays of the line's first picture, in packets of four by four neighbouring rays as the sonar does, and alternatively
-in packets of sixteen rays one above another.
+rounds, and ratios are computed per round. Each picture is taken from a new position along a line. The native peer casts
+the rays of the first picture, in packets of four by four neighbouring rays, as the sonar does, and alternatively in
+packets of sixteen rays one above another.
 
-One thread is measured in processor time; several threads in wall time, which means little on a busy machine.
+A single thread is measured in processor time, and several threads in wall time, which is not meaningful on a busy
+machine.
 """
 
 from __future__ import annotations
@@ -79,13 +80,13 @@ def main(
 
 
 class Pictures:
-    """Pictures from successive places; a call returns the median seconds of one."""
+    """Pictures from successive positions. A call returns the median time per picture [s]."""
 
     def __init__(self, threads: int, clock: Callable[[], float]) -> None:
         self._sim, self._clock = lake(threads), clock
 
     def __call__(self) -> float:
-        """Take a picture at each place."""
+        """Take a picture at each position."""
         rov, elapsed_s = self._sim.rov, []
         for k in range(PLACES):
             rov.place((PLACE_M[0] + STEP_M * k, *PLACE_M[1:]))
@@ -96,7 +97,7 @@ class Pictures:
 
 
 def lake(threads: int = 1) -> Simulator:
-    """Return the lake, with the vehicle at the first place."""
+    """Return the lake, with the vehicle at the first position."""
     sim = Simulator("lake", threads=threads)
     sim.rov.release()
     sim.rov.place(PLACE_M)
@@ -119,7 +120,7 @@ def directions(sonar: Any) -> NDArray[np.float64]:
 
 
 def write_rays(file: Path, columns: int) -> None:
-    """Write the world's surface and the packets of one picture, of so many columns of rays each, for the peer."""
+    """Write the world's surface and the packets of one picture for the peer; `columns`: columns of rays per packet."""
     sim = lake()
     sonar = sim.rov.imaging_sonars["forward_looking"]
     rays, each = directions(sonar), 16 // columns

@@ -1,7 +1,7 @@
 """The cost of a link: a step of 20 vehicles with a link at full load, compared with a step without one.
 
 Both alternate within one run, so that other load on the machine affects them equally; the median of the per-round
-ratios is reported. Measured by the process's CPU time, on one thread.
+ratios is reported. Times are CPU times of the process, on one thread.
 """
 
 from __future__ import annotations

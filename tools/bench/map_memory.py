@@ -1,7 +1,7 @@
 """Time and memory of a map over ten kilometres of track, with and without a memory limit.
 
-A multibeam sonar with the widest fan is towed to and fro, 8 m above noise hills; its pings are cast and inserted. Each
-case runs in a separate process, whose memory is reported by the system. Both maps must write the same bytes.
+A multibeam sonar with the widest fan is towed to and fro, 8 m above hills of noise; its pings are cast and inserted.
+Each case runs in a separate process; the system reports the memory of the process. Both maps must write the same bytes.
 """
 
 from __future__ import annotations

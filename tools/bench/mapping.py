@@ -3,9 +3,9 @@
 The workload is a survey of the packaged lake's bed: 8 m above its hills, a ping every 10 cm, ranges from the true
 surfaces; a beam without an echo marks voxels free up to the sonar's range. The cases alternate within one run, each
 with its own map and the same pings, so that other load on the machine affects all equally; medians over the rounds are
-reported. One core is measured by processor time, two cores by wall time, stock OctoMap by both. Stock takes seconds;
-bricks take milliseconds, too short for an idle core to reach its full clock rate. Each round therefore takes the median
-of several consecutive brick insertions, each into a new map.
+reported. One core is measured by processor time, two cores by wall time, stock OctoMap by both. Stock OctoMap takes
+seconds; bricks take milliseconds, too short for an idle core to reach its full clock rate. Each round therefore takes
+the median of several consecutive brick insertions, each into a new map.
 """
 
 from __future__ import annotations

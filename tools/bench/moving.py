@@ -1,7 +1,7 @@
 """The cost of other vehicles for a ping: alone in the lake, among 20, and with all 20 close to the sonar.
 
-The cases alternate, each round at the same positions; medians of the per-round ratios are reported. One thread's
-processor time.
+The cases alternate, each round at the same positions; medians of the per-round ratios of one thread's processor time
+are reported.
 """
 
 from __future__ import annotations

@@ -91,7 +91,7 @@ def true_messages(sim: Simulator) -> tuple[Any, Any]:
 
 
 def stamped(message: Any) -> Any:
-    """Return the message stamped with the wall clock's time, by which latency is measured."""
+    """Return the message stamped with the wall-clock time, from which latency is measured."""
     copy = default_message(message.__msgtype__)
     for name in vars(message):
         setattr(copy, name, getattr(message, name))
@@ -137,7 +137,7 @@ def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: in
 
 
 def full(server: RosbridgeServer) -> int:
-    """Return the number of clients that have lost messages because their queues were full."""
+    """Return the number of clients that have lost messages because of full queues."""
     return sum(session.outbox.lost > 0 for session in list(server.sessions.values()))
 
 

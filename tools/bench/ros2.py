@@ -1,4 +1,4 @@
-"""The ROS 2 node: the cost of a message, and what arrives at a node that uses ROS 2's default middleware.
+"""The ROS 2 node: the cost of a message, and the messages that reach a node with ROS 2's default middleware.
 
 The reader is tests/fast_dds/fast_dds_peer.cpp (Fast DDS, Fast CDR), a separate process on this machine, built by
 `tools/setup --dev`. Costs are CPU time of all our threads, including Cyclone DDS's; latencies are measured from the
@@ -65,7 +65,7 @@ def messages() -> dict[str, Any]:
 
 
 def stamped(message: Any) -> Any:
-    """Return a copy stamped with the wall clock's time, by which latency is measured."""
+    """Return a copy stamped with the wall-clock time, from which latency is measured."""
     copy = type(message)(**vars(message))
     if hasattr(copy, "header"):
         copy.header = build.header(time.monotonic_ns(), message.header.frame_id)
@@ -274,7 +274,7 @@ def stalled(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list
 
 
 def closing(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return how long closing takes while messages flow, and how many threads remain."""
+    """Return the time that closing takes while messages are sent, and the number of threads that remain."""
     from fast_dds import fast_dds_peer, sub
 
     before = threading.active_count()

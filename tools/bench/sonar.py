@@ -4,8 +4,9 @@ All cases alternate within one run, so that other load affects all of them equal
 and medians of per-round ratios. Measured in single-thread CPU time, except multithreaded ping_batch, which is measured
 in wall time.
 
-All cases ping from the same poses along the survey's lines. From scattered poses, each ping waits for a different part
-of the ray tree to be loaded; this is reported separately. The limit is the best rate of Embree's ray packets.
+All cases ping from the same poses along the survey's lines. From scattered poses, each ping has to wait until a
+different part of the ray tree has been loaded; this is reported separately. The limit is the best rate of Embree's ray
+packets.
 """
 
 from __future__ import annotations
@@ -208,7 +209,7 @@ class Pings:
 
 
 def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
-    """Return our cases: single pings; batches on one thread and on two; physics mode and what it can add."""
+    """Return our cases: single pings; batches on one thread and on two; physics mode, with and without its options."""
     poses = heads_at(sim, along_lines(5 * len(heads.world_from_body))).world_from_body
 
     def batch(threads: int) -> Callable[[], float]:

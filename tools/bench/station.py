@@ -4,7 +4,7 @@ The lake runs in real time and is flown by this benchmark's own pilot in another
 shows map and panel; the same with one view of 640 x 360 at 10 Hz; three pages, one of which never reads. The server's
 CPU is that of this process, including simulator and map. Both processes use one clock. The latency of a key is the time
 until the server confirms that it took effect. The latency of a picture is the time until its message is decoded,
-measured both from when the picture is ready and from its simulated capture time.
+measured both from the time when the picture is ready and from its simulated capture time.
 """
 
 from __future__ import annotations

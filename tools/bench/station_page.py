@@ -1,8 +1,9 @@
-"""The operator's station in a browser: how soon it loads, how smoothly it draws, and how its memory grows.
+"""The operator's station in a browser: its loading time, its frame rate and the growth of its memory.
 
 Debian's headless Chromium draws WebGL in software, like a laptop without a GPU, on the same cores as the simulator. A
-picture's latency is the time until it is on the canvas, measured both from when the server has it and from its
-simulated capture time, which includes rendering and compression. Needs the development installation (tools/setup
+picture's latency is the time until it is on the canvas, measured both from the time when the server has the picture and
+from its simulated capture time; the latter includes rendering and compression. Needs the development installation
+(tools/setup
 --dev). `uwsim bench station` measures the server without a browser.
 """
 

@@ -3,8 +3,8 @@
     python tools/learn/ppo.py --curve docs/guides/learning-ppo.png      # both, in turn
     python tools/learn/ppo.py StandOff --out stand_off.zip
 
-In between, the policy flies held-out episodes, whose seeds begin at 1,000,000; the processor time is that of training
-alone. Everything runs on one thread.
+The policy is evaluated between rollouts on held-out episodes, whose seeds begin at 1,000,000. The processor time is
+that of training alone. Everything runs on one thread.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ SETTLED = 100  # the last steps of an episode, in all of which a task must succe
 
 @dataclass(frozen=True)
 class Recipe:
-    """A task, the number of environment steps of its training, discount, and log of the first policy's deviation."""
+    """A task, the number of environment steps for its training, the discount, and the log of the initial policy's
+    deviation."""
 
     task: type[Task]
     steps: int
@@ -95,7 +96,7 @@ class Course(BaseCallback):  # type: ignore[misc]  # stable_baselines3 is not in
 
 
 def solved(flown: Flown) -> float:
-    """Return the share of episodes with `success` in each of their last steps; NaN without that figure."""
+    """Return the share of episodes with `success` in each of their last steps; NaN if `info` has no `success`."""
     if "success" not in flown.figures:
         return float("nan")
     return float((flown.figures["success"][-SETTLED:] == 1.0).all(axis=0).mean())
@@ -130,7 +131,7 @@ def main(
 
 
 def train(course: Course, members: int, seed: int) -> PPO:
-    """Train for the steps of the course's recipe; print and keep the progress."""
+    """Train for the steps of the course's recipe; print and store the progress."""
     recipe = course.recipe
     model = PPO(
         "MlpPolicy", BatchVecEnv(recipe.task, members, threads=1), n_steps=ROLLOUT // members, batch_size=1024,
@@ -141,7 +142,7 @@ def train(course: Course, members: int, seed: int) -> PPO:
 
 
 def compare(course: Course) -> None:
-    """Print in how many held-out episodes the policy earns more than the PID of the vehicle's file."""
+    """Print the number of held-out episodes in which the policy's return exceeds that of the vehicle's own PID."""
     pid, learned = (
         fly(course.arena, policy, HELD_OUT_SEEDS).total
         for policy in (Pid(course.arena, StationKeeping.place_m), course.policy)

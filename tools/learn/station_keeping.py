@@ -3,7 +3,7 @@
     python tools/learn/station_keeping.py --out assets/learning/policies/station_keeping.json \
         --curve docs/guides/learning.png
 
-The search starts at proportional control with damping, one gain for all axes of a kind (`first_guess`), and is
+The search starts from proportional control with damping, with one gain for all axes of a kind (`first_guess`), and is
 unconstrained from there. Training episodes have the seeds 0, 1, ...; those for the comparison begin at 1,000,000.
 """
 

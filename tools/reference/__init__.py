@@ -1,1 +1,1 @@
-"""Reference pages that are generated from the code, so that they cannot be out of date."""
+"""Generators of the reference pages, which are derived from the code."""

@@ -4,8 +4,8 @@
 
 Each attack comes from a separate process against a new server. One line per attack reports: the attack's frames; the
 peak growth of resident memory, and the growth that remained after all clients had left; the longest time for which the
-network's thread missed a 2 ms timer (by the wall clock, which includes time that other processes used), and the most
-CPU time that all of the process's threads, and that thread, spent between two timers; and the slowest answer to another
+network thread missed a 2 ms timer (by the wall clock, which includes time that other processes used); the largest CPU
+time, between two timers, of all threads of the process and of the network thread; and the slowest answer to another
 client, which calls a service continuously.
 """
 
@@ -213,7 +213,7 @@ def memory_mb(field: str) -> float:
 
 
 class Watch:
-    """The longest times for which the network's thread missed a timer and another client waited for an answer."""
+    """The longest times for which the network thread missed a timer and another client waited for an answer."""
 
     def __init__(self, server: RosbridgeServer) -> None:
         self.held_s = self.spent_s = self.worked_s = self.answer_s = 0.0

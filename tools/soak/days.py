@@ -12,7 +12,7 @@ One line is printed after each lap: simulated days, resident memory (after a gar
 library has returned its freed blocks), memory allocated by malloc, the peak, and processor seconds per simulated hour,
 excluding those of the server. The exit code is 1 if memory grew by more than 2 % (straight line), processor time
 drifted by more than 5 % (medians of the first and last third), bytes differ, or the number of threads or open files
-rose. The first fifth of the laps, in which these settle, does not count.
+rose. The first fifth of the laps, in which these values settle, is ignored.
 """
 
 from __future__ import annotations
@@ -106,7 +106,8 @@ def digest(content: bytes) -> str:
 def lap_cpu_s(work: Callable[[], Any]) -> tuple[float, Any]:
     """Return the processor time of a call, and its result.
 
-    Threads that it starts, such as a map's, count; those that existed before, such as the server's, do not.
+    Threads that the call starts, such as a map's, are included; threads that existed before, such as the server's, are
+    not.
     """
     before, began_s = thread_cpu_s(), time.process_time()
     result = work()

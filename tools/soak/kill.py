@@ -99,7 +99,7 @@ def is_writing(out: Path) -> bool:
 
 
 def wait_for_the_moment(process: subprocess.Popen[str], out: Path, whole_s: float, draw: random.Random) -> str:
-    """Wait for the time of the kill or the end of the process; return which kind of time it was."""
+    """Wait for the time of the kill or the end of the process; return the kind of time."""
     kind = draw.choice(["any", "any", "write", "end"])
     began_s = time.monotonic()
     after_s = draw.uniform(0.0, whole_s) if kind != "end" else draw.uniform(0.7, 1.0) * whole_s

@@ -75,7 +75,7 @@ def killed_run(path: Path, after_s: float) -> int:
 
 
 def verdict(path: Path, reached_ns: int) -> tuple[str | None, float]:
-    """Return what is wrong with a recording, and how much of the run is missing from it [s]."""
+    """Return a description of a recording's faults, and the time of the run that is missing from it [s]."""
     opened = recording.open(path)
     times = [recorded.time_ns for recorded in opened.messages("odom")]
     lost_s = max(1e-9 * (reached_ns - (times[-1] if times else 0)), 0.0)

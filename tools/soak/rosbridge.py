@@ -7,8 +7,8 @@ huge frames, subscribe without reading, and leave at any time. One line is print
 Python's objects in use, sessions, topics, and the simulator's pace.
 
 A first wave precedes the first memory measurement, since the allocator keeps and reuses the memory of the largest
-number of clients so far, about 15 MB. The exit code is 1 if memory grew after that by more than 16 MB, objects in use
-by more than 1 %, or anything was left behind.
+number of clients so far, about 15 MB. The exit code is 1 if, after that, memory grew by more than 16 MB or objects in
+use by more than 1 %, or if anything was left behind.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@
 One page with pictures, sonar and the growing map drives the lake's vehicle, straight ahead and in turns. One line is
 printed every minute, after a garbage collection: the page's heap, resident memory of the page's process and of the
 server, voxels of the map, commands in the server's log, and the pace. Map, track and log grow because the vehicle
-flies; caches fill in the first minutes, which do not count.
+flies; caches fill in the first minutes, which are ignored.
 
 The exit code is 1 if a straight line through the samples of the page's heap rises by more than 20 MB per hour.
 """

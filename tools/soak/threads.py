@@ -3,8 +3,9 @@
     .venv/bin/python tools/soak/threads.py [--minutes 10] [--threads 8] [--seed 0]
 
 The rules: only documented errors and no crash; no lost step (of a simulator, a batch, a live simulator); a thread's
-work on its own objects gives the same bytes as without other threads; memory stays constant: a straight line through it
-grows by at most 2 % after the first fifth of the time, in which it settles. Exits with 1 if a rule is broken.
+work on its own objects gives the same bytes as without other threads; memory stays constant, that is, a straight line
+through the samples grows by at most 2 % after the first fifth of the time, in which memory settles. Exits with 1 if a
+rule is broken.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ Call = Callable[[random.Random], object]
 class Shared:
     """The objects that all threads call.
 
-    stepped: the expected number of steps of each object; exact, since every thread counts its own.
+    stepped: the expected number of steps of each object; exact, because every thread counts its own steps.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -152,7 +153,7 @@ def refuses(copied: Callable[[Any], object], sim: Simulator) -> None:
 
 
 def program(number: int) -> str:
-    """Run a program determined by `number` on new objects; return the digest of all its outputs."""
+    """Run the program with this number on new objects; return the digest of all its outputs."""
     rng, said = random.Random(number), hashlib.sha256()
     sim, occupancy, batch = Simulator("pool", seed=number), OccupancyMap(0.1), Batch("pool", n=2, threads=1)
     sim.rov.undock()
@@ -204,7 +205,7 @@ class Worker(threading.Thread):
 
 
 def idle_mb(workers: list[Worker], gate: threading.Event) -> float:
-    """Return the memory in use while no thread is inside a call, whose objects would count."""
+    """Return the memory in use while no thread is inside a call, so that objects of calls are not counted."""
     gate.clear()
     with ExitStack() as held:
         for worker in workers:
