@@ -296,7 +296,7 @@ def flown(binary: Path, defaults: str, path: Path, print_row: Callable[[Row], No
 
 
 class Speed(NamedTuple):
-    """Simulated seconds per second; processor time per frame [us] of this thread's steps, its pings and the firmware."""
+    """Simulated seconds per second; processor time per frame [us] of this thread's steps, pings and the firmware."""
 
     factor: float
     steps_us: float

@@ -263,7 +263,8 @@ class Waves:
         gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
     ) -> Waves:
         """
-        Return a sea of component_count waves with a JONSWAP spectrum, TMA's in finite depth. Raises ValueError.
+        Return a sea of component_count waves with a JONSWAP spectrum, or the TMA spectrum in finite depth.
+        Raises ValueError.
         """
     @property
     def bound_m(self) -> float:
@@ -521,7 +522,7 @@ class World:
         """
     def with_water(self, water: Water) -> World:
         """
-        Return a world with the same terrain and solids, which it shares, in another water.
+        Return a world in different water that shares this world's terrain and solids.
         """
     @property
     def highest_m(self) -> float:
@@ -659,7 +660,7 @@ class RayHits:
 class RayScene:
     """
     The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not included.
-    Vehicles are only included in that of Simulation.scene_around.
+    Vehicles are included only in the scene returned by Simulation.scene_around.
     """
     def __init__(self, world: World) -> None: ...
     def cast(
@@ -721,8 +722,8 @@ class VoxelScene:
 
 class SurfaceVoxels:
     """
-    Determines how far voxel centres are from the true surface, and whether it passes through the voxels.
-    Results are cached, so that a map can be scored while it grows.
+    Determines the distances of voxel centres from the true surface, and whether the surface passes through
+    the voxels. Results are cached, so that a map can be scored while it grows.
     """
     def __init__(self, rays: RayScene, resolution_m: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
@@ -946,7 +947,7 @@ class CraftParameters:
     @property
     def crossflow_length_m(self) -> float:
         """
-        Along x, over which the drag in sway and heave is spread; 0: at the origin.
+        The length along x over which the drag in sway and heave is spread; 0: at the origin.
         """
     @crossflow_length_m.setter
     def crossflow_length_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -971,7 +972,7 @@ class CraftParameters:
     @property
     def munk_share(self) -> float:
         """
-        Of the Munk moment; 1 in an ideal fluid.
+        The fraction of the Munk moment that remains; 1 in an ideal fluid.
         """
     @munk_share.setter
     def munk_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -1014,7 +1015,7 @@ class Craft:
     @property
     def volume_m3(self) -> float:
         """
-        The volume that is displaced when submerged.
+        The volume that the hull displaces when submerged.
         """
 
 class ThrustCurve:
@@ -1062,7 +1063,7 @@ class ThrusterSheets:
     """
     def __init__(self, sheets: collections.abc.Sequence[ThrusterSheet], path: str = "sheets") -> None:
         """
-        Raises ValueError unless voltages and commands rise, command 0 gives 0 N and no current is negative.
+        Raises ValueError unless voltages and commands increase, command 0 gives 0 N and no current is negative.
         """
     def at(
         self,
@@ -1367,7 +1368,7 @@ class Pid:
 
 class ControlModel:
     """
-    A controller's model of its vehicle, deep in still water.
+    A controller's model of its vehicle, in deep, still water.
     """
     def __init__(
         self, craft: Craft, actuators: ActuatorsSpec, density_kg_m3: typing.SupportsFloat | typing.SupportsIndex
@@ -1964,7 +1965,7 @@ class PhysicsPing:
     @property
     def horizontal_deviation_m(self) -> numpy.ndarray:
         """
-        (beams,) float32, the same of its place on the map
+        (beams,) float32, the same for the echo's horizontal position
         """
     @property
     def incidence_rad(self) -> numpy.ndarray:
@@ -2018,14 +2019,14 @@ class PhysicsPing:
     @property
     def vertical_deviation_m(self) -> numpy.ndarray:
         """
-        (beams,) float32, standard deviation of the echo's height in the world, from its range's error and the
-        transmitter's width; inf = no detection
+        (beams,) float32, standard deviation of the echo's height in the world, due to the error of its range
+        and the transmitter's width; inf = no detection
         """
     @property
     def water_column(self) -> typing.Any:
         """
-        (beams, samples) float32 [dB], the level of each sample in the units of intensity_db, with speckle and
-        noise; None unless requested. At most 4096 samples a beam, each of one range cell or of several
+        (beams, samples) float32 [dB], the level of each sample in the units of intensity_db, with speckle
+        and noise; None unless requested. At most 4096 samples per beam, each of one or several range cells
         """
     @property
     def water_column_ranges_m(self) -> typing.Any:
@@ -2053,9 +2054,9 @@ class WaterTargets:
         rise_m_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
-        Create a group. A school fills an ellipsoid around position_m with the diameters size_m; the bubbles of a
-        seep (rises) form a cone on position_m with the diameters and the height size_m. target_strength_db: of
-        each target, re 1 m^2. Raises ValueError.
+        Create a group. A school fills an ellipsoid around position_m with the diameters size_m. The bubbles of
+        a seep (rises) form a cone with its tip at position_m; size_m is its diameters at the top and its
+        height. target_strength_db: of each target, re 1 m^2. Raises ValueError.
         """
     @property
     def count(self) -> int: ...
@@ -2103,7 +2104,7 @@ class AcousticSpec:
     @property
     def multipath(self) -> bool:
         """
-        Whether echoes by more than one bounce are received.
+        Whether echoes with several bounces are received.
         """
     @multipath.setter
     def multipath(self, arg0: bool) -> None: ...
@@ -2192,9 +2193,10 @@ class ImagingSonar:
         materials: collections.abc.Sequence[BottomMaterial] = [],
     ) -> None:
         """
-        figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label;
-        NaN selects that of the bottom or of solids. materials: by label; one with a seabed scatters as that, and
-        all reflect sound that bounces more than once. Raises ValueError naming the parameter.
+        figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label; NaN
+        selects the strength of the bottom or of solids. materials: by label; a material with a seabed scatters
+        like that seabed, and all materials reflect sound that bounces more than once. Raises ValueError naming
+        the parameter.
         """
     def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
@@ -2214,10 +2216,11 @@ class ImagingSonar:
         with_labels: bool = False,
     ) -> dict[str, numpy.typing.NDArray[numpy.float32]]:
         """
-        The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the
-        kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its
-        noise. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where none
-        is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.
+        Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar.
+        angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its noise.
+        with_labels: also return the label of the surface with the strongest mean echo in each cell, 0 where no
+        echo is above the noise. The result does not depend on the number of threads. Raises ValueError.
+        Releases the GIL.
         """
 
 class DepthCamera:
@@ -2392,7 +2395,8 @@ class Camera:
     ) -> None: ...
     def ray_offsets_m(self) -> numpy.typing.NDArray[numpy.float32]:
         """
-        (height, width, 2) float32: X and Y at which the lines of these rays in water meet Z = 0; 0 without a flat port.
+        (height, width, 2) float32: X and Y of the points where these rays, extended, meet Z = 0 in water; 0
+        without a flat port.
         """
     def ray_table(self, distort: bool = True, in_water: bool = True) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -2511,9 +2515,10 @@ class CameraScene:
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
     ) -> Picture:
         """
-        Render one picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on.
-        vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: (6,) of the camera, in its frame [m/s, rad/s]. The bytes do
-        not depend on the number of threads. Releases the GIL. Raises ValueError.
+        Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are
+        on. vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none.
+        velocity_camera: (6,), in the camera's frame [m/s, rad/s]. The bytes do not depend on the number of
+        threads. Releases the GIL. Raises ValueError.
         """
     def set_appearance(
         self,
@@ -2534,7 +2539,7 @@ class CameraScene:
         """
     def with_water(self, water: Water, seed: typing.SupportsInt | typing.SupportsIndex) -> CameraScene:
         """
-        Return a scene with the same surfaces in another water, with another seed.
+        Return a scene with the same surfaces in different water, with a different seed.
         """
     @property
     def classes_by_label(self) -> list[int]:
@@ -2676,9 +2681,9 @@ class OccupancyMap:
         max_range_m: typing.SupportsFloat | typing.SupportsIndex,
     ) -> tuple[numpy.typing.NDArray[numpy.int8], numpy.typing.NDArray[numpy.float64]]:
         """
-        Cast rays through the map. origins_world_m, directions_world: (n, 3) float64. Returns how the rays
-        end, (n,) int8: 1 occupied, 0 at the maximum range or the cube's edge, -1 unknown; and the centres of
-        the last voxels, (n, 3) float64. Releases the GIL.
+        Cast rays through the map. origins_world_m, directions_world: (n, 3) float64. Returns where the rays
+        end, (n,) int8: 1 in an occupied voxel, 0 at the maximum range or the cube's edge, -1 in an unknown
+        voxel; and the centres of the last voxels, (n, 3) float64. Releases the GIL.
         """
     def cells(
         self, depth: typing.SupportsInt | typing.SupportsIndex
@@ -2690,8 +2695,9 @@ class OccupancyMap:
         """
     def changed_occupancy(self) -> tuple[numpy.typing.NDArray[numpy.int16], numpy.typing.NDArray[numpy.uint8]]:
         """
-        Return the voxels that became occupied, or are no longer occupied, since the last call: voxels from
-        the origin (n, 3) int16, and whether they are occupied now, (n,) uint8. Releases the GIL.
+        Return the voxels that became occupied, or are no longer occupied, since the last call: their offsets
+        from the origin in voxels, (n, 3) int16, and whether they are occupied now, (n,) uint8. Releases the
+        GIL.
         """
     def changed_voxels(self) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int8]]:
         """
@@ -2782,7 +2788,7 @@ class OccupancyMap:
     ) -> tuple[numpy.typing.NDArray[numpy.int8], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         """
         Return the states of the voxels whose centres are in a box, (nx, ny, nz) int8: 1 occupied, 0 free, -1
-        unknown; and the centre of the first, (3,). Raises ValueError. Releases the GIL.
+        unknown. Also return the centre of the first voxel, (3,). Raises ValueError. Releases the GIL.
         """
     def statistics(self) -> tuple[int, int, int, int, int, int]:
         """
@@ -2849,7 +2855,7 @@ class DistanceField:
     def grid(self) -> numpy.typing.NDArray[numpy.float32]: ...
     def update(self, map: OccupancyMap) -> int:
         """
-        Read the map again. Returns the number of voxels that changed. Releases the GIL.
+        Update the field from the map. Returns the number of voxels that changed. Releases the GIL.
         """
     @property
     def low_centre_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
@@ -2966,7 +2972,7 @@ class NavigationFilter:
         """
     def counts(self, aid: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
         """
-        Return how many scalars of an aid's readings were used, and how many were outliers.
+        Return the numbers of scalars of an aid's readings that were used and that were outliers.
         """
     def restore(self, bytes: bytes, version: typing.SupportsInt | typing.SupportsIndex) -> None:
         """
@@ -2986,7 +2992,7 @@ class NavigationFilter:
         velocity_std_m_s: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Start the filter, after all aids have been added. Discards everything earlier.
+        Start the filter, after all aids have been added. Discards all earlier readings.
         """
     @property
     def aid_biases(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
@@ -3379,8 +3385,8 @@ class Simulation:
         """
     def save_state(self, scenario: str, build: str, notes: str = "") -> bytes:
         """
-        Return everything that future steps depend on, except for the parameters of the simulation, along with
-        fingerprints of those. notes: stored as well.
+        Return the complete state, as bytes, along with fingerprints of the simulation's parameters; the
+        parameters themselves are not included. notes: stored as well.
         """
     def scene_around(self, vehicle: typing.SupportsInt | typing.SupportsIndex | None = None) -> RayScene:
         """
@@ -3440,8 +3446,8 @@ class Simulation:
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> float:
         """
-        Return the maximum ping rate: the limit by two-way travel time, c / (2 range) with c at the head, and
-        that of the electronics.
+        Return the maximum ping rate: the lower of the limit by two-way travel time, c / (2 range) with c at the
+        head, and the limit of the electronics.
         """
     def sonar_target_elevation_rad(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
@@ -3590,7 +3596,7 @@ class BatteryState:
     @property
     def percent(self) -> float:
         """
-        what is left to use; 0 once it has switched off
+        remaining usable charge; 0 once the battery has switched off
         """
     @property
     def voltage_v(self) -> float:
@@ -3984,12 +3990,13 @@ class Reception:
     @property
     def bed_departure(self) -> float:
         """
-        by how much the bed between the ends departs from the flat bottom that was assumed, as a part of its depth; 0 if no arrival that counts has bounced off the bottom
+        departure of the bed between the ends from the assumed flat bottom, as a fraction of its depth; 0 if no
+        significant arrival has bounced off the bottom
         """
     @property
     def bed_is_uneven(self) -> bool:
         """
-        whether the flat bottom does not hold: bed_departure is above 0.05
+        whether the bed is too uneven for the assumed flat bottom: bed_departure is above 0.05
         """
     @property
     def closing_m_s(self) -> float:
@@ -4063,7 +4070,8 @@ class TopicCounts:
     def lost(self) -> dict[str, int]:
         """
         Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path;
-        relay: dropped by a relay, because its queue was full, the message too late, or a newer one came.
+        relay: dropped by a relay, because its queue was full, the message was late, or a newer message replaced
+        it.
         """
     @property
     def refused(self) -> int:
@@ -4103,7 +4111,7 @@ class LinkQuality:
     @property
     def packets_uneven(self) -> int:
         """
-        packets for which the flat bottom that was assumed did not hold (Reception.bed_is_uneven)
+        packets for which the bed was too uneven for the assumed flat bottom (Reception.bed_is_uneven)
         """
     @property
     def snr_db(self) -> float: ...
@@ -4298,7 +4306,7 @@ class ServoMotor:
 
 class ServoCounts:
     """
-    What a ServoExchange has received since it began.
+    Counts of the packets that a ServoExchange has received since it began.
     """
     @property
     def cut(self) -> int:
@@ -4308,7 +4316,7 @@ class ServoCounts:
     @property
     def foreign(self) -> int:
         """
-        Packets that are no servo packets.
+        Packets that are not servo packets.
         """
     @property
     def frames(self) -> int:
@@ -4353,8 +4361,9 @@ class ServoExchange:
         port: typing.SupportsInt | typing.SupportsIndex,
     ) -> None:
         """
-        imu, altimeter: indices of sensors, read with their errors if with_noise. watched: outputs whose change
-        ends a run. port: 0 for any free one. Raises ValueError, or OSError if the port is not available.
+        imu, altimeter: indices of sensors, which are read with their errors if with_noise. watched: outputs
+        whose change ends a run. port: 0 for any free port. Raises ValueError, or OSError if the port is not
+        available.
         """
     def run(
         self,
@@ -4364,14 +4373,15 @@ class ServoExchange:
         steers: bool,
     ) -> tuple[bytes, bool]:
         """
-        Make one step for each frame that arrives, at most `steps`; return the frames' outputs as bytes, 32
-        uint16 [us] a frame, and whether a watched output changed, which ends the call. It also ends if no frame
-        arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises ValueError.
+        Make one step for each frame that arrives, at most `steps`. Return the frames' outputs as bytes, 32
+        uint16 [us] per frame, and whether a watched output changed, which ends the call. The call also ends if
+        no frame arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises
+        ValueError.
         """
     def wait(self, patience_s: typing.SupportsFloat | typing.SupportsIndex) -> bool:
         """
-        Wait until a packet has arrived; return whether one has. From then on, until the next step, an autopilot in
-        lockstep is waiting, too: what other sockets deliver to it meanwhile does not depend on the wall clock.
+        Wait until a packet has arrived, and return whether one has. From then until the next step, an autopilot
+        in lockstep is waiting, too, so data that other sockets deliver to it do not depend on the wall clock.
         """
     @property
     def counts(self) -> ServoCounts: ...
@@ -4593,10 +4603,10 @@ def network_trial(
     relays: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [],
 ) -> TopicCounts:
     """
-    Return the counts of a network under random load: all nodes except the first send single-packet
-    messages to the first, each as a Poisson process; all packets are received at the same level, 54 dB
-    above the noise. loss: probability that a packet is lost regardless. relays: the relay of each node, 0 for
-    none. Raises ValueError. Releases the GIL.
+    Return the counts of a network under random load: all nodes except the first send single-packet messages
+    to the first, each as a Poisson process; all packets are received at the same level, 54 dB above the
+    noise. loss: probability that a packet is lost regardless of the others. relays: the relay of each node, 0
+    for none. Raises ValueError. Releases the GIL.
     """
 
 def packet_error(
@@ -4621,8 +4631,8 @@ def play_servo_frames(
     steers: bool,
 ) -> None:
     """
-    Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] a frame. Releases the
-    GIL. Raises ValueError.
+    Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] per frame. Releases
+    the GIL. Raises ValueError.
     """
 
 def points_above(
@@ -4652,10 +4662,10 @@ def register_cloud(
     max_iterations: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
     """
-    Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess:
-    (4, 4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within
-    max_distance_m, their fraction of all points, the number of iterations and whether they converged.
-    Raises ValueError. Releases the GIL.
+    Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4,
+    4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within max_distance_m,
+    the fraction of such points, the number of iterations and whether they converged. Raises ValueError.
+    Releases the GIL.
     """
 
 def relative_transform(
@@ -4707,11 +4717,11 @@ def render_many(
     threads: typing.SupportsInt | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    Render one picture of each of n scenes, (n, H, W, 3) uint8, as CameraScene.render does, several at a time.
-    scenes: None for a black picture. cameras: of one size. positions_m (n, 3), orientations_xyzw (n, 4) and velocities_camera (n, 6): of the
-    cameras. lamps: for each scene, those that are on, as (vehicle, lamp with its pose on that vehicle).
-    vehicle_positions_m (n, v, 3), vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises
-    ValueError.
+    Render one picture of each of n scenes, (n, H, W, 3) uint8, like CameraScene.render, several at a time.
+    scenes: None for a black picture. cameras: all with pictures of the same size. positions_m (n, 3),
+    orientations_xyzw (n, 4) and velocities_camera (n, 6) of the cameras. lamps: for each scene, the lamps
+    that are on, as (vehicle, lamp with its pose on that vehicle). vehicle_positions_m (n, v, 3),
+    vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises ValueError.
     """
 
 def saved_build(state: bytes) -> str:
@@ -4846,7 +4856,7 @@ def water_targets_at(
     time_s: typing.SupportsFloat | typing.SupportsIndex,
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
-    Return the places of a group's targets, (count, 3) float64, world frame.
+    Return the positions of a group's targets, (count, 3) float64, world frame.
     """
 
 RANGING_PING_BYTES: int = 2

@@ -38,8 +38,7 @@ SETTLED = 100  # the last steps of an episode, in all of which a task must succe
 
 @dataclass(frozen=True)
 class Recipe:
-    """A task, the number of environment steps for its training, the discount, and the log of the initial policy's
-    deviation."""
+    """A task, its number of training steps, the discount, and the log of the initial policy's deviation."""
 
     task: type[Task]
     steps: int

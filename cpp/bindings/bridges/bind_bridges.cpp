@@ -64,12 +64,12 @@ void bind_bridges(py::module_& m) {
       .def_readonly("thruster", &ServoMotor::thruster)
       .def_readonly("direction", &ServoMotor::direction);
 
-  py::class_<ServoCounts>(m, "ServoCounts", "What a ServoExchange has received since it began.")
+  py::class_<ServoCounts>(m, "ServoCounts", "Counts of the packets that a ServoExchange has received since it began.")
       .def_readonly("frames", &ServoCounts::frames, "Frames that made a step.")
       .def_readonly("lost", &ServoCounts::lost, "Frames missing between two that arrived.")
       .def_readonly("repeated", &ServoCounts::repeated, "Frames that arrived again, without a step.")
       .def_readonly("resets", &ServoCounts::resets, "Autopilots that started again.")
-      .def_readonly("foreign", &ServoCounts::foreign, "Packets that are no servo packets.")
+      .def_readonly("foreign", &ServoCounts::foreign, "Packets that are not servo packets.")
       .def_readonly("cut", &ServoCounts::cut, "Servo packets of a wrong length.")
       .def_readonly("others", &ServoCounts::others, "Frames of another autopilot, which are ignored.");
 
@@ -85,12 +85,14 @@ void bind_bridges(py::module_& m) {
            }),
            py::arg("simulation"), py::arg("vehicle"), py::arg("motors"), py::arg("imu"), py::arg("altimeter"),
            py::arg("with_noise"), py::arg("watched"), py::arg("host"), py::arg("port"),
-           "imu, altimeter: indices of sensors, read with their errors if with_noise. watched: outputs whose change\n"
-           "ends a run. port: 0 for any free one. Raises ValueError, or OSError if the port is not available.")
+           "imu, altimeter: indices of sensors, which are read with their errors if with_noise. watched: outputs\n"
+           "whose change ends a run. port: 0 for any free port. Raises ValueError, or OSError if the port is not\n"
+           "available.")
       .def("run", &run, py::arg("simulation"), py::arg("steps"), py::arg("patience_s"), py::arg("steers"),
-           "Make one step for each frame that arrives, at most `steps`; return the frames' outputs as bytes, 32\n"
-           "uint16 [us] a frame, and whether a watched output changed, which ends the call. It also ends if no frame\n"
-           "arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises ValueError.")
+           "Make one step for each frame that arrives, at most `steps`. Return the frames' outputs as bytes, 32\n"
+           "uint16 [us] per frame, and whether a watched output changed, which ends the call. The call also ends if\n"
+           "no frame arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises\n"
+           "ValueError.")
       .def(
           "wait",
           [](const ServoExchange& exchange, double patience_s) {
@@ -98,9 +100,8 @@ void bind_bridges(py::module_& m) {
             return exchange.wait(patience_s);
           },
           py::arg("patience_s"),
-          "Wait until a packet has arrived; return whether one has. From then on, until the next step, an autopilot "
-          "in\n"
-          "lockstep is waiting, too: what other sockets deliver to it meanwhile does not depend on the wall clock.")
+          "Wait until a packet has arrived, and return whether one has. From then until the next step, an autopilot\n"
+          "in lockstep is waiting, too, so data that other sockets deliver to it do not depend on the wall clock.")
       .def_property_readonly("port", &ServoExchange::port)
       .def_property_readonly("peer", &ServoExchange::peer,
                              "The autopilot's address and port; empty before its first frame.")
@@ -109,8 +110,8 @@ void bind_bridges(py::module_& m) {
 
   m.def("play_servo_frames", &play, py::arg("simulation"), py::arg("vehicle"), py::arg("motors"), py::arg("frames"),
         py::arg("steers"),
-        "Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] a frame. Releases the\n"
-        "GIL. Raises ValueError.");
+        "Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] per frame. Releases\n"
+        "the GIL. Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

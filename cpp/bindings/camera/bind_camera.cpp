@@ -71,8 +71,8 @@ void bind_lens(py::module_& m) {
            "Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)\n"
            "float32.")
       .def("ray_offsets_m", &ray_offsets_of,
-           "(height, width, 2) float32: X and Y at which the lines of these rays in water meet Z = 0; 0 without a flat "
-           "port.");
+           "(height, width, 2) float32: X and Y of the points where these rays, extended, meet Z = 0 in water; 0\n"
+           "without a flat port.");
 }
 
 void bind_lamp(py::module_& m) {

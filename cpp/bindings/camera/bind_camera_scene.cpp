@@ -181,7 +181,7 @@ void bind_camera_scene(py::module_& m) {
             return std::make_shared<CameraScene>(scene, water, seed);
           },
           py::arg("water"), py::arg("seed"),
-          "Return a scene with the same surfaces in another water, with another seed.")
+          "Return a scene with the same surfaces in different water, with a different seed.")
       .def(
           "set_appearance",
           [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
@@ -228,22 +228,19 @@ void bind_camera_scene(py::module_& m) {
            py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
            py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
            py::arg("record") = false, py::arg("velocity_camera") = Vector6d(Vector6d::Zero()), py::arg("threads") = 1,
-           "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on.\n"
-           "vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: "
-           "(6,) "
-           "of the camera, in its frame [m/s, rad/s]. The bytes do\n"
-           "not depend on the number of threads. Releases the GIL. Raises ValueError.");
-  m.def(
-      "render_many", &render_many, py::arg("scenes"), py::arg("cameras"), py::arg("optics"), py::arg("positions_m"),
-      py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"),
-      py::arg("vehicle_positions_m"), py::arg("vehicle_orientations_xyzw"), py::arg("hidden_vehicle"),
-      py::arg("velocities_camera"), py::arg("threads"),
-      "Render one picture of each of n scenes, (n, H, W, 3) uint8, as CameraScene.render does, several at a time.\n"
-      "scenes: None for a black picture. cameras: of one size. positions_m (n, 3), orientations_xyzw (n, 4) and "
-      "velocities_camera (n, 6): of the\n"
-      "cameras. lamps: for each scene, those that are on, as (vehicle, lamp with its pose on that vehicle).\n"
-      "vehicle_positions_m (n, v, 3), vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises\n"
-      "ValueError.");
+           "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are\n"
+           "on. vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none.\n"
+           "velocity_camera: (6,), in the camera's frame [m/s, rad/s]. The bytes do not depend on the number of\n"
+           "threads. Releases the GIL. Raises ValueError.");
+  m.def("render_many", &render_many, py::arg("scenes"), py::arg("cameras"), py::arg("optics"), py::arg("positions_m"),
+        py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"),
+        py::arg("vehicle_positions_m"), py::arg("vehicle_orientations_xyzw"), py::arg("hidden_vehicle"),
+        py::arg("velocities_camera"), py::arg("threads"),
+        "Render one picture of each of n scenes, (n, H, W, 3) uint8, like CameraScene.render, several at a time.\n"
+        "scenes: None for a black picture. cameras: all with pictures of the same size. positions_m (n, 3),\n"
+        "orientations_xyzw (n, 4) and velocities_camera (n, 6) of the cameras. lamps: for each scene, the lamps\n"
+        "that are on, as (vehicle, lamp with its pose on that vehicle). vehicle_positions_m (n, v, 3),\n"
+        "vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

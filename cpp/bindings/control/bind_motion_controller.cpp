@@ -53,7 +53,7 @@ void bind_motion_controller(py::module_& m) {
       .def_readonly("integral", &Pid::integral)
       .def_readonly("derivative", &Pid::derivative);
 
-  py::class_<ControlModel>(m, "ControlModel", "A controller's model of its vehicle, deep in still water.")
+  py::class_<ControlModel>(m, "ControlModel", "A controller's model of its vehicle, in deep, still water.")
       .def(py::init([](std::shared_ptr<Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3) {
              return ControlModel(std::move(craft), actuators, density_kg_m3);
            }),

@@ -76,7 +76,7 @@ void bind_state(py::class_<NavigationFilter>& filter) {
             const AidCounts& c = f.state().counts[static_cast<std::size_t>(aid)];
             return std::make_pair(c.accepted, c.rejected);
           },
-          py::arg("aid"), "Return how many scalars of an aid's readings were used, and how many were outliers.");
+          py::arg("aid"), "Return the numbers of scalars of an aid's readings that were used and that were outliers.");
 }
 
 void bind_aids(py::class_<NavigationFilter>& filter) {
@@ -153,7 +153,8 @@ void bind_estimation(py::module_& m) {
           },
           py::kw_only(), py::arg("time_ns"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
           py::arg("position_std_m"), py::arg("attitude_std_rad"), py::arg("velocity_world_m_s"),
-          py::arg("velocity_std_m_s"), "Start the filter, after all aids have been added. Discards everything earlier.")
+          py::arg("velocity_std_m_s"),
+          "Start the filter, after all aids have been added. Discards all earlier readings.")
       .def("add_imu", &add_imu, py::arg("times_ns"), py::arg("readings"),
            "Add samples of the IMU. times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body\n"
            "axes.")

@@ -122,10 +122,10 @@ void bind_fits(py::module_& m) {
         return std::make_tuple(r.target_from_source, r.rms_m, r.overlap, r.iterations, r.converged);
       },
       py::arg("source_m"), py::arg("target_m"), py::arg("guess"), py::arg("max_distance_m"), py::arg("max_iterations"),
-      "Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess:\n"
-      "(4, 4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within\n"
-      "max_distance_m, their fraction of all points, the number of iterations and whether they converged.\n"
-      "Raises ValueError. Releases the GIL.");
+      "Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4,\n"
+      "4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within max_distance_m,\n"
+      "the fraction of such points, the number of iterations and whether they converged. Raises ValueError.\n"
+      "Releases the GIL.");
 }
 
 }  // namespace

@@ -43,9 +43,9 @@ void bind_points(MapClass& map) {
             return std::make_tuple(move_out(std::move(casts.ends)), rows_out(std::move(casts.voxel_centres_world_m)));
           },
           py::arg("origins_world_m"), py::arg("directions_world"), py::arg("ignore_unknown"), py::arg("max_range_m"),
-          "Cast rays through the map. origins_world_m, directions_world: (n, 3) float64. Returns how the rays\n"
-          "end, (n,) int8: 1 occupied, 0 at the maximum range or the cube's edge, -1 unknown; and the centres of\n"
-          "the last voxels, (n, 3) float64. Releases the GIL.");
+          "Cast rays through the map. origins_world_m, directions_world: (n, 3) float64. Returns where the rays\n"
+          "end, (n,) int8: 1 in an occupied voxel, 0 at the maximum range or the cube's edge, -1 in an unknown\n"
+          "voxel; and the centres of the last voxels, (n, 3) float64. Releases the GIL.");
 }
 
 void bind_cubes(MapClass& map) {
@@ -91,8 +91,9 @@ void bind_cubes(MapClass& map) {
             OccupancyMap::OccupancyChanges changes = without_gil([&] { return self.changed_occupancy(); });
             return std::make_tuple(rows_out(std::move(changes.cells)), move_out(std::move(changes.occupied)));
           },
-          "Return the voxels that became occupied, or are no longer occupied, since the last call: voxels from\n"
-          "the origin (n, 3) int16, and whether they are occupied now, (n,) uint8. Releases the GIL.");
+          "Return the voxels that became occupied, or are no longer occupied, since the last call: their offsets\n"
+          "from the origin in voxels, (n, 3) int16, and whether they are occupied now, (n,) uint8. Releases the\n"
+          "GIL.");
 }
 
 }  // namespace

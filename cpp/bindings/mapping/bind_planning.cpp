@@ -35,7 +35,7 @@ void bind_map_planning(MapClass& map) {
          },
          py::arg("low_world_m"), py::arg("high_world_m"),
          "Return the states of the voxels whose centres are in a box, (nx, ny, nz) int8: 1 occupied, 0 free, -1\n"
-         "unknown; and the centre of the first, (3,). Raises ValueError. Releases the GIL.")
+         "unknown. Also return the centre of the first voxel, (3,). Raises ValueError. Releases the GIL.")
       .def(
           "spheres_blocked",
           [](const OccupancyMap& self, const py::object& centres_world_m, double radius_m, bool unknown_blocks) {
@@ -88,7 +88,7 @@ void bind_distance_field(py::module_& m) {
       .def(
           "update",
           [](DistanceField& self, const OccupancyMap& map) { return without_gil([&] { return self.update(map); }); },
-          py::arg("map"), "Read the map again. Returns the number of voxels that changed. Releases the GIL.")
+          py::arg("map"), "Update the field from the map. Returns the number of voxels that changed. Releases the GIL.")
       .def(
           "distance_m",
           [](const DistanceField& self, const py::object& points_world_m) {

@@ -197,8 +197,8 @@ py::array_t<bool> hold_surface(const SurfaceVoxels& voxels, const py::object& pa
 void bind_surface_voxels(py::module_& m) {
   py::class_<SurfaceVoxels>(
       m, "SurfaceVoxels",
-      "Determines how far voxel centres are from the true surface, and whether it passes through the voxels.\n"
-      "Results are cached, so that a map can be scored while it grows.")
+      "Determines the distances of voxel centres from the true surface, and whether the surface passes through\n"
+      "the voxels. Results are cached, so that a map can be scored while it grows.")
       .def(py::init(&make_surface_voxels), py::arg("rays"), py::arg("resolution_m"),
            "rays: RayScene of the world. Voxels are floor(x / resolution_m) on each axis. Raises ValueError.")
       .def_property_readonly("resolution_m", &SurfaceVoxels::resolution_m)
@@ -233,7 +233,7 @@ void bind_rays(py::module_& m) {
   py::class_<RayScene, std::shared_ptr<RayScene>>(
       m, "RayScene",
       "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not included.\n"
-      "Vehicles are only included in that of Simulation.scene_around.")
+      "Vehicles are included only in the scene returned by Simulation.scene_around.")
       .def(py::init([](World world) {  // a copy, since other threads may add to the original meanwhile
              const GilReleased unlocked;
              return std::make_shared<RayScene>(world);

@@ -115,10 +115,10 @@ void bind_link_physics(py::module_& m) {
       py::arg("modem"), py::arg("nodes"), py::arg("rate_1_s"), py::arg("seconds"), py::arg("bytes"),
       py::arg("delay_s") = 0.1, py::arg("seed") = 0, py::arg("loss") = 0.0,
       py::arg("relays") = std::vector<std::uint64_t>(),
-      "Return the counts of a network under random load: all nodes except the first send single-packet\n"
-      "messages to the first, each as a Poisson process; all packets are received at the same level, 54 dB\n"
-      "above the noise. loss: probability that a packet is lost regardless. relays: the relay of each node, 0 for\n"
-      "none. Raises ValueError. Releases the GIL.");
+      "Return the counts of a network under random load: all nodes except the first send single-packet messages\n"
+      "to the first, each as a Poisson process; all packets are received at the same level, 54 dB above the\n"
+      "noise. loss: probability that a packet is lost regardless of the others. relays: the relay of each node, 0\n"
+      "for none. Raises ValueError. Releases the GIL.");
 }
 
 void bind_link_results(py::module_& m) {
@@ -134,11 +134,11 @@ void bind_link_results(py::module_& m) {
                     "from the first to the last arrival within 20 dB of the strongest")
       .def_readonly(
           "bed_departure", &Reception::bed_departure,
-          "by how much the bed between the ends departs from the flat bottom that was assumed, as a part of its "
-          "depth; 0 if no arrival that counts has bounced off the bottom")
+          "departure of the bed between the ends from the assumed flat bottom, as a fraction of its depth; 0 if no\n"
+          "significant arrival has bounced off the bottom")
       .def_property_readonly(
           "bed_is_uneven", [](const Reception& heard) { return heard.bed_departure > kUnevenBed; },
-          "whether the flat bottom does not hold: bed_departure is above 0.05")
+          "whether the bed is too uneven for the assumed flat bottom: bed_departure is above 0.05")
       .def(
           "packet_loss",
           [](const Reception& heard, const ModemSpec& modem, std::uint64_t bytes) {
@@ -175,12 +175,13 @@ void bind_link_results(py::module_& m) {
             return lost;
           },
           "Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path;\n"
-          "relay: dropped by a relay, because its queue was full, the message too late, or a newer one came.");
+          "relay: dropped by a relay, because its queue was full, the message was late, or a newer message replaced\n"
+          "it.");
   py::class_<LinkQuality>(m, "LinkQuality", "The link quality that a node last observed for another.")
       .def_readonly("packets", &LinkQuality::packets)
       .def_readonly("packets_lost", &LinkQuality::packets_lost)
       .def_readonly("packets_uneven", &LinkQuality::packets_uneven,
-                    "packets for which the flat bottom that was assumed did not hold (Reception.bed_is_uneven)")
+                    "packets for which the bed was too uneven for the assumed flat bottom (Reception.bed_is_uneven)")
       .def_readonly("heard_ns", &LinkQuality::heard_ns, "when the last message arrived; 0 if none has")
       .def_readonly("delay_s", &LinkQuality::delay_s)
       .def_readonly("snr_db", &LinkQuality::snr_db)

@@ -244,8 +244,8 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
             });
           },
           py::arg("vehicle"), py::arg("sonar"),
-          "Return the maximum ping rate: the limit by two-way travel time, c / (2 range) with c at the head, and\n"
-          "that of the electronics.")
+          "Return the maximum ping rate: the lower of the limit by two-way travel time, c / (2 range) with c at the\n"
+          "head, and the limit of the electronics.")
       .def(
           "in_physics_mode",
           [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {

@@ -237,8 +237,8 @@ void bind_sim(py::module_& m) {
             return py::bytes(o.with([&](Simulation& s) { return s.save_state({scenario, build}, notes); }));
           },
           py::arg("scenario"), py::arg("build"), py::arg("notes") = "",
-          "Return everything that future steps depend on, except for the parameters of the simulation, along with\n"
-          "fingerprints of those. notes: stored as well.")
+          "Return the complete state, as bytes, along with fingerprints of the simulation's parameters; the\n"
+          "parameters themselves are not included. notes: stored as well.")
       .def(
           "restore_state",
           [](OwnedSimulation& o, const py::bytes& state, const std::string& scenario, const std::string& build) {

@@ -48,7 +48,7 @@ void bind_telemetry(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .field("current_a", &BatteryState::current_a, "out of the terminals")
       .field("charge_ah", &BatteryState::charge_ah, "what remains")
       .field("capacity_ah", &BatteryState::capacity_ah, "of a full battery")
-      .field("percent", &BatteryState::percent, "what is left to use; 0 once it has switched off")
+      .field("percent", &BatteryState::percent, "remaining usable charge; 0 once the battery has switched off")
       .done();
 
   simulation

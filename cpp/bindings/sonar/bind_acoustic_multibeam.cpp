@@ -54,10 +54,10 @@ void bind_ping(py::module_& m) {
       .field("deviation_m", &PhysicsPing::deviation_m,
              "(beams,) float32, standard deviation of the range, by the detector's own estimate; inf = no detection")
       .field("vertical_deviation_m", &PhysicsPing::vertical_deviation_m,
-             "(beams,) float32, standard deviation of the echo's height in the world, from its range's error and the\n"
-             "transmitter's width; inf = no detection")
+             "(beams,) float32, standard deviation of the echo's height in the world, due to the error of its range\n"
+             "and the transmitter's width; inf = no detection")
       .field("horizontal_deviation_m", &PhysicsPing::horizontal_deviation_m,
-             "(beams,) float32, the same of its place on the map")
+             "(beams,) float32, the same for the echo's horizontal position")
       .field(
           "labels", &PhysicsPing::labels,
           "(beams,) uint16, true value, see World.label_names; 0 for no detection, a false one, a ghost or a target\n"
@@ -65,8 +65,8 @@ void bind_ping(py::module_& m) {
       .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, including false detections")
       .field("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection")
       .field("water_column", &PhysicsPing::water_column,
-             "(beams, samples) float32 [dB], the level of each sample in the units of intensity_db, with speckle and\n"
-             "noise; None unless requested. At most 4096 samples a beam, each of one range cell or of several")
+             "(beams, samples) float32 [dB], the level of each sample in the units of intensity_db, with speckle\n"
+             "and noise; None unless requested. At most 4096 samples per beam, each of one or several range cells")
       .field("water_column_ranges_m", &PhysicsPing::water_column_ranges_m,
              "(samples,) float32, the middle of each sample; None unless requested")
       .described_by(&describe)
@@ -86,9 +86,9 @@ void bind_spec(py::module_& m) {
            }),
            py::arg("name"), py::arg("rises"), py::arg("position_m"), py::arg("size_m"), py::arg("count"),
            py::arg("target_strength_db"), py::arg("rise_m_s") = 0.0,
-           "Create a group. A school fills an ellipsoid around position_m with the diameters size_m; the bubbles of a\n"
-           "seep (rises) form a cone on position_m with the diameters and the height size_m. target_strength_db: of\n"
-           "each target, re 1 m^2. Raises ValueError.")
+           "Create a group. A school fills an ellipsoid around position_m with the diameters size_m. The bubbles of\n"
+           "a seep (rises) form a cone with its tip at position_m; size_m is its diameters at the top and its\n"
+           "height. target_strength_db: of each target, re 1 m^2. Raises ValueError.")
       .def_readonly("name", &WaterTargets::name)
       .def_readonly("count", &WaterTargets::count);
   m.def(
@@ -98,7 +98,7 @@ void bind_spec(py::module_& m) {
         return places;
       },
       py::arg("group"), py::arg("seed"), py::arg("time_s"),
-      "Return the places of a group's targets, (count, 3) float64, world frame.");
+      "Return the positions of a group's targets, (count, 3) float64, world frame.");
   py::class_<AcousticSpec>(m, "AcousticSpec", "The acoustic parameters of a multibeam in physics mode.")
       .def(py::init<>())
       .def_readwrite("figures", &AcousticSpec::figures)
@@ -106,7 +106,7 @@ void bind_spec(py::module_& m) {
       .def_readwrite("false_detections", &AcousticSpec::false_detections)
       .def_readwrite("range_noise", &AcousticSpec::range_noise)
       .def_readwrite("bending", &AcousticSpec::bending, "Whether rays follow the sound-speed profile.")
-      .def_readwrite("multipath", &AcousticSpec::multipath, "Whether echoes by more than one bounce are received.")
+      .def_readwrite("multipath", &AcousticSpec::multipath, "Whether echoes with several bounces are received.")
       .def_readwrite("volume_strength_db", &AcousticSpec::volume_strength_db,
                      "backscatter per cubic metre of water [dB]; None for none")
       .def_readwrite("targets", &AcousticSpec::targets, "fish and bubbles in the water")

@@ -62,24 +62,24 @@ void bind_imaging(py::module_& m) {
   py::class_<ImagingSonar>(m, "ImagingSonar", "An imaging sonar; see uwsim.instruments.sonars.imaging.")
       .def(py::init(&checked_sonar), py::arg("kind"), py::arg("figures"),
            py::arg("strengths_db") = std::vector<double>{}, py::arg("materials") = std::vector<BottomMaterial>{},
-           "figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label;\n"
-           "NaN selects that of the bottom or of solids. materials: by label; one with a seabed scatters as that, and\n"
-           "all reflect sound that bounces more than once. Raises ValueError naming the parameter.")
+           "figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label; NaN\n"
+           "selects the strength of the bottom or of solids. materials: by label; a material with a seabed scatters\n"
+           "like that seabed, and all materials reflect sound that bounces more than once. Raises ValueError naming\n"
+           "the parameter.")
       .def(
           "absorption_db_m",
           [](const ImagingSonar& s, const Water& water, double z_m) {
             return s.acoustics().absorption_db_m(water, z_m);
           },
           py::arg("water"), py::arg("head_z_m"), "Absorption in the water at the head [dB/m].")
-      .def(
-          "ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
-          py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
-          py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
-          "The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the\n"
-          "kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its\n"
-          "noise. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where "
-          "none\n"
-          "is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.");
+      .def("ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
+           py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
+           py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
+           "Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar.\n"
+           "angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its noise.\n"
+           "with_labels: also return the label of the surface with the strongest mean echo in each cell, 0 where no\n"
+           "echo is above the noise. The result does not depend on the number of threads. Raises ValueError.\n"
+           "Releases the GIL.");
 }
 
 }  // namespace uwsim::bindings

@@ -40,7 +40,7 @@ void bind_actuators(py::module_& m) {
              return ThrusterSheets(std::move(sheets), path);
            }),
            py::arg("sheets"), py::arg("path") = "sheets",
-           "Raises ValueError unless voltages and commands rise, command 0 gives 0 N and no current is negative.")
+           "Raises ValueError unless voltages and commands increase, command 0 gives 0 N and no current is negative.")
       .def_property_readonly("voltages_v", &ThrusterSheets::voltages_v)
       .def(
           "at",

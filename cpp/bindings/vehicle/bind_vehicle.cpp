@@ -39,9 +39,10 @@ void bind_vehicle(py::module_& m) {
       .def_readwrite("added_mass", &CraftParameters::added_mass, "(6, 6) M_A [kg, kg m, kg m^2]")
       .def_readwrite("linear_damping", &CraftParameters::linear_damping, "(6, 6) [N s/m, N m s/rad]")
       .def_readwrite("quadratic_damping", &CraftParameters::quadratic_damping, "(6, 6) [N s^2/m^2, N m s^2/rad^2]")
-      .def_readwrite("munk_share", &CraftParameters::munk_share, "Of the Munk moment; 1 in an ideal fluid.")
+      .def_readwrite("munk_share", &CraftParameters::munk_share,
+                     "The fraction of the Munk moment that remains; 1 in an ideal fluid.")
       .def_readwrite("crossflow_length_m", &CraftParameters::crossflow_length_m,
-                     "Along x, over which the drag in sway and heave is spread; 0: at the origin.")
+                     "The length along x over which the drag in sway and heave is spread; 0: at the origin.")
       .def_readwrite("buoyancy_share", &CraftParameters::buoyancy_share,
                      "buoyancy as a fraction of rho(z) g V, at depths from 0 in equal steps; if empty, 1")
       .def_readwrite("buoyancy_share_step_m", &CraftParameters::buoyancy_share_step_m);
@@ -73,7 +74,7 @@ void bind_vehicle(py::module_& m) {
            "Return the kinetic energy of the body and the still water around it.")
       .def_property_readonly(
           "volume_m3", [](const Craft& craft) { return craft.hull().solid().volume_m3; },
-          "The volume that is displaced when submerged.");
+          "The volume that the hull displaces when submerged.");
   bind_actuators(m);
 }
 

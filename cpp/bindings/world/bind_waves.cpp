@@ -55,7 +55,8 @@ void bind_waves(py::module_& m) {
           py::arg("heading_rad") = 0.0, py::arg("spreading_exponent") = 0.0, py::arg("component_count") = 64,
           py::arg("seed") = 0, py::arg("depth_m") = std::numeric_limits<double>::infinity(),
           py::arg("gravity_m_s2") = 9.80665,
-          "Return a sea of component_count waves with a JONSWAP spectrum, TMA's in finite depth. Raises ValueError.")
+          "Return a sea of component_count waves with a JONSWAP spectrum, or the TMA spectrum in finite depth.\n"
+          "Raises ValueError.")
       .def_property_readonly("components", &components,
                              "(n, 4): amplitude [m], angular frequency [rad/s], heading and phase [rad] of each wave")
       .def_property_readonly("significant_height_m", &Waves::significant_height_m, "4 sqrt(m0)")

@@ -109,7 +109,7 @@ void bind_world(py::module_& m) {
             other->water = water;
             return other;
           },
-          py::arg("water"), "Return a world with the same terrain and solids, which it shares, in another water.")
+          py::arg("water"), "Return a world in different water that shares this world's terrain and solids.")
       .def("set_terrain", &set_terrain, py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"),
            "Set the terrain. heights_m: (ny, nx) float32, where heights_m[j, i] is z at (x0 + i spacing, y0 + j\n"
            "spacing). origin_m: (x0, y0). Raises ValueError for wrong shapes, non-finite heights or an invalid\n"
