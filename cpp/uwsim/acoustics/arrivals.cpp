@@ -20,10 +20,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kMostReversals = 1000;
 constexpr double kExact = 1e-13;        // relative error of a ray's dip
 constexpr double kFlattest_rad = 1e-8;  // steeper than a level ray, whose sums may be infinite
-// Ends at nearly the same depth are moved apart by this fraction of their distance, which changes its length by 5e-15
+// Ends at nearly the same depth are moved apart by this fraction of their distance, which changes the length by 5e-15
 constexpr double kLevel = 1e-7;
 constexpr double kNearest_m = 1e-6;
-constexpr double kFocusing_db = 6;  // of rays that bounce off both boundaries, in the estimate that ends the search
+constexpr double kFocusing_db = 6;  // largest focusing assumed in the estimate that ends the search
 // Dips, relative to a band's range, between which the distance of a family has at most one extreme
 constexpr std::array kDips = {0x1p-27, 0x1p-23, 0x1p-19, 0x1p-14, 0x1p-10, 0x1p-8, 0x1p-7, 0x1p-6,
                               0x1p-5,  0x1p-4,  0x1p-3,  0.1875,  0.25,    0.3125, 0.375,  0.4375,
@@ -58,7 +58,7 @@ class Search {
   }
 
  private:
-  /// Kept from call to call, since most calls have the same bottom.
+  /// The table is kept from call to call, because most calls have the same bottom.
   void set_least_loss() {
     if (least_loss_of_ == losses_.bottom) return;
     least_loss_of_ = losses_.bottom;
@@ -110,7 +110,8 @@ class Search {
     return best < strongest_db_ - limits_.within_db;
   }
 
-  /// Adds a family's arrivals in a band; returns whether any of its rays comes down as near as the receiver.
+  /// Adds a family's arrivals in a band; returns whether the distance of any of its rays is at most that of the
+  /// receiver.
   bool find(const RayBand& band, const RayFamily& family, bool first_up, int reversals) {
     const double across = ends_.across_m;
     const auto reach = [&](double dip) {
@@ -139,7 +140,7 @@ class Search {
     return reaches || !(last.across_m > across);
   }
 
-  /// The dip between two others at which the distance is the receiver's: Newton's method within a bracket.
+  /// The dip, between two others, at which the ray reaches the receiver's distance: Newton's method within a bracket.
   template <typename ReachAt>
   double root(const ReachAt& reach, const RayReach& low, const RayReach& high) const {
     const double across = ends_.across_m;

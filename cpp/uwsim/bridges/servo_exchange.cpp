@@ -23,11 +23,11 @@ namespace uwsim {
 namespace {
 
 constexpr int kPacketsAtOnce = 1000;  // so that a flood of packets does not keep a call from returning
-// The autopilot cuts each difference of two timestamps to whole microseconds. Without this factor it would often cut
-// 2.4999999 ms to 2.499 ms.
+// The autopilot truncates each difference of two timestamps to whole microseconds. Without this factor, it would often
+// truncate 2.4999999 ms to 2.499 ms.
 constexpr double kStretch = 1 + 4e-8;
 constexpr double kBeyondRange_m = 9999;
-// The autopilot multiplies the rangefinder's distance by the cosine of the tilt, but at least by this.
+// The autopilot multiplies the rangefinder's distance by the cosine of the tilt or this value, whichever is larger.
 constexpr double kTiltCosineMin = 0.707;
 
 void append(std::string& text, double value) {
@@ -46,7 +46,8 @@ void append(std::string& text, std::string_view key, std::initializer_list<doubl
   text += ']';
 }
 
-/// A vector in world ENU axes, in north-east-down axes, or one in body axes (forward, left, up) as forward-right-down.
+/// Converts a vector from ENU to north-east-down axes (as_ned), or from body axes forward-left-up to forward-right-down
+/// (as_frd).
 Eigen::Vector3d as_ned(const Eigen::Vector3d& enu) { return {enu.y(), enu.x(), -enu.z()}; }
 Eigen::Vector3d as_frd(const Eigen::Vector3d& flu) { return {flu.x(), -flu.y(), -flu.z()}; }
 
@@ -139,8 +140,8 @@ ServoRun ServoExchange::run(Simulation& simulation, std::uint64_t steps, double 
   return made;
 }
 
-/// Reads packets until one of them is to be answered. Copies of a frame that waited behind it are then too soon after
-/// the answer to get another.
+/// Reads packets until one of them must be answered. Copies of that frame that are waiting behind it arrive too soon
+/// after the answer to be answered again.
 ServoExchange::Received ServoExchange::receive() {
   std::uint8_t packet[128];  // longer than a frame: a longer packet is cut, and its length remains wrong
   for (int k = 0; k < kPacketsAtOnce; ++k) {

@@ -69,7 +69,7 @@ class Spectrum {
   std::vector<Complex> values_;
 };
 
-/// Share of forward-scattered light that a spatial frequency keeps; `depth`: b r, `x`: 2 pi t p.
+/// The share of forward-scattered light that remains at a spatial frequency; `depth`: b r, `x`: 2 pi t p.
 double kernel(double depth, double x) {
   const double k = x > 1e-6 ? -std::expm1(-x) / x : 1 - 0.5 * x;
   return std::expm1(depth * k) / std::expm1(depth);

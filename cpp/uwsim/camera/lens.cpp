@@ -30,10 +30,10 @@ Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
   return d;
 }
 
-/// tan of the angle in a medium of index n, over tan of the angle in air, for a ray whose tan in air is r.
+/// The tangent of a ray's angle in a medium of index n, divided by its tangent in air, r.
 double slope_ratio(double r, double n) { return 1 / std::sqrt(n * n * (1 + r * r) - r * r); }
 
-/// How far from the axis a ray is at depth z in water, over r, its tan in air.
+/// The distance of a ray from the axis at depth z in water, divided by r, the tangent of its angle in air.
 double reach_ratio(const FlatPort& port, double r, double z_m) {
   const double in_water_m = z_m - port.distance_m - port.thickness_m;
   return port.distance_m + port.thickness_m * slope_ratio(r, port.refractive_index) +

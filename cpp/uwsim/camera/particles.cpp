@@ -47,7 +47,7 @@ std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::View& vie
   return light;
 }
 
-/// How far the water at the eye has moved since a time a few seconds ago: the integral of the flow, which may have
+/// The displacement of the water at the eye since a time a few seconds ago: the integral of the flow, which may have
 /// changed in the meantime.
 Eigen::Vector3d drift_since(double begun_s, const Water& water, const Eigen::Vector3d& eye, double time_s) {
   constexpr int kSteps = 16;

@@ -84,7 +84,7 @@ void PreparedView::set_rays(const Camera& camera, const PictureRequest& request)
   view.pixel_rad = static_cast<float>(1 / (view.has_offsets ? kWaterIndex * lens.fx : lens.fx));
 }
 
-/// While it exposes and reads a picture, the camera keeps its velocity; everything else stands still.
+/// During exposure and readout, the camera moves at constant velocity, and everything else is at rest.
 void PreparedView::set_shutter(const Camera& camera, const PictureRequest& request) {
   const ImageSensor& sensor = camera.sensor();
   const bool takes_time = sensor.shutter_s > 0 || sensor.readout_s > 0;

@@ -22,7 +22,8 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr double kWorldEnd_m = 1e6;
-// Pictures of which a blurred one is the mean; an odd number, so that one of them is that of the middle.
+// The number of pictures whose mean is a blurred picture. It is odd, so that one of them belongs to the middle of the
+// exposure.
 constexpr int kExposureParts = 15;
 
 /// The rendering of one picture. Rows of blocks are rendered in parallel, then rows of pixels are developed.
@@ -185,7 +186,7 @@ class Rendering {
     }
   }
 
-  /// Adds the light under test where the shadow ray is not blocked.
+  /// Adds the light being tested where the shadow ray is not blocked.
   void add_unless_shadowed(Block& block, std::uint64_t& rays) const {
     BlockMask blocked{};
     if (on(Effect::kShadows) && any(block.needs_shadow_ray)) {

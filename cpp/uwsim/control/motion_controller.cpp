@@ -58,7 +58,7 @@ Vector6d MotionController::reach(const MotionEstimate& estimate, const MotionTar
     const double left_m = target.position_world_m[axis] - estimate.position_world_m[axis];
     if (!std::isnan(left_m)) towards[axis] = left_m;
   }
-  // Surge and sway share one gain: the mean of theirs, weighted by how far the direction of travel lies along each.
+  // Surge and sway share one gain: the mean of their gains, weighted by the components of the direction of travel.
   const Eigen::Vector2d level = towards.head<2>();
   const double distance_m = level.norm(), yaw_rad = estimate.yaw_rad();
   const double ahead =

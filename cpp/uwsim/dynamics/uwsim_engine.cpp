@@ -36,7 +36,7 @@ void UwsimEngine::change_body(std::size_t body, const BodySpec& from, const Body
   if (from.collision_pieces_body_m != to.collision_pieces_body_m) finder_.set_body(body, to.collision_pieces_body_m);
 }
 
-/// Needed because a body that is known to rest may have been supported by another.
+/// Needed because a body that is known to be at rest may have been supported by another.
 void UwsimEngine::forget() {
   for (Resting& resting : resting_) resting.forget();
 }

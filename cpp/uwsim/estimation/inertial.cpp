@@ -13,8 +13,8 @@ namespace {
 // filter with perfect instruments still accepts corrections.
 constexpr double kLeastRateDensity = 2e-6;   // rad/sqrt(s)
 constexpr double kLeastForceDensity = 2e-4;  // (m/s)/sqrt(s)
-// Change in velocity that the IMU may fail to measure during a collision that exceeds its limits; assumed for an ROV
-// that is stopped or thrown back.
+// The change in velocity that the IMU may not measure during a collision beyond its limits; assumed for an ROV that is
+// stopped or thrown back.
 constexpr double kShockVelocity_m_s = 1;
 constexpr double kShockTurn_rad = 0.05;
 // Noise densities used without IMU samples; assumed, comparable to the accelerations and turns of an ROV.

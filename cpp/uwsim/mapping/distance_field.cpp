@@ -69,7 +69,8 @@ struct DistanceField::Impl {
     return std::min(voxels * resolution_m, options.max_distance_m);
   }
 
-  /// The eight voxels around a point, and its place between them; `inside` is false outside the box of centres.
+  /// The eight voxels around a point, and the point's position between them; `inside` is false outside the box of
+  /// centres.
   struct Corners {
     bool inside;
     std::array<double, 3> along;

@@ -26,7 +26,7 @@ void require_poses(std::span<const BodyPose> poses) {
   }
 }
 
-/// The voxels around a sensor, one bit each, to count each once.
+/// The voxels around a sensor, one bit each, so that each voxel is counted only once.
 class SeenVoxels {
  public:
   explicit SeenVoxels(int reach) : reach_(reach), across_(2 * std::size_t(reach) + 1) {
@@ -55,7 +55,7 @@ class SeenVoxels {
   std::vector<std::uint64_t> bits_;
 };
 
-/// Directions within a pyramid, so close that adjacent rays are at most `spacing_rad` apart.
+/// Returns directions within a pyramid, such that adjacent rays are at most `spacing_rad` apart.
 std::vector<Eigen::Vector3d> directions_of(const ViewPyramid& view, double spacing_rad) {
   const double angles[2] = {view.horizontal_rad, view.vertical_rad};
   int intervals[2];

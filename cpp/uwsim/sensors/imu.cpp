@@ -14,8 +14,9 @@ namespace {
 ///
 ///   f' = (I + M_a) f,   w' = (I + M_g) w + G_g f.
 ///
-/// The diagonal of M has the errors of scale, its other elements are small angles by which an axis senses another. They
-/// do not vary with temperature or time, and the response is linear: no scale asymmetry, no vibration rectification.
+/// The diagonal of M contains the scale errors; its other elements are small angles, by which an axis also senses
+/// another one. They do not vary with temperature or time, and the response is linear: no scale asymmetry, no vibration
+/// rectification.
 class Imu final : public MountedSensor {
  public:
   explicit Imu(const SensorSpec& spec)

@@ -16,18 +16,18 @@ namespace {
 /// Acoustic position fix by an ultra-short baseline system at the station. The vehicle pings at the time of the sample;
 /// the station measures travel time and direction and sends the fix back, which arrives after twice the travel time.
 /// The station locks on to one arrival: the first within 20 dB of the strongest, or the strongest (`hears_strongest`).
-/// The arrivals are those between a flat surface and a flat bed of silt, at the depth of the bed half-way; obstacles do
+/// Arrivals are computed between a flat surface and a flat bed of silt, at the depth of the bed half-way; obstacles do
 /// not block them.
 ///
 /// The station is assumed to know the sound-speed profile and to trace the ray that it measured back through it, as
 /// long-range systems do when they have one (Kongsberg HiPAP, Sonardyne Ranger 2; from memory), but not to know that a
-/// ray has bounced: without errors, the fix from a ray that has not bounced is the true position, and the fix from one
-/// that has is a ghost above the surface or below the bed. Arrivals that follow the locked one by less than
-/// `resolution_s` overlap with it. The direction is then that of the gradient of the phase of their sum, which a short
-/// baseline measures: the mean of the unit vectors along the arrivals, weighted by their complex amplitudes at
-/// `frequency_hz` (interference of plane waves, derived here; valid for a baseline that is short compared with the
-/// interference pattern). There is no fix (range 0, invalid) out of range, where no sound arrives, or where these
-/// arrivals cancel to below a tenth of the amplitude of the locked one.
+/// ray has bounced. Without errors, the fix from a ray that has not bounced is therefore the true position, and the fix
+/// from a ray that has bounced is a ghost above the surface or below the bed. Arrivals that follow the locked one by
+/// less than `resolution_s` overlap with it. The direction is then that of the gradient of the phase of their sum,
+/// which a short baseline measures: the mean of the unit vectors along the arrivals, weighted by their complex
+/// amplitudes at `frequency_hz` (interference of plane waves, derived here; valid for a baseline that is short compared
+/// with the interference pattern). There is no fix (range 0, invalid) out of range, where no sound arrives, or where
+/// these arrivals cancel to below a tenth of the amplitude of the locked one.
 ///
 /// The range error acts along the line of sight. The bearing error is two small angles across it, which cause an error
 /// of R x angle in position. If `shares_modem` is set and the link uses modems, ping and fix are sent as packets over
@@ -97,8 +97,8 @@ class Usbl final : public MountedSensor {
                        bed_m > std::max(from_m, to_m) ? bed_m : kInfinity};
     return cells_.at(around.sound, ends, {frequency_hz_, kSilt, waves_m});
   }
-  /// The arrival that the station locks on to, of some that are sorted by level. Of those that arrive together, as the
-  /// direct and the reflected one do at the surface, it is the one with the fewest bounces.
+  /// The arrival that the station locks on to, among arrivals sorted by level. If several arrive together, like the
+  /// direct and the reflected sound near the surface, it is the one with the fewest bounces.
   std::size_t locked(std::span<const Arrival> found) const {
     const auto bounces = [&](std::size_t k) { return found[k].surface_bounces + found[k].bottom_bounces; };
     std::size_t chosen = 0, least = 0;
@@ -112,7 +112,7 @@ class Usbl final : public MountedSensor {
     }
     return least;
   }
-  /// Where the station places the vehicle, relative to itself, before errors of measurement.
+  /// The vehicle's position relative to the station, as the station would compute it without measurement errors.
   std::optional<Eigen::Vector3d> fix_from(const Eigen::Vector3d& line, const SensorInput& input) const {
     const std::span<const Arrival> found = arrivals_at_station(line, input);
     if (found.empty()) return std::nullopt;
@@ -150,7 +150,7 @@ class Usbl final : public MountedSensor {
 
   double range_max_m_, frequency_hz_, resolution_s_;
   bool hears_strongest_, shares_modem_;
-  mutable ArrivalCells cells_{8};  // what it returns does not depend on what it remembers
+  mutable ArrivalCells cells_{8};  // its results do not depend on which cells it holds
 };
 
 constexpr Field kUsblFields[] = {

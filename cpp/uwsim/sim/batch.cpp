@@ -14,7 +14,7 @@ namespace uwsim {
 namespace {
 
 // Costs differ between members, since those near the bed have contacts to solve, and a thread may be interrupted. With
-// few shares, the threads that finish first wait long for the last share.
+// few shares, the threads that finish first would wait a long time for the last share.
 constexpr std::size_t kSharesPerThread = 32;
 constexpr std::size_t kStepsWorthThreads = 256;  // over all members; fewer steps take less time than starting a thread
 constexpr std::size_t kAxes = 6;

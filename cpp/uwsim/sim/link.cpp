@@ -13,9 +13,10 @@
 namespace uwsim {
 namespace {
 
-// A ray reflected by the flat bottom is compared with the bed with its reflection raised by this part of the depth.
+// When a ray reflected by the flat bottom is compared with the bed, its reflection point is raised by this fraction of
+// the depth.
 constexpr double kOffTheBed = 0.05;
-constexpr double kAudible_db = 20;  // weaker than the strongest by more than this does not count (reception.h)
+constexpr double kAudible_db = 20;  // arrivals weaker than the strongest by more than this are ignored (reception.h)
 constexpr std::size_t kQuarters = 4;
 
 double depth_of(const Transducer& transducer) { return std::max(0.0, -transducer.position_world_m.z()); }
@@ -24,10 +25,10 @@ Eigen::Vector3d along(const Eigen::Vector3d& level, double dip_rad) {
   return std::cos(dip_rad) * level - std::sin(dip_rad) * Eigen::Vector3d::UnitZ();
 }
 
-/// Sets the depths of the bed at evenly spaced places from one transducer to the other, both included; infinite where
-/// there is none. Their number is 1 more than a multiple of four. They are as far apart as the radius of the first
-/// Fresnel zone half-way, sqrt(wavelength range) / 2, or the terrain's cells if those are wider: what is narrower does
-/// not block sound.
+/// Sets the depths of the bed at evenly spaced points from one transducer to the other, both included; infinite where
+/// there is no bed. The number of points is 1 more than a multiple of four. Their spacing is the radius of the first
+/// Fresnel zone half-way, sqrt(wavelength range) / 2, or the width of the terrain's cells if that is larger: narrower
+/// features do not block sound.
 void sound_bed(const RayScene& scene, const Transducer& from, const Transducer& to, double wavelength_m,
                std::vector<double>& bed_m) {
   const Eigen::Vector3d line = to.position_world_m - from.position_world_m;
@@ -43,15 +44,15 @@ void sound_bed(const RayScene& scene, const Transducer& from, const Transducer& 
   }
 }
 
-/// A ray between two transducers, as far as terrain may block it. A straight ray consists of the lines between its
-/// reflections. The legs of a bent ray are approximated by lines between its reflections and turning points; one
-/// without reflections and with at most one turning point, by the cubic that has the same ends and directions there.
+/// The shape of a ray between two transducers, for testing whether terrain blocks it. A straight ray consists of the
+/// lines between its reflections. A bent ray is approximated by lines between its reflections and turning points or, if
+/// it has no reflections and at most one turning point, by the cubic that has the same ends and directions there.
 struct RayPath {
   const Arrival& ray;
   bool bends;
-  double start_m, end_m, across_m;  // depths of the ends, and how far apart they are
+  double start_m, end_m, across_m;  // depths of the ends, and the distance between them
 
-  /// Whether the bed is above the ray at any of the places.
+  /// Whether the bed is above the ray at any of the points.
   bool is_blocked(std::span<const double> bed_m) const {
     const auto places = static_cast<double>(bed_m.size() - 1);
     const auto meets_bed = [&](double first, double last, const auto& depth_at) {
@@ -83,8 +84,8 @@ struct RayPath {
   }
 };
 
-/// By how much the bed at the ends, half-way and in between departs from a depth, as a part of it; 1 where it is
-/// missing.
+/// The largest departure of the bed at the ends, half-way and in between from a depth, as a fraction of that depth; 1
+/// where there is no bed.
 double departure(std::span<const double> bed_m, double bottom_m) {
   double most = 0;
   for (std::size_t quarter = 0; quarter <= kQuarters; ++quarter) {

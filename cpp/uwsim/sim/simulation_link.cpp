@@ -9,8 +9,8 @@ namespace {
 
 constexpr const char* kRanging = "ranging/";  // prefix of the topics of instruments that share the modem
 
-/// The acoustics between transducers at the start of a step. The poses of transducers are computed on demand, since in
-/// most steps no packet is sent.
+/// The acoustics between transducers at the start of a step. The poses of transducers are computed on demand, because
+/// no packet is sent in most steps.
 template <typename Place>
 class Medium final : public LinkMedium {
  public:

@@ -110,8 +110,8 @@ struct CutVolume::PlaneCell {
 };
 
 /// The triangles that matter to a cell of planes: the sum over those below all of the cell's planes, and a list of
-/// those that some of its planes may cut. In large cells, triangles are grouped by their height, since blocks whose
-/// triangles are all on the same side of a plane cost little.
+/// those that some of its planes may cut. In large cells, triangles are grouped by their height, because blocks whose
+/// triangles are all on the same side of a plane take little time.
 struct CutVolume::Near {
   struct Group {
     std::vector<CutBlock> blocks;

@@ -13,15 +13,16 @@
 namespace uwsim {
 namespace {
 
-/// Band of the table, in units of the peak frequency; beyond it are less than 1e-8 of the energy and 1e-4 of the second
-/// moment.
+/// The band of the table, in units of the peak frequency. Less than 1e-8 of the energy and 1e-4 of the second moment
+/// lie outside it.
 constexpr double kLowest = 0.5, kHighest = 300;
 constexpr int kSteps = 2048;
 
-/// The part of the spectrum's second moment that the components have.
+/// The fraction of the spectrum's second moment that the components have.
 constexpr double kSecondMoment = 0.992;
 
-/// Above this, surface tension is no longer small against gravity: 1/4 of it for waves of 3.5 cm [rad/s].
+/// Above this, surface tension is no longer small compared with gravity: for waves of 3.5 cm, its effect is 1/4 of
+/// gravity's [rad/s].
 constexpr double kShortestGravityWave_rad_s = 42;
 
 /// Limit of the significant steepness for peak periods up to 8 s (DNV-RP-C205, 3.5.5), expressed as the ratio of
@@ -35,7 +36,8 @@ double jonswap_spectrum(double x, double peak_enhancement) {
   return std::pow(x, -5) * std::exp(-1.25 * std::pow(x, -4)) * std::pow(peak_enhancement, b);
 }
 
-/// The ratio of spectra of the same density in wave number on water of this depth and on deep water.
+/// The ratio of the spectrum on water of this depth to that on deep water, if both have the same density in wave
+/// number.
 double depth_factor(double omega_rad_s, double depth_m, double gravity_m_s2) {
   constexpr double kDeep = 20;  // tanh is 1 to the last digit
   if (omega_rad_s * omega_rad_s * depth_m > kDeep * gravity_m_s2) return 1;
@@ -77,7 +79,7 @@ class CumulatedSpectrum {
 
   const Sum& total() const { return sums_.back(); }
 
-  /// The sums below the frequency at which their mean, each as a part of its total, is `u`.
+  /// The sums below the frequency at which the mean of the two, each as a fraction of its total, is `u`.
   Sum below(double u) const {
     const auto part = [this](const Sum& sum) {
       return 0.5 * (sum.energy / total().energy + sum.second / total().second);
