@@ -74,7 +74,7 @@ def main(
 
 
 def _poses(sim: Simulator, count: int) -> list[np.ndarray]:
-    """Return poses of the sonar on a low-discrepancy set (Roberts' R2) over the area, with all headings."""
+    """Return poses of the sonar spread over the area by a low-discrepancy sequence (Roberts' R2), with all headings."""
     (x0, y0), (x1, y1) = AREA_M
     poses = []
     for k in range(count):
@@ -92,7 +92,7 @@ def _angles_rad(model: _core.MultibeamModel) -> np.ndarray:
 
 
 def _rays(sim: Simulator, poses: list[np.ndarray]) -> Method:
-    """Return the method with one ray per beam, called from Python like the others."""
+    """Return the method that casts one ray per beam; like the others, it is called from Python."""
     model = sim.rov.sonar.model
     angles = _angles_rad(model)
     flat = np.stack([np.cos(angles), np.sin(angles), np.zeros(model.beams)], axis=1)

@@ -101,7 +101,7 @@ def stamped(message: Any) -> Any:
 
 
 def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: int, seconds: float) -> dict[str, Any]:
-    """Run in real time with subscribers to both topics; return what they received and what it cost."""
+    """Run in real time with subscribers to both topics; return the messages received and the cost."""
     with LiveSimulator(sim, speed=1.0) as live:
         server = RosbridgeServer(live)
         server.channels = [
@@ -245,7 +245,7 @@ def slow_socket(url: str) -> socket.socket:
 
 
 async def subscribe(url: str, compression: str, count: int, seconds: float, mode: str) -> dict[str, Any]:
-    """Subscribe with `count` clients, which "read" and decode, only "count", or "sleep" and never read."""
+    """Subscribe with `count` clients that decode messages ("read"), only count them ("count") or do neither ("sleep")."""
     latencies_ms: list[float] = []
     messages = 0
 

@@ -115,7 +115,7 @@ def median(cases: list[dict[str, float]]) -> dict[str, float]:
 
 
 def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[str, float]:
-    """Return the time that the simulator's thread needs to hand over one message."""
+    """Return the time that the simulator's thread needs to pass on one message [us]."""
     costs = {}
     with Recorder(sim, folder / "cost.mcap", shared=sharing(sim, load), topics=["scan", "picture"]) as recorder:
         for channel in load:
@@ -129,7 +129,7 @@ def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[s
 
 
 def flat_out(folder: Path) -> dict[str, float]:
-    """Return the wall seconds per ten simulated ones: recorded, and with the channels only read."""
+    """Return the wall time per ten simulated seconds [s], with a recording and with the channels only read."""
     found = {}
     for name in ("read", "with"):
         sim = Simulator("lake")

@@ -58,7 +58,7 @@ GOALS = {
 
 @dataclass(frozen=True)
 class Heads:
-    """The poses of the pings: those of the vehicle, those of the head (n, 4, 4), and the fan's angles (beams,)."""
+    """The poses of the vehicle and of the sonar head (n, 4, 4) at each ping, and the fan's angles (beams,)."""
 
     positions_world_m: NDArray[np.float64]
     orientations_xyzw: NDArray[np.float64]
@@ -75,7 +75,7 @@ class Heads:
         return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], directions.shape), directions
 
     def first_again(self) -> Heads:
-        """Return as many pings, all from the first pose, where the terrain stays in the processor's caches."""
+        """Return as many poses, all equal to the first, so that the terrain stays in the processor's caches."""
         poses = ("positions_world_m", "orientations_xyzw", "world_from_body", "world_from_sonar")
         return replace(
             self, **{name: np.repeat(getattr(self, name)[:1], len(self.positions_world_m), 0) for name in poses}
@@ -209,7 +209,7 @@ class Pings:
 
 
 def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
-    """Return our cases: single pings; batches on one thread and on two; physics mode, with and without its options."""
+    """Return uwsim's cases: single pings, batches on one and two threads, physics mode with and without its options."""
     poses = heads_at(sim, along_lines(5 * len(heads.world_from_body))).world_from_body
 
     def batch(threads: int) -> Callable[[], float]:
@@ -234,7 +234,7 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
 def peer_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], folder: Path
 ) -> dict[str, Callable[[], float]]:
-    """Return the limit and the installed peers, all with the same surface and rays."""
+    """Return the cases to compare with: the limit and the installed peers, all with the same surface and rays."""
     case = folder / "case.bin"
     cases = limit_cases(heads, vertices_m, triangles, case)
     add_native(cases, "bullet", ["bullet_fan", case], heads)
@@ -249,7 +249,7 @@ def peer_cases(
 def limit_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], case: Path, suffix: str = ""
 ) -> dict[str, Callable[[], float]]:
-    """Return cases of Embree's bare packets, in each variant that may be the fastest."""
+    """Return cases of Embree's bare packets, one for each variant that may be the fastest."""
     write_case(heads, vertices_m, triangles, case)
     cases: dict[str, Callable[[], float]] = {}
     for name, options in LIMITS.items():

@@ -81,7 +81,7 @@ def main(
 
 
 def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
-    """Run a station with pages, each in a separate process; return its cost and what the pages received."""
+    """Run a station with pages, each in a separate process; return its cost and the data that the pages received."""
     station = Station()
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
@@ -117,7 +117,7 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
 
 
 def watch_pictures(station: Station) -> dict[int, float]:
-    """Return the times [s] at which pictures were ready, by stamp [ns]; filled as they arrive."""
+    """Return the times [s] at which pictures were ready, by stamp [ns]. The dictionary is filled as pictures arrive."""
     assert station.running is not None
     views, ready_s = station.running.views, {}
     publish = views._node.publish

@@ -34,8 +34,7 @@ class GilReleased {
   PyThreadState* state_;
 };
 
-/// Reacquires the GIL for the lifetime of the guard, within work for which a GilReleased of this thread has released
-/// it.
+/// Reacquires the GIL for the lifetime of the guard, in a scope where a GilReleased of this thread has released it.
 class GilTaken {
  public:
   GilTaken() : from_(GilReleased::innermost_) { from_->take(); }

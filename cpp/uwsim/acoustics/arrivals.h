@@ -37,9 +37,9 @@ struct Arrival {
   double length_m = 0;
   double level_db = 0;   ///< relative to the source's level at 1 m
   double phase_rad = 0;  ///< in (-pi, pi]: sound sent as cos(w t) arrives as cos(w (t - time_s) - phase_rad)
-  /// Bounces and turning points divide the ray into legs: the horizontal lengths of the first leg, the last leg and
-  /// each leg between them. Then the least and the greatest depth of the ray, and the grazing angles there, which are 0
-  /// where it turns.
+  /// Bounces and turning points divide the ray into legs. These are the horizontal lengths of the first leg, of each
+  /// leg in between and of the last leg, the least and the greatest depth of the ray, and the grazing angles there,
+  /// which are 0 where the ray turns.
   double first_m = 0, crossing_m = 0, last_m = 0;
   double top_m = 0, bottom_m = 0, top_grazing_rad = 0, bottom_grazing_rad = 0;
   double widening_m2_s = 0;  ///< dx / dp: change of the distance with the Snell invariant; 0 at a caustic
@@ -52,7 +52,7 @@ struct Arrival {
 /// and the same number of turning points and bounces form a family, whose range is a piecewise smooth function of the
 /// launch angle; every crossing of the receiver's range is solved for (RayFan has the closed forms).
 ///
-/// Level: that of the ray tube. Its intensity is I = cos(launch) / (r |dr / dlaunch| sin(arrival)), times the ratio of
+/// Level: the intensity of the ray tube is I = cos(launch) / (r |dr / dlaunch| sin(arrival)), times the ratio of
 /// the speeds of sound for pressure (Jensen, Kuperman, Porter and Schmidt 2011, "Computational Ocean Acoustics", ch.
 /// 3.3; cited from memory), reduced by absorption along the ray, Rayleigh reflection at the bottom (bottom_reflection)
 /// and the coherent loss of the rough surface (surface_loss_db). At a caustic the tube's width vanishes: the intensity
@@ -60,8 +60,8 @@ struct Arrival {
 /// is the focusing given by the Airy function at a smooth caustic with d2r / dlaunch2 = L. Closer to the source than 1
 /// m, the level at 1 m is returned.
 ///
-/// Phase, for exp(-i w t): pi for each reflection at the surface, that of the Rayleigh coefficient at the bottom, and
-/// -pi/2 for each caustic that the ray has touched.
+/// Phase, for exp(-i w t): pi for each reflection at the surface, the phase of the Rayleigh coefficient for each
+/// reflection at the bottom, and -pi/2 for each caustic that the ray has touched.
 ///
 /// High-frequency limit: no diffraction, no sound behind a caustic, no waves along the bottom. In a profile with linear
 /// layers, rays that graze the boundary between two layers are weaker or stronger than in a smooth profile. Throws

@@ -15,8 +15,8 @@ double averaged_looks(double extent_m, double cell_m);
 /// Draws the speckle of an echo: its intensity relative to its mean.
 double speckle_intensity(double looks, double normal_draw);
 
-/// Draws the received intensity, including noise, for an echo of `echo` times the mean noise: noncentral chi-squared
-/// with 2 L degrees of freedom, approximated by the Abdel-Aty cube root (1954, Biometrika 41:538).
+/// Draws the received intensity, including noise, for an echo whose mean is `echo` times the mean noise: noncentral
+/// chi-squared with 2 L degrees of freedom, approximated by the Abdel-Aty cube root (1954, Biometrika 41:538).
 double received_intensity(double echo, double looks, double normal_draw);
 
 /// Decides whether there is an echo. The false-alarm probability is the same for any number of looks. Averaging more
@@ -61,8 +61,8 @@ RangeDeviation amplitude_range_deviation(double extent_m, double cell_m, double 
 /// The range error of phase detection, which finds the zero crossing of the phase difference between the two halves of
 /// the array by fitting a line over L looks: extent / (0.886 pi) x sigma / sqrt(L), where each look's phase error is
 /// sigma^2 = 1/snr + 1/(2 snr^2) + floor^2. The phase changes by 0.886 pi over the beam's -3 dB width (halves of a line
-/// array). The floor of 0.3 rad is assumed; it represents speckle, which decorrelates the two halves because the
-/// footprint has an extent.
+/// array). The floor of 0.3 rad is assumed; it represents speckle, which decorrelates the two halves because of the
+/// footprint's extent.
 RangeDeviation phase_range_deviation(double extent_m, double cell_m, double snr);
 
 }  // namespace uwsim

@@ -46,9 +46,9 @@ struct ServoRun {
 /// [m/s], quaternion (w, x, y, z; body to world) and, with an altimeter, rng_1 [m]. The parser at the other end
 /// searches for keys as text, so the line contains no spaces.
 ///
-/// A frame number that does not follow the previous one is counted: a gap as lost frames, the same number as a repeated
-/// frame, which is answered with the last line again and causes no step, and a smaller one as a reset. Another
-/// autopilot is ignored until the present one has been silent for kSilence_s.
+/// Unexpected frame numbers are counted. A gap counts as lost frames, and a smaller number as a reset. The same number
+/// counts as a repeated frame, which causes no step and is answered with the last line. Another autopilot is ignored
+/// until the present one has been silent for kSilence_s.
 class ServoExchange {
  public:
   static constexpr double kSilence_s = 1;

@@ -28,8 +28,8 @@ class Camera {
   const std::string& name() const { return name_; }
   const Lens& lens() const { return lens_; }
   const ImageSensor& sensor() const { return sensor_; }
-  /// `in_water`: refracted by the flat port, if the camera has one. The port belongs to the lens: without distortion,
-  /// it bends no rays.
+  /// `in_water`: whether a flat port, if the camera has one, refracts the rays. The port counts as part of the lens, so
+  /// it has no effect without distortion.
   const RayTable& rays(bool distort, bool in_water) const {
     return !distort ? undistorted_ : in_water && lens_.port ? refracted_ : distorted_;
   }

@@ -29,10 +29,10 @@ struct DirectLight {
   void keep(const camera::View& view, int left, int top, const camera::Block& block, bool set_path, float share);
 };
 
-/// Adds to a picture the light that particles scatter by small angles on its way to the camera, which blurs the
-/// picture and brightens it, as a convolution of the direct light (McGlamery 1975; Jaffe 1990, IEEE J. Oceanic Eng.
-/// 15:101). The transfer function is that of the small-angle theory of Wells 1973, as compared with measurements by
-/// Hou, Gray, Weidemann and Arnone 2008, Opt. Express 16:9958: over a path r it is
+/// Adds to a picture the light that particles scatter by small angles on its way to the camera, which blurs and
+/// brightens the picture. It is computed as a convolution of the direct light (McGlamery 1975; Jaffe 1990, IEEE J.
+/// Oceanic Eng. 15:101). The transfer function is that of the small-angle theory of Wells 1973, as compared with
+/// measurements by Hou, Gray, Weidemann and Arnone 2008, Opt. Express 16:9958: over a path r it is
 ///
 ///   exp(-c r) exp(b r k), k = (1 - exp(-2 pi t p)) / (2 pi t p),
 ///

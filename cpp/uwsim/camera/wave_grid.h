@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// The world's waves, which also move vehicles, around a position at one time: heights and slopes on a grid. As the
+/// Heights and slopes of the world's waves, which also move vehicles, on a grid around a position at one time. As the
 /// position moves, the grid moves by whole cells.
 class WaveGrid {
  public:

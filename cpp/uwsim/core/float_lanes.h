@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-/// Arithmetic on sixteen values at once. It uses the compiler's vector types in the width of the CPU; the same source
-/// is compiled for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane, without fused
-/// multiply-add, so that all builds produce the same bits. For use in those files only: everything here is local to the
-/// file that includes it.
+/// Arithmetic on sixteen values at once. It uses the compiler's vector types with the width of the CPU's registers; the
+/// same source is compiled for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane,
+/// without fused multiply-add, so that all builds produce the same bits. For use in those files only: everything here
+/// is local to the file that includes it.
 namespace uwsim {
 namespace {
 

@@ -44,7 +44,7 @@ struct ContactBody {
   /// Output: a velocity that changes only this step's pose, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
   /// Output: the smallest margin of friction, as a fraction of Coulomb's limit, at any loaded contact of its island; 0
-  /// if one slides or is barely loaded, -1 if the impulses are not exact.
+  /// if a contact slides or is barely loaded, -1 if the impulses are not exact.
   double grip = -1;
   bool slides = false;  ///< Output: whether a loaded contact of its island slides
 };

@@ -16,7 +16,7 @@ namespace uwsim {
 /// python/uwsim/mapping/voxel_keys.py.
 using PackedKey = std::int64_t;
 
-/// Determines how far the centres of voxels are from the true surface, and whether the surface passes through the
+/// Determines the distances of voxels' centres from the true surface, and whether the surface passes through the
 /// voxels. Distances are cached, so that a survey's map can be scored while it grows. Thread-safe.
 class SurfaceVoxels {
  public:

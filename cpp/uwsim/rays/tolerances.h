@@ -70,7 +70,7 @@ struct Tolerances {
 
   /// 4 `upward_raise_m`: a point this far above the terrain is also above the raised terrain. The first raise applies
   /// to all vertices. Vertices at a block's edges also move outward by one raise along each axis and, to compensate,
-  /// rise by up to two more. The fourth allows for rounding.
+  /// rise by up to two more raises. The fourth raise allows for rounding.
   double clearance_m;
 
   /// 4 r + `clearance_m`: how much farther from a point Embree's surfaces may be than the true ones.

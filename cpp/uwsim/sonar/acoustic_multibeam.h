@@ -62,9 +62,9 @@ struct AcousticPing {
   std::vector<float> snr_db;         ///< at the detector, with noise; -infinity
   std::vector<float> travel_time_s;  ///< two-way; infinity
   std::vector<float> deviation_m;    ///< standard deviation of the range, by the detector's own estimate; infinity
-  /// The vertical and horizontal standard deviations of the echo's position, due to those of its range and of its angle
-  /// across the fan. The angle may lie anywhere within the transmitter's width, so its contribution is range x width /
-  /// sqrt(12), as for a uniform distribution. This is the sonar's share of the total vertical and horizontal
+  /// The vertical and horizontal standard deviations of the echo's position, due to the deviations of its range and of
+  /// its angle across the fan. The angle may lie anywhere within the transmitter's width, so its contribution is range
+  /// x width / sqrt(12), as for a uniform distribution. This is the sonar's share of the total vertical and horizontal
   /// uncertainty (TVU, THU) of IHO S-44, at one standard deviation; the error model of Hare 1995 also includes errors
   /// of position, attitude and sound speed. Infinity.
   std::vector<float> vertical_deviation_m, horizontal_deviation_m;

@@ -66,8 +66,8 @@ class Actuators {
   /// InvalidValue.
   void set_fins(const Named& angles_rad);
 
-  /// Applies the stored commands again after a restore from actuators with other parameters: an effort is reallocated,
-  /// and direct wrenches and fins are limited to their ranges.
+  /// Applies the restored commands again if they were saved by actuators with different parameters: an effort is
+  /// reallocated, and direct wrenches and fins are limited to their ranges.
   void renew_commands();
 
   /// The current that the thrusters would draw at the end of the next step; empty unless all thrusters have sheets.

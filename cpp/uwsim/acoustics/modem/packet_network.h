@@ -44,9 +44,9 @@ struct LinkDelivery {
 };
 
 /// Counts the outcomes of the messages that a node submitted on a topic. replaced: superseded by newer messages before
-/// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: by the
-/// reason for the loss of their first lost packet, or as dropped by a relay. resent: retransmissions, by all nodes.
-/// Byte counts include the payloads of all transmissions, and no headers.
+/// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: counted by
+/// the reason that applied to their first lost packet, or as dropped by a relay. resent: retransmissions by all nodes.
+/// Byte counts include the payloads of all transmissions, without headers.
 struct TopicCounts {
   std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0, resent = 0;
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;

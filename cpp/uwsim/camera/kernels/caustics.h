@@ -6,8 +6,8 @@
 namespace uwsim::camera {
 namespace {
 
-/// Downwelling light relative to its mean, focused and spread by the slopes of the ripples (Ripples::Snapshot) and, if
-/// there are waves, by theirs: 1 / |det(1 + d bend H)|, where H is the curvature of the surface above, at most 3.
+/// Downwelling light relative to its mean, focused and spread by the slopes of the ripples (Ripples::Snapshot) and of
+/// the waves, if any: 1 / |det(1 + d bend H)|, where H is the curvature of the surface above, at most 3.
 UWSIM_LANES Float caustic_at(const View& view, Vector point) {
   const Float depth = max(view.surface_z - (point.z + view.camera_z), Float{});
   const Float path = depth * (1 / view.to_sun_in_water[2]);

@@ -15,8 +15,8 @@ UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
 }
 
 /// Shades surfaces by daylight: the sky's light is added immediately; the sun's light is added later, if a shadow ray
-/// is not blocked. Level ground receives beam and sky by Kd; slopes receive light by the cosine of their angle to the
-/// sun and by how much sky and upwelling light they face.
+/// is not blocked. Level ground receives beam and sky by Kd; slopes receive light according to the cosine of their
+/// angle to the sun and to the sky and upwelling light that they face.
 void shade_daylight(const View& view, Block& block) {
   apply_material(view, block);
   const Vector point = load(block.point), normal = load(block.normal);

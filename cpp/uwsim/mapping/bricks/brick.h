@@ -10,8 +10,8 @@ namespace uwsim::bricks {
 inline constexpr std::uint32_t kNone = 0xffffffff;
 
 /// 8 x 8 x 8 voxels in Morton order. Word w covers the 4 x 4 x 4 voxels 64 w to 64 w + 63, whose log-odds are in one
-/// block. A word needs no block while all of its known voxels are exactly at clamping_min, as most of the water in a
-/// survey is.
+/// block. A word needs no block while all of its known voxels are exactly at clamping_min, as is the case for most of
+/// the water in a survey.
 struct alignas(64) Brick {
   std::uint64_t known[8];
   std::uint64_t at_min[8];  ///< known and at or below clamping_min: unaffected by misses

@@ -8,8 +8,8 @@
 namespace uwsim::bricks {
 
 /// The marks of one scan: one bit for each voxel of the box around the scan, indexed by the voxel's address
-/// (address_layout.h). All bits are zero between scans. Rays touch only a few of the bitmap's pages; because those are
-/// then present, the memory of a few destroyed bitmaps is kept for later ones.
+/// (address_layout.h). All bits are zero between scans. Rays touch only a few of the bitmap's pages. The memory of a
+/// few destroyed bitmaps is kept for later bitmaps, because these pages are already present in it.
 class ScanBitmap {
  public:
   ScanBitmap() = default;

@@ -3,7 +3,7 @@
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
 /// Converts entries and masks to log-odds: the update rule of log_odds.h for the voxels of bricks. Compiled into each
-/// scan_kernels_*.cpp with internal linkage; only they may include this file.
+/// scan_kernels_*.cpp with internal linkage; only those files may include this one.
 namespace uwsim::bricks {
 namespace {
 

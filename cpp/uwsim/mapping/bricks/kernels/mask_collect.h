@@ -3,7 +3,7 @@
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
 /// Converts marked voxels of one chunk to entries and masks. Compiled into each scan_kernels_*.cpp with internal
-/// linkage; only they may include this file.
+/// linkage; only those files may include this one.
 namespace uwsim::bricks {
 namespace {
 

@@ -4,7 +4,7 @@
 
 /// Converts points to rays, one at a time, using OctoMap's arithmetic, operation by operation and with its types
 /// (OccupancyOcTreeBase::computeUpdate, then OcTreeBaseImpl::computeRayKeys). Compiled into each scan_kernels_*.cpp
-/// with internal linkage; only they may include this file.
+/// with internal linkage; only those files may include this one.
 namespace uwsim::bricks {
 namespace {
 

@@ -3,8 +3,8 @@
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
 /// Converts rays to marked voxels, one ray at a time. At each step a ray crosses the nearest face; on a tie, z comes
-/// before y before x, as in OctoMap. Compiled into each scan_kernels_*.cpp with internal linkage; only they may include
-/// this file.
+/// before y before x, as in OctoMap. Compiled into each scan_kernels_*.cpp with internal linkage; only those files may
+/// include this one.
 namespace uwsim::bricks {
 namespace {
 

@@ -129,7 +129,7 @@ class EightSlabSetups {
     flags_ = _mm256_mask_or_epi32(flags_, lanes, flags_, _mm256_set1_epi32(static_cast<int>(which)));
   }
 
-  /// Sets up faces across b: the number crossed up to the end of the first slab, and the number crossed in each further
+  /// Computes the number of faces across b that each ray crosses up to the end of the first slab and in each further
   /// slab.
   void set_up_middle() {
     const __mmask8 moves = _mm512_cmp_pd_mask(db_, _mm512_set1_pd(kNever), _CMP_LT_OQ);
@@ -145,8 +145,8 @@ class EightSlabSetups {
     store(&SlabRays::fraction, _mm512_cvttpd_epu32(_mm512_add_pd(fraction, tolerance_)));
   }
 
-  /// Sets up faces across z: the slab in which the ray crosses the first one, the number of slabs from one to the next,
-  /// and the ray's position along b at each.
+  /// Computes, for faces across z, the slab in which each ray crosses the first face, the number of slabs from one face
+  /// to the next, and the ray's position along b at each face.
   void set_up_minor() {
     const __m512d one = _mm512_set1_pd(1), two = _mm512_set1_pd(2), zero = _mm512_setzero_pd();
     suited_ &= _mm512_cmp_pd_mask(_mm512_div_pd(da_, dz_), _mm512_set1_pd(kSteepest), _CMP_LT_OQ);
