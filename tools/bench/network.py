@@ -245,7 +245,7 @@ def slow_socket(url: str) -> socket.socket:
 
 
 async def subscribe(url: str, compression: str, count: int, seconds: float, mode: str) -> dict[str, Any]:
-    """Subscribe with `count` clients that decode messages ("read"), only count them ("count") or do neither ("sleep")."""
+    """Subscribe with `count` clients, which decode messages ("read"), count them ("count") or read none ("sleep")."""
     latencies_ms: list[float] = []
     messages = 0
 
