@@ -119,7 +119,7 @@ def checkout(name: str) -> Path:
 
 
 def ratios(tree: Path, rounds: int) -> dict[str, float]:
-    """Run the benchmarks of a tree that is set up, and return the ratios that they report."""
+    """Run the benchmarks of a source tree that has been built, and return the ratios that they report."""
     figures: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, options in PEERS.items():

@@ -55,7 +55,7 @@ def main(
 
 
 class Fleet:
-    """Twenty vehicles over the lake, each of which sends the panel's message once a second."""
+    """Twenty vehicles in the lake, each of which sends the panel's message once a second."""
 
     def __init__(self, modem: str | None, model: str, *, access: str | None = None) -> None:
         scenario = load("lake")

@@ -2,9 +2,8 @@
 
 Debian's headless Chromium draws WebGL in software, like a laptop without a GPU, on the same cores as the simulator. A
 picture's latency is the time until it is on the canvas, measured both from the time when the server has the picture and
-from its simulated capture time; the latter includes rendering and compression. Needs the development installation
-(tools/setup
---dev). `uwsim bench station` measures the server without a browser.
+from its simulated capture time; the latter includes rendering and compression. It needs the development installation
+(tools/setup --dev). `uwsim bench station` measures the server without a browser.
 """
 
 from __future__ import annotations

@@ -213,7 +213,7 @@ def memory_mb(field: str) -> float:
 
 
 class Watch:
-    """The longest times for which the network thread missed a timer and another client waited for an answer."""
+    """The longest delays of a timer on the network thread, and of the answers to another client."""
 
     def __init__(self, server: RosbridgeServer) -> None:
         self.held_s = self.spent_s = self.worked_s = self.answer_s = 0.0

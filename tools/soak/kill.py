@@ -46,7 +46,7 @@ FLEET = ("fleet", "pool", "--tile", "5", "--voxel", "0.3", "--workers", "2")
 
 @dataclass(frozen=True)
 class Work:
-    """A job to kill. options: the command's, except --out and --resume. digest: hashes the results in a folder."""
+    """A job to kill. options: those of the command, except --out and --resume. digest: hashes a folder's results."""
 
     name: str
     options: tuple[str, ...]

@@ -10,9 +10,9 @@ namespace uwsim {
 /// integrates by semi-implicit Euler. The forces are those of Craft::load, evaluated at the start of the step; mass and
 /// inertia are a FoldedMass.
 ///
-/// Bullet's contact points and warm starts are dropped before each step, so that equal states evolve equally. To
-/// compensate, its solver runs more iterations than by default. A body at rest does not sleep. The terrain is a
-/// surface: a body that is wholly below it is not pushed out.
+/// Bullet's contact points and warm starts are dropped before each step, so that identical states have identical
+/// continuations. To compensate, its solver runs more iterations than by default. A body at rest does not sleep. The
+/// terrain is a surface: a body that is wholly below it is not pushed out.
 class BulletEngine final : public DynamicsEngine {
  public:
   BulletEngine(const World& world, double step_s);

@@ -70,11 +70,11 @@ struct LinkQuality {
 /// Nodes that exchange messages over one shared channel, packet by packet, in simulated time. Every node receives every
 /// packet. Nodes are half-duplex: they cannot receive while they send. Packets that overlap at a receiver are noise to
 /// each other. A message with a lost packet is lost unless the whole message is sent again. Repeats (`repeats`) are
-/// sent in any case; a modem with retransmissions sends it again if no acknowledgement has arrived within timeout_s()
-/// of the end of its last packet. Every copy that arrives is acknowledged by a packet, which waits for its turn, takes
-/// up air time and may be lost, too. If p is the probability that all packets of a copy arrive, n retransmissions
-/// deliver 1 - (1 - p)^(n + 1) of the messages. Receivers discard duplicates. A message arrives when its last packet
-/// does.
+/// sent in any case; a modem with retransmissions sends the message again if no acknowledgement has arrived within
+/// timeout_s() of the end of its last packet. Every copy that arrives is acknowledged by a packet, which waits for its
+/// turn, takes up air time and may be lost, too. If p is the probability that all packets of a copy arrive, n
+/// retransmissions deliver 1 - (1 - p)^(n + 1) of the messages. Receivers discard duplicates. A message arrives when
+/// its last packet does.
 ///
 /// Static routing: a node may have a relay, through which it exchanges messages with the station and with the other
 /// nodes, except those for which it is a relay itself. Relays store whole messages and forward them; each hop has its

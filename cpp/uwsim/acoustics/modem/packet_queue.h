@@ -46,8 +46,8 @@ inline constexpr std::uint64_t kRepeatsMax = 1000;
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
-  /// Adds a message, unless the queue would then exceed `bytes_max`. If the message replaces another one, that one is
-  /// moved to `replaced`.
+  /// Adds a message, unless the queue would then exceed `bytes_max`. If the message replaces an older one, the older
+  /// one is moved to `replaced`.
   Added add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced);
   bool empty() const { return messages_.empty(); }
   std::size_t size() const { return messages_.size(); }

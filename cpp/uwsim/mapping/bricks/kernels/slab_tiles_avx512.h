@@ -36,7 +36,7 @@ struct SlabHeading {
   }
 };
 
-/// A buffer of marked tiles, which are written only when the paths of their rays are known to be certain. Each has the
+/// A buffer of marked tiles, which are written only when it is certain which voxels their rays cross. Each has the
 /// address of a tile, and a mask with bits numbered b2 b1 b0 a1 a0 for the voxels of this tile and of the next tile
 /// along b.
 class TileMarks {
