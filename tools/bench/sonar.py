@@ -4,9 +4,8 @@ All cases alternate within one run, so that other load affects all of them equal
 and medians of per-round ratios. Measured in single-thread CPU time, except multithreaded ping_batch, which is measured
 in wall time.
 
-All cases ping from the same poses along the survey's lines. From scattered poses, each ping has to wait until a
-different part of the ray tree has been loaded; this is reported separately. The limit is the best rate of Embree's ray
-packets.
+All cases ping from the same poses along the survey's lines. From scattered poses, each ping waits until another part of
+the ray tree has been loaded; this is reported separately. The limit is the best rate of Embree's ray packets.
 """
 
 from __future__ import annotations
