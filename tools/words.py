@@ -77,7 +77,7 @@ def count_in(text: str) -> Counter[str]:
 
 
 def lowered(counts: Table, ceilings: Table) -> Table:
-    """Return each ceiling lowered to its count; a word without ceilings gets its counts."""
+    """Return the ceilings, each lowered to its count; a word without ceilings gets its counts as ceilings."""
     return {
         word: {area: min(number, ceilings.get(word, {}).get(area, number)) for area, number in row.items()}
         for word, row in counts.items()

@@ -1,9 +1,10 @@
 """The wall-clock cost of a recording: scans at 50 Hz and pictures (JPEG) at 10 Hz, with and without it.
 
 The simulator runs in real time on the lake with one true ping of 513 beams and one true picture, so that the recording
-is measured and not the sonar. Cases alternate; each line is the median of the rounds. CPU is the whole process's;
-lateness is the worst delay of a step, which a recording must not change. Two more cases: the time of the simulator's
-thread per message, and all channels except pictures as fast as possible, where the steps wait for the file.
+is measured and not the sonar. Cases alternate; each line is the median of the rounds. CPU time is that of the whole
+process; lateness is the worst delay of a step, which a recording must not change. Two more cases measure the time of
+the simulator's thread per message, and all channels except pictures as fast as possible, where the steps wait for the
+file.
 """
 
 from __future__ import annotations
