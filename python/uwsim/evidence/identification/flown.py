@@ -1,4 +1,4 @@
-"""The simulated outputs of a log and their derivatives, from one batch of simulations."""
+"""Simulates the outputs of a log, and their derivatives, in one batch of simulations."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 VEHICLE = "vehicle"
 DEPTH_M, BED_M = 400.0, 1000.0
 STEP_S = 0.005
-START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # [m, rad, m/s, rad/s] of a segment's start about its measurement
+START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's start about the measured state [m, rad, m/s, rad/s]
 OUTPUTS = 12
 DIFFERENCE = 1e-5
 BOX = (
@@ -33,7 +33,7 @@ BOX = (
 
 
 class Flown:
-    """Simulates a log with any values of the unknowns: in segments, each with a start of its own.
+    """Simulates a log for given values of the unknowns, in segments that each have their own initial state.
 
     z has the unknowns, in standard deviations of their priors, then 12 entries for the start of each segment.
     """
@@ -64,7 +64,7 @@ class Flown:
         self._members = 1 + len(found) + OUTPUTS
         self._last_z, self._last = np.empty(0), (np.empty(0), np.empty(0))
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
-        finalize(self, rmtree, folder, ignore_errors=True)  # members read the hull again when its centre changes
+        finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
         bare = _bare(model, folder)
         scenario = Scenario.model_validate(
             {
@@ -84,8 +84,8 @@ class Flown:
     def outputs(self, z: Array) -> tuple[Array, Array]:
         """Return residuals (n, 12) against the log, NaN where it has none, and their derivatives (n, 12, size).
 
-        Columns: position [m], attitude [rad], velocity [m/s], rate [rad/s]. Raises ValueError if a motion diverges.
-        Those of the last z are kept.
+        Columns: position [m], attitude [rad], velocity [m/s], rate [rad/s]. The result for the last z is cached. Raises
+        ValueError if a motion diverges.
         """
         if not np.array_equal(z, self._last_z):
             self._last, self._last_z = self._simulated(z), z.copy()
@@ -98,7 +98,7 @@ class Flown:
         each = [parameters_at(self.found, row) for row in values]
         self._batch.reset(parameters=each)
         states = np.zeros((self._count, self.segments, self._members, 13))
-        for k in range(self.segments):  # thrusters go on from the commands of the segment before
+        for k in range(self.segments):  # thrusters continue from the previous segment's commands
             start = z[p + OUTPUTS * k : p + OUTPUTS * (k + 1)]
             placed = np.tile(self._placed(k, start), (self._members, 1))
             placed[p + 1 :] = [self._placed(k, start + nudge) for nudge in DIFFERENCE * np.eye(OUTPUTS)]
@@ -149,9 +149,9 @@ class Flown:
 
 
 def _bare(model: VehicleModel, folder: Path) -> VehicleModel:
-    """Return the vehicle without instruments and, if its volume is published, with a box of that volume as its hull.
+    """Return the vehicle without instruments; if its volume is published, its hull is replaced by a box of that volume.
 
-    Deep under water, a hull acts by its volume and its centre of volume alone.
+    Deep under water, only the volume of a hull and its centre matter.
     """
     update: dict[str, Any] = {"sensors": {}, "sonar": None, "imaging_sonars": {}, "cameras": {}, "trim": None}
     if model.volume_m3 is not None and model.centre_of_buoyancy_m is not None:

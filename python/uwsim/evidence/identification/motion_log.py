@@ -1,7 +1,7 @@
 """MotionLog: a vehicle's commands and motion, from a recording, an MCAP file, a ROS bag or a CSV table.
 
-A mapping file names where each quantity is: a column of a table, or `topic:field`, such as
-`/odom:pose.pose.position.x` or `/telemetry:efforts[0]`, of a log of messages.
+A mapping file states where each quantity is found: in a column of a table, or in a `topic:field` of a message log, such
+as `/odom:pose.pose.position.x` or `/telemetry:efforts[0]`.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ WITHOUT_MOTION = ("release", "set_lamp", "aim_camera")
 
 
 class Mapping(Model):
-    """The names of a log's quantities. World: z up; body: x forward, y left, z up (REP 103).
+    """The location of each quantity in a log. World: z up; body: x forward, y left, z up (REP 103).
 
-    time_s: the column of the time of a table [s]. position_m (3), orientation_xyzw (4), velocity_body (6) [m/s, rad/s]:
-    measured motion; positions and velocities may be left out. effort (6): commands in [-1, 1], surge to yaw, held until
-    the next; null for an axis without commands. noise: standard deviations of position [m], attitude [rad], velocity
-    [m/s] and rate [rad/s], if known; otherwise estimated from the residuals.
+    time_s: a table's time column [s]. position_m (3), orientation_xyzw (4), velocity_body (6) [m/s, rad/s]:
+    measured motion; positions and velocities may be left out. effort (6): commands in [-1, 1], surge to yaw, each held
+    until the next one; null for an axis without commands. noise: standard deviations of position [m], attitude [rad],
+    velocity [m/s] and rate [rad/s], if known; otherwise estimated from the residuals.
     """
 
     time_s: str | None = None
@@ -91,9 +91,9 @@ def read_mapping(path: Path) -> Mapping:
 
 
 def read_log(path: str | Path, mapping: Mapping | None = None, vehicle: str = "") -> MotionLog:
-    """Read a log. mapping: needed unless the file is a recording of ours. vehicle: prefix of its topics.
+    """Read a log. mapping: required unless the file is a uwsim recording. vehicle: prefix of its topics.
 
-    Raises ValueError, with the file and the quantity, and OSError.
+    Raises OSError, and ValueError with the file and the quantity.
     """
     path = Path(path)
     if path.suffix == ".csv":
@@ -173,7 +173,7 @@ class _Messages:
         self.topics = {topic for topic, _, _ in self._read(None)}
 
     def own_mapping(self, vehicle: str) -> Mapping:
-        """Return the mapping of a recording of ours: true or estimated odometry, and the telemetry's efforts."""
+        """Return the mapping for a uwsim recording: true or estimated odometry, and the efforts from the telemetry."""
         prefix = f"/{vehicle}" if f"/{vehicle}/telemetry" in self.topics else ""
         odometry = next((t for t in (f"{prefix}/ground_truth/odom", f"{prefix}/odom") if t in self.topics), None)
         if odometry is None or f"{prefix}/telemetry" not in self.topics:
@@ -185,7 +185,7 @@ class _Messages:
         return Mapping.model_validate({**fields, "effort": [f"{source}:efforts[{k}]" for k in range(6)]})
 
     def _keep_efforts(self, vehicle: str) -> bool:
-        """Keep the efforts of the recorded commands, exact in time; return whether nothing else steered the vehicle."""
+        """Cache the recorded effort commands and their exact times; return whether they alone steered the vehicle."""
         if COMMANDS not in self.topics:
             return False
         times_s, rows = [], []
@@ -221,7 +221,7 @@ class _Messages:
             raise ValueError(f"{self._path}: '{name}': {topic} has no number there") from None
 
     def _read(self, topic: str | None) -> Iterator[tuple[str, float, Any]]:
-        """Yield topic, time [s] and message; of all topics, without messages, for None."""
+        """Yield topic, time [s] and message. For None, yield all topics without their messages."""
         if self._path.suffix == ".mcap":
             yield from self._read_mcap(topic)
             return

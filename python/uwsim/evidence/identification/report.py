@@ -30,7 +30,7 @@ def write_report(found: Identified, log: str, out: Path) -> list[Path]:
 
 
 def table(found: Identified) -> list[tuple[str, ...]]:
-    """Return name, value before, value, ends of the interval, and unit of each quantity, or "-" beside a prior's."""
+    """Return name, initial value, value, interval ends and unit of each quantity, and "no" if it is undetermined."""
     return [
         (
             v.name,

@@ -44,7 +44,7 @@ BRIEF_S = 4.0
 
 @dataclass(frozen=True)
 class Value:
-    """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that is left."""
+    """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that remains."""
 
     name: str
     unit: str
@@ -127,7 +127,7 @@ def identify(
 
 
 def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
-    """Return the solution for this noise, starting at z. tolerance: relative change of the cost at which it ends."""
+    """Return the solution for this noise, starting at z. tolerance: relative change of the cost at which to stop."""
     cache: dict[bytes, tuple[Array, Array]] = {}
 
     def both(at: Array) -> tuple[Array, Array]:
@@ -139,7 +139,7 @@ def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
             except ValueError:
                 if not last:
                     raise
-                cache[key] = np.full_like(last[0][0], 1e6), last[0][1]  # a step too far, which is taken back
+                cache[key] = np.full_like(last[0][0], 1e6), last[0][1]  # the step was too long; the solver retracts it
                 return cache[key]
             cache[key] = _compressed(residuals / scale, slopes / scale[:, None], at)
             last[:] = [cache[key]]
@@ -159,7 +159,7 @@ def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
 
 
 def _compressed(misfits: Array, slopes: Array, prior: Array) -> tuple[Array, Array]:
-    """Return few rows with the same sums of squares and products, by QR: the solver takes a decomposition of them."""
+    """Return fewer rows with the same sums of squares and products, by QR: the solver decomposes them again."""
     rows = np.isfinite(misfits)
     whole = np.vstack([np.column_stack([slopes[rows], misfits[rows]]), np.column_stack([np.eye(len(prior)), prior])])
     triangle: Array = np.asarray(np.linalg.qr(whole, "r"), np.float64)
@@ -186,7 +186,7 @@ def _lag_one(residuals: Array) -> Array:
         column = residuals[np.isfinite(residuals[:, k]), k]
         if len(column) > 2 and column.std() > 0:
             found[k] = np.corrcoef(column[:-1], column[1:])[0, 1]
-    noise = 3.0 / np.sqrt(max(len(residuals), 1))  # what white noise reaches by chance
+    noise = 3.0 / np.sqrt(max(len(residuals), 1))  # white noise may reach this by chance
     return np.where(found > noise, np.minimum(found, 0.95), 0.0)
 
 
@@ -199,7 +199,7 @@ def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
 
 
 def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float, dict[str, float]]]:
-    """Return the directions of the unknowns in which the log adds less than the prior, the starts eliminated."""
+    """Return the directions in which the log contributes less than the prior, with the starts eliminated."""
     p = len(found)
     starts = information[p:, p:] + np.eye(len(information) - p)
     own = information[:p, :p] - information[:p, p:] @ np.linalg.solve(starts, information[p:, :p])

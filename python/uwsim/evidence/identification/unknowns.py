@@ -19,7 +19,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 Array = NDArray[np.float64]
 
-SPREADS = {  # standard deviation before the log is read; relative ones of the logarithm
+SPREADS = {  # prior standard deviations; those of positive quantities are of the logarithm
     "mass_kg": 0.1,
     "centre_of_mass_m": 0.3,
     "centre_of_buoyancy_m": 0.3,
@@ -30,7 +30,7 @@ SPREADS = {  # standard deviation before the log is read; relative ones of the l
     "thrust_lag": 0.3,
     "current_m_s": 0.15,
 }
-"""Those of positions: as a share of the distance between the two centres, at least LEAST_M."""
+"""For positions: a share of the distance between the two centres, but at least LEAST_M."""
 LEAST_M = 0.002
 UNITS = {
     "mass_kg": "kg", "centre_of_mass_m": "m", "centre_of_buoyancy_m": "m", "thrust_gain": "", "thrust_lag": "s",
@@ -72,9 +72,9 @@ def unknowns(
 ) -> list[Unknown]:
     """Return the unknowns of a vehicle. Coefficients that are zero in its file stay zero.
 
-    vehicle: its name in the scenario. spreads: replaces some of SPREADS; for positions and the current in metres and
-    metres per second. known: names of groups or unknowns that keep the file's value. Raises ValueError for an unknown
-    name or a spread that is not positive.
+    vehicle: its name in the scenario. spreads: replacements for some of SPREADS; in metres for positions, in metres per
+    second for the current. known: names of groups or unknowns that keep the file's value. Raises ValueError for an
+    unknown name or a spread that is not positive.
     """
     given = dict(spreads or {})
     found: list[Unknown] = []

@@ -12,8 +12,8 @@ PAPER = "Development of an Underwater Simulator using Unity3D and Robot Operatin
 class Figure:
     """One of the figures in the paper.
 
-    number: its number in the paper, whose figure has the same subject by its caption. differs: a sentence on what
-    differs from it. columns, rows: the table behind the picture. values: single values.
+    number: its number in the paper, where the caption names the same subject. differs: a sentence on how this figure
+    differs from the paper's. columns, rows: the table behind the picture. values: single values.
     """
 
     number: int

@@ -117,7 +117,7 @@ def _draw_mesh(axes: Axes3D, corners: Floats, albedo: Floats) -> None:
 
 
 def _colours(image: NDArray[np.uint8], places: NDArray[np.float32]) -> Floats:
-    """Return the colour of each triangle (n, 3) in the middle of its place (3, 2) on an image."""
+    """Return the colour of each triangle (n, 3), read from an image at the centre of its corners there (n, 3, 2)."""
     height, width = image.shape[:2]
     across, up = places.mean(axis=1).T
     pixels = image[((1 - up) * height).astype(int), (across * width).astype(int)]
@@ -125,7 +125,7 @@ def _colours(image: NDArray[np.uint8], places: NDArray[np.float32]) -> Floats:
 
 
 def _arc(axis: int, along: float, radius: float) -> Floats:
-    """Return points (n, 3) of three quarters of a turn about an axis, right-handed."""
+    """Return points (n, 3) along three quarters of a right-handed turn about an axis."""
     angles = np.linspace(-0.25 * math.pi, 1.25 * math.pi, 40)
     points = np.empty((len(angles), 3))
     points[:, axis] = along

@@ -30,7 +30,7 @@ ORIGIN_M = np.array(ORIGINS["published"])  # of the world, in odom
 
 
 class Flight:
-    """A flight in the `paper` scenario over its channels, as nodes would fly it, stepping a paused simulator."""
+    """A flight in the `paper` scenario through its channels, as external nodes would fly it."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live

@@ -27,7 +27,7 @@ def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None
     """Write Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
 
     said: called with a one-line message about each finished file. Pictures and values are the same in every run, except
-    for the rates in Fig. 10 and the screens, which are taken of a live simulator (see `screens`).
+    for the rates in Fig. 10 and the screens, which come from a live simulator (see `screens`).
     """
     out.mkdir(parents=True, exist_ok=True)
     with alone_in(out):

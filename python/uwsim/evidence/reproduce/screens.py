@@ -1,7 +1,7 @@
 """The operator's station in a browser: its start screen, and its main screen in flight (Figs. 4 and 5).
 
-The screens are taken by Playwright of a Chromium on this machine. Without either, the kept pictures beside this file
-are used, which were taken in the same way.
+Playwright captures the screens in a Chromium on this machine. If either is missing, the stored pictures beside this
+file are used, which were captured in the same way.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
 OVER_THE_PIPELINE = (36.0, -101.0, -35.0), -28.0
 """Less than 10 m above the bed, at which the proximity warning is lit."""
 PATIENCE_S = 60.0
-FLOWN_S = 3.0  # in which views and panel are updated
+FLOWN_S = 3.0  # long enough for the views and the panel to be updated
 
 
 class NoBrowserError(Exception):
@@ -39,7 +39,7 @@ class NoBrowserError(Exception):
 
 
 def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
-    """Draw Figs. 4 and 5 into a folder, and return them. sim: one of the scenario `paper`. Raises OSError."""
+    """Draw Figs. 4 and 5 into a folder, and return them. sim: a simulator of the `paper` scenario. Raises OSError."""
     try:
         take_screens(out)
         source = "Taken now, in the browser of this machine"
@@ -75,7 +75,7 @@ def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
 
 
 def take_screens(out: Path) -> None:
-    """Take both screens of a station of its own, on a free port of this machine. Raises NoBrowserError."""
+    """Capture both screens of a separate station on a free local port. Raises NoBrowserError."""
     station = Station(offered="paper", folder=out)
     with (
         _browser() as browser,
@@ -130,6 +130,6 @@ def _until(page: Any, expression: str) -> None:
 
 
 def _shoot(page: Any, path: Path, after_s: float) -> None:
-    """Write a picture of a page, after some time."""
+    """Write a screenshot of a page after a delay."""
     time.sleep(after_s)
     write_atomically(path, page.screenshot())

@@ -22,7 +22,7 @@ IN_THE_BASIN = (20.0, -150.0, -20.0), 10.0
 
 
 def depth_image(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 6, a depth map, and the sonar's ranges as read from it."""
+    """Draw Fig. 6, a depth map, and the sonar ranges read from it."""
     place(sim, BEFORE_THE_GATE)
     frame = sim.rov.cameras["front"].capture("off", geometry_only=True)
     ping = sim.rov.sonar.ping()

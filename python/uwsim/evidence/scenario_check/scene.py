@@ -51,9 +51,9 @@ class Bed:
 class ObstacleScene:
     """An obstacle in the scene.
 
-    lowest_m, highest_m: z. clearance_m: smallest height of its points above the bed; negative if it is sunk in. size_m:
-    extent along the world's x, y and z. buried_share, above_water_share: shares of its surface below the bed and above
-    the water. beside_terrain: whether any part of it is outside the terrain.
+    lowest_m, highest_m: z. clearance_m: smallest height of its points above the bed; negative if it reaches below the
+    bed. size_m: extent along the world's x, y and z. buried_share, above_water_share: shares of its surface below the
+    bed and above the water. beside_terrain: whether any part of it is outside the terrain.
     """
 
     name: str

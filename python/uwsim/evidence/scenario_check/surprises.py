@@ -61,7 +61,7 @@ def _of_obstacle(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
     if obstacle.above_water_share > HIDDEN:
         yield f"{name} is all above the water"
     elif obstacle.kind != "ring" and obstacle.clearance_m > FLOATING_M and obstacle.highest_m < 0.0:
-        # Rings are made to hang, and what reaches the surface may float.
+        # Rings are meant to hang in the water, and obstacles that reach the surface may float.
         yield f"{name} hangs {obstacle.clearance_m:.1f} m above the bed; {_hint(obstacle)}"
 
 

@@ -73,7 +73,7 @@ class Probe:
 
 
 def wrench_checks(group: str, name: str, expected: Array, got: Array) -> Iterator[Check]:
-    """Compare forces and moments of wrenches (..., 6), each relative to its largest magnitude, but to at least 0.1."""
+    """Compare forces and moments of wrenches (..., 6), each relative to its largest magnitude or, if larger, 0.1."""
     for what, part, unit in (("force", slice(0, 3), "N"), ("moment", slice(3, 6), "N m")):
         want, found = expected[..., part], got[..., part]
         scale = max(float(np.linalg.norm(want, axis=-1).max()), 0.1)

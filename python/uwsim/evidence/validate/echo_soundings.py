@@ -2,7 +2,7 @@
 
 GSF 3.06, "Generic Sensor Format Specification" (SAIC): big-endian records of a size, a type and their data. A ping has
 a header of 56 bytes, then subrecords: scale factors, then arrays of integers, each value / multiplier - offset. Only
-what is needed here is read: the profile, two-way times, depths and positions across and along the ship, flags.
+the parts needed here are read: the profile, two-way times, depths and positions across and along the ship, flags.
 """
 
 from __future__ import annotations

@@ -149,11 +149,11 @@ def repeat_checks() -> list[Check]:
     aloha = _plain_modem(_core.MediumAccess.ALOHA)
     aloha.backoff_s = 0.0
     for hops in (1, 2, 3):
-        relays = [0, *range(hops)]  # each vehicle's messages pass the one before it
+        relays = [0, *range(hops)]  # each vehicle's messages pass through the previous vehicle
         step_s, hop_s = 0.005, 0.1 + SERVICE_S
         forwarded_s = math.ceil(hop_s / step_s) * step_s  # a relay sends at the next step
         counts = _core.network_trial(aloha, 1 + hops, 0.01, 20_000.0, PACKET_BYTES, loss=0.0, relays=relays)
-        delays_s = [k * forwarded_s + hop_s for k in range(hops)]  # each vehicle sends as many, on average
+        delays_s = [k * forwarded_s + hop_s for k in range(hops)]  # each vehicle sends the same number on average
         mean_s = sum(delays_s) / hops
         limit_s = 0.01 * mean_s + 3.0 * float(np.std(delays_s)) / math.sqrt(counts.delivered)
         got_s = counts.delay_s / counts.delivered

@@ -1,4 +1,4 @@
-"""The sonar suite: maximum depths and coverages compared with the manufacturer's table, physics mode with the formula.
+"""The sonar suite: compares depths and coverages with the manufacturer's table, and physics mode with the formula.
 
 Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock, and
 the sonar has one receiver. Each instrument has one set of values per frequency; none are fitted to individual table
@@ -19,7 +19,7 @@ TABLE_TOLERANCE = 0.1
 INSTRUMENT_TOLERANCE = 0.05
 SWATH_TOLERANCE = 0.08  # 0.2 dB at 700 kHz, at which vertical and outer beams differ by 1 dB
 BEYOND = 1.15  # factor on the depth of the widest swath, beyond which weak outer beams limit the swath, not the fan
-TOWARDS_DEEPEST = 1 / 3  # largest share of the way to the maximum depth, near which 0.06 dB are 8 % of the swath
+TOWARDS_DEEPEST = 1 / 3  # fraction of the way from there to the maximum depth, near which 0.06 dB is 8 % of the swath
 
 
 def run(out: Path | None = None) -> list[Check]:

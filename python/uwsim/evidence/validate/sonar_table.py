@@ -4,7 +4,7 @@ Over flat rock, a beam is detected while SL + PG + DI - NL minus the losses alon
 threshold (_core.bottom_echo). The maximum depth is that of the vertical beam; the coverage is the widest swath at any
 depth. The table is Fig. 8 of the paper: 20 depths, and 32 coverages (COVERAGE_CELLS), with one and, at 200 to 400 kHz,
 also with two receivers. The depths and the 8 coverages at 600 and 700 kHz are known (COVERAGE_M). The 24 coverages at
-200 to 400 kHz are computed, but no value for comparison was found: the manufacturer's data sheet could not be had.
+200 to 400 kHz are computed, but no value for comparison was found: the manufacturer's data sheet could not be obtained.
 """
 
 from __future__ import annotations

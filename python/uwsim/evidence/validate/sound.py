@@ -1,7 +1,7 @@
-"""The sound suite: arrivals compared with BELLHOP's, times with a recorded survey, backscatter with a published table.
+"""The sound suite: compares arrivals with BELLHOP, times with a recorded survey, backscatter with a published table.
 
-BELLHOP's arrivals are kept beside this file (tests/python/data/README.md has the recipe). The survey is that of an EM
-302 in `gsf/` of the folder of data, which is not part of uwsim; without it, these checks are left out.
+BELLHOP's arrivals are stored beside this file (tests/python/data/README.md has the recipe). The survey, by an EM 302,
+is in `gsf/` of the data folder, which is not part of uwsim; without it, its checks are skipped.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from uwsim.scenario.spec.link import BOTTOMS
 
 KEPT = Path(__file__).parent / "bellhop_arrivals.json.xz"
 TIME_S, LEVEL_DB = 10e-6, 1.0
-SAME = 2e-3  # of the sum of differences in time [s] and in launch angle [1000 deg], for arrivals with the same bounces
+SAME = 2e-3  # largest difference between arrivals taken to be the same: time [s] plus launch angle [1000 deg]
 
 SURVEYS = {  # robust standard deviation of two-way times after one rigid offset per ping [s]
     "0059_20181102_212138_EX1811_MB_EM302.gsf": 0.20e-3,
@@ -71,7 +71,7 @@ def computed(case: dict[str, Any]) -> Arrivals:
 
 
 def counterparts(found: Arrivals, case: dict[str, Any]) -> list[int | None]:
-    """Return, for each of BELLHOP's arrivals, the index of ours with the same bounces, nearest in angle and time."""
+    """Return, for each BELLHOP arrival, the index of our nearest arrival in angle and time with the same bounces."""
     indices = []
     for time_s, _, launch_deg, _, surface, bottom in case["arrivals"]:
         apart = np.abs(found.time_s - time_s) + 1e-3 * np.abs(np.degrees(found.launch_rad) - launch_deg)
@@ -119,7 +119,7 @@ def survey_check(path: Path, limit_s: float) -> Check:
 
 
 def survey_left_s(path: Path) -> Floats:
-    """Return what remains of the differences between recorded and simulated two-way times, of every 13th beam."""
+    """Return the residual differences between recorded and simulated two-way times, for every 13th beam."""
     levels, pings = read_soundings(path)
     thin = thinned(levels[levels[:, 0] < 12_000.0], PROFILE_WITHIN_M_S)
     profile = _core.SoundSpeedProfile(thin[:, 0], thin[:, 1])
@@ -134,7 +134,7 @@ def survey_check_of(path: Path, left_s: Floats, limit_s: float) -> Check:
 
 
 def _left_s(profile: _core.SoundSpeedProfile, ping: Ping, first: int) -> Floats:
-    """Return what remains of the differences in time of some of a ping's beams, after fitting the two offsets."""
+    """Return the residual time differences of some of a ping's beams after fitting the two offsets."""
     rows, left = [], []
     for time_s, depth_m, across_m, along_m in zip(
         *(values[first::EVERY] for values in (ping.time_s, ping.depth_m, ping.across_m, ping.along_m)), strict=True
@@ -160,7 +160,7 @@ def _left_s(profile: _core.SoundSpeedProfile, ping: Ping, first: int) -> Floats:
 
 
 def thinned(levels: Floats, within_m_s: float) -> Floats:
-    """Return few levels of a profile, linear between them within a tolerance (Douglas and Peucker 1973)."""
+    """Return a profile thinned to few levels, linear between them within a tolerance (Douglas and Peucker 1973)."""
 
     def kept(first: int, last: int) -> Iterator[int]:
         chord = np.interp(levels[first : last + 1, 0], levels[[first, last], 0], levels[[first, last], 1])

@@ -172,7 +172,7 @@ class StepResponse:
 
 
 def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
-    """Return the responses to all steps that the actuators can drive; under way if there is no vertical thrust."""
+    """Return the responses to all steps that the actuators can drive, under way if there is no vertical thrust."""
     sim = deep_water(model)
     driven = dict(zip(AXES, sim.rov.control.model.driven, strict=True))
     return [_fly(name, sim, step) for step in (STEPS if driven["heave"] else STEPS_UNDER_WAY) if driven[step.needs]]

@@ -21,7 +21,7 @@ HEIGHT_TOLERANCE = 5e-3
 def thrust_tables(name: str, model: VehicleModel | None = None, points: slice = slice(None)) -> Iterator[Check]:
     """Check the table points, zero thrust in the dead band, and half the thrust halfway to the adjacent points.
 
-    points: which of these to check, in ascending order of their commands.
+    points: the slice of all points to check, in ascending order of command.
     """
     probe, (thruster, mount) = Probe(name, model), next(iter(MOUNTS[name].items()))
     commands, thrusts = np.array(mount.propeller.table).T

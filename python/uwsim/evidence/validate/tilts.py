@@ -1,4 +1,4 @@
-"""How far a vehicle tilts under constant efforts without control, from a slight tilt in deep, still, fresh water."""
+"""Measures how far an uncontrolled vehicle tilts under constant efforts in deep, still, fresh water."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FLIGHT_S, SAMPLE_S = 60.0, 0.1
 
 
 def largest_tilts_deg(model: VehicleModel, efforts: Sequence[float] = EFFORTS) -> NDArray[np.float64]:
-    """Return the largest angle between the body z and the vertical, (6, n): in a minute of each effort on each axis.
+    """Return the largest angles (6, n) between body z and the vertical during a minute of each effort on each axis.
 
     Rows of axes on which the vehicle cannot be driven are NaN.
     """

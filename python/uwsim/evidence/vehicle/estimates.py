@@ -1,4 +1,4 @@
-"""Added mass and drag of a hull as textbooks estimate them from its shape, to compare with a vehicle's file."""
+"""Textbook estimates of a hull's added mass and drag from its shape, for comparison with a vehicle's file."""
 
 from __future__ import annotations
 
@@ -47,8 +47,9 @@ def estimates(
     gyration_m: (3,) its radii of gyration as a solid, about its own centre.
     streamlined: C_D of the wetted surface = C_f (1 + 1.5 (d/l)^1.5 + 7 (d/l)^3) (Hoerner 1965, "Fluid-Dynamic Drag",
     ch. VI), with the friction line 0.075 / (log10 Re - 2)^2 (ITTC 1957); d is the diameter of a disc as large as the
-    frontal area. bluff: ACROSS times the silhouette; turning, strips of the silhouettes in the flow of the rotation
-    (the cross-flow principle, Hoerner 1965, ch. III), which for a hull that is round about the axis is too much.
+    frontal area. bluff: ACROSS times the silhouette; for turning, strips of the silhouettes in the flow of the rotation
+    (the cross-flow principle, Hoerner 1965, ch. III), which overestimates the drag of a hull that is round about the
+    axis.
     """
     corners = vertices_m[triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -22,8 +22,9 @@ ACROSS, UP = 64, 24
 class FieldOfView:
     """The field of view of one instrument, body frame.
 
-    label: its key in the vehicle's file, such as `cameras.front`. position_m (3,). rays: (n, 3) unit, spread over its
-    field. on_hull: (n,) whether a ray meets the hull from outside; instruments inside the hull look out through it.
+    label: its key in the vehicle's file, such as `cameras.front`. position_m (3,). rays: (n, 3) unit vectors, spread
+    over its field. on_hull: (n,) whether a ray meets the hull from outside; instruments inside the hull look out
+    through it.
     nearest_m: distance to the hull along those rays; inf if none meets it.
     """
 
@@ -53,7 +54,7 @@ def fields_of_view(sim: Simulator) -> tuple[FieldOfView, ...]:
 
 
 def _fields(sim: Simulator) -> Iterator[tuple[str, tuple[float, ...], Floats]]:
-    """Yield label, position (3,) and rays (n, 3) of each instrument that looks somewhere, body frame."""
+    """Yield label, position (3,) and rays (n, 3) of each instrument that has a field of view, body frame."""
     model, vehicle = sim.scenario.vehicles[0].model, sim.rov
     for name, sensor in model.sensors.items():
         if len(beams := beams_of(sensor)):

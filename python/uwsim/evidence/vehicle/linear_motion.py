@@ -26,8 +26,8 @@ SURGE = 0
 class Mode:
     """A real eigenvalue, or a pair of conjugate ones with a positive imaginary part, of the linear motion.
 
-    growth_1_s: real part; negative if the mode decays. frequency_rad_s: imaginary part. moves: the axis whose velocity
-    takes the largest part in it, by participation factors, which do not depend on units.
+    growth_1_s: real part; negative if the mode decays. frequency_rad_s: imaginary part. moves: the axis with the
+    largest participation factor (these do not depend on units).
     """
 
     growth_1_s: float
@@ -54,11 +54,11 @@ def model_motion(model: VehicleModel, trim: Trim | None, density_kg_m3: float, s
 def motion_matrix(
     craft: _core.Craft, fins: list[_core.FinParameters], speed_m_s: float, density_kg_m3: float
 ) -> Floats:
-    """Return d/dt of STATES over STATES, (8, 8), about a level course ahead at a speed in deep, still water.
+    """Return the Jacobian (8, 8) of STATES' time derivatives, on a level course ahead at a speed in deep, still water.
 
-    Central differences of the simulator's own equations of motion. Propellers push as on the straight course; fins are
-    amidships (fin_lift). Valid for small deviations: see Fossen 2021, "Handbook of Marine Craft Hydrodynamics and
-    Motion Control", sec. 6.5.
+    Computed by central differences of the simulator's own equations of motion. Propellers push as on the straight
+    course; fins are amidships (fin_lift). Valid for small deviations: see Fossen 2021, "Handbook of Marine Craft
+    Hydrodynamics and Motion Control", sec. 6.5.
     """
     water = _core.Water()
     water.density_kg_m3 = density_kg_m3

@@ -1,4 +1,4 @@
-"""Added mass of a deeply submerged hull in ideal flow: of its mesh by a panel method, and of an ellipsoid by Lamb."""
+"""Added mass of a deeply submerged hull in ideal flow: a panel method for meshes, Lamb's formulas for ellipsoids."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def added_mass_of_mesh(vertices_m: Floats, triangles: NDArray[np.integer], densi
     corners, areas_m2 = corners[areas_m2 > 0.0], areas_m2[areas_m2 > 0.0]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / (2.0 * areas_m2[:, None])
     centres = corners.mean(axis=1)
-    speeds = np.hstack([normals, np.cross(centres, normals)])  # of the surface along its normal, for each unit motion
+    speeds = np.hstack([normals, np.cross(centres, normals)])  # normal velocity of the surface for each unit motion
     left, right = np.empty((len(corners), len(corners))), np.empty((len(corners), 6))
     for start in range(0, len(corners), ROWS_AT_ONCE):
         rows = slice(start, start + ROWS_AT_ONCE)
@@ -80,7 +80,7 @@ def _influence(points_m: Floats, corners_m: Floats, normals: Floats) -> tuple[Fl
 
 
 def added_mass_of_ellipsoid(semi_axes_m: Floats, density_kg_m3: float) -> Floats:
-    """Return the added masses (3,) [kg] and moments (3,) [kg m2] along and about the axes of an ellipsoid, (6,).
+    """Return an ellipsoid's added masses along its axes [kg] and added moments of inertia about them [kg m2], (6,).
 
     Lamb 1932, "Hydrodynamics", arts. 114 and 115; the integrals alpha_0, beta_0, gamma_0 are Carlson's R_D.
     """
@@ -94,7 +94,7 @@ def added_mass_of_ellipsoid(semi_axes_m: Floats, density_kg_m3: float) -> Floats
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         difference, total = square[i] - square[j], square[i] + square[j]
-        if abs(difference) <= 1e-9 * total:  # round about this axis: nothing is pushed
+        if abs(difference) <= 1e-9 * total:  # round about this axis, so rotation moves no water
             moments.append(0.0)
             continue
         bend = shape[j] - shape[i]

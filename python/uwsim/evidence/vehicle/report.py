@@ -1,4 +1,4 @@
-"""VehicleReport: everything that `uwsim vehicle` measures of a vehicle in open water."""
+"""VehicleReport: everything that `uwsim vehicle` measures on a vehicle in open water."""
 
 from __future__ import annotations
 
@@ -26,11 +26,12 @@ RANK_TOLERANCE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Allocation:
-    """How a vehicle's thrusters and fins reach the six axes.
+    """The axes that a vehicle's thrusters and fins drive, and how strongly.
 
     rank: of the thrusters' forces and torques in still water; None without thrusters. rank_without: by thruster, the
     rank that is left when it fails. full_ahead, full_astern: (6,) the largest wrench on each axis alone [N, N m].
-    authority: (6,) the acceleration from rest at full effort [m/s2, rad/s2]. Fins are not part of these: they need way.
+    authority: (6,) the acceleration from rest at full effort [m/s2, rad/s2]. Fins are not included, since they need
+    forward speed.
     """
 
     rank: int | None
@@ -47,7 +48,7 @@ class VehicleReport:
 
     added_mass, linear_damping, quadratic_damping: (6,) diagonals from its file. estimates: of its hull's shape.
     terminal: (6, 2) speeds at full effort ahead and astern, NaN where nothing drives. motions: the modes by speed ahead
-    [m/s]. circles: at full yaw. views: of the instruments on its own hull.
+    [m/s]. circles: at full yaw. views: its instruments' fields of view.
     """
 
     model: VehicleModel
@@ -114,7 +115,7 @@ def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
 
 
 def allocation(sim: Simulator) -> Allocation:
-    """Return how the first vehicle of a simulator reaches the six axes."""
+    """Return the allocation of the first vehicle of a simulator."""
     rov, model = sim.rov, sim.scenario.vehicles[0].model
     thrusters = actuators_spec(model).thrusters
     length_m = max(np.ptp(vehicle_hull(model)[0], axis=0))

@@ -43,10 +43,11 @@ class TurningCircle:
 def terminal_speeds(scenario: Scenario) -> Floats:
     """Return the speeds (6, 2) [m/s, rad/s] at full effort ahead and astern on each axis alone.
 
-    NaN on axes that nothing drives at rest, such as those of fins.
+    NaN on axes without an actuator that works at rest, such as those driven only by fins.
 
-    As in a towing tank: only the motion on that axis is free, the others are held at zero and the attitude level, so
-    that a vehicle which would pitch or turn at full effort still has a speed. Thrust falls with speed as in any flight.
+    As in a towing tank, only the motion on that axis is free; the others are held at zero and the attitude level. A
+    vehicle that would pitch or turn at full effort therefore still has a speed. Thrust falls with speed as in any
+    flight.
     """
     batch = Batch(scenario, n=12)
     full = np.max(batch.simulator(0).rov.full_wrench_body, axis=0)
@@ -73,7 +74,7 @@ def terminal_speeds(scenario: Scenario) -> Floats:
 
 
 def turning_circles(scenario: Scenario, surges: tuple[float, ...] = (0.5, 1.0)) -> tuple[TurningCircle, ...]:
-    """Return the turning circles at full yaw effort and these surge efforts; none unless surge and yaw are driven."""
+    """Return the turning circles at full yaw and the given surge efforts; none unless surge and yaw are driven."""
     batch = Batch(scenario, n=len(surges))
     if not {"surge", "yaw"} <= batch.simulator(0).rov.controllable:
         return ()

@@ -1,7 +1,7 @@
-"""The peers suite: the same quantities from other people's libraries, where these are installed.
+"""The peers suite: the same quantities computed by third-party libraries, where installed.
 
-A peer is a module with `checks() -> list[Check]` and an entry in PEERS. Those in Python can be installed by
-pip; uwsim does not depend on them.
+A peer is a module with `checks() -> list[Check]` and an entry in PEERS. The Python libraries can be installed with pip;
+uwsim does not depend on them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ PEERS = {
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return the checks against all installed peers; one that is missing is left out with a warning.
+    """Return the checks against all installed peers; missing peers are skipped with a warning.
 
     Raises ValueError if none is installed.
     """

@@ -1,11 +1,11 @@
-"""The navigator against an extended Kalman filter of filterpy, on the same samples of the same flights.
+"""Compares the navigator with an extended Kalman filter from filterpy on the same samples of the same flights.
 
 The peer has the state and the motion model that are common in ROS (Moore and Stouch 2014, "A Generalized Extended
 Kalman Filter Implementation for the Robot Operating System"; robot_localization): position, roll, pitch and yaw,
 velocities and rates in body axes, and accelerations, which stay constant but for process noise. It estimates no biases,
 so the variances of its measurements include those of the biases. PROCESS_NOISE is robot_localization's default. With
 it, position and attitude are disturbed directly; without those two ("motion only"), they follow from the velocities and
-rates. All filters get the same fixes, which dominate the errors of position, so that these are alike.
+rates. All filters receive the same fixes, which dominate the position errors, so the errors are similar.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
 FLIGHTS, LEGS, LEG_S, WARM_UP_LEGS = 6, 12, 5.0, 4
-EVERY_IMU_SAMPLE = 8  # of 200 Hz; robot_localization runs at 30 Hz by default
+EVERY_IMU_SAMPLE = 8  # samples arrive at 200 Hz; robot_localization runs at 30 Hz by default
 POSITION, ANGLES, VELOCITY, RATES, FORCES = (slice(k, k + 3) for k in range(0, 15, 3))
 PROCESS_NOISE = np.array([0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015])
 """Variance per second of each state, in its squared unit (params/ekf.yaml of robot_localization)."""
@@ -48,10 +48,10 @@ def checks() -> list[Check]:
     """Return the checks: position errors, the distance between both estimates, and the NEES of both."""
     sim, name = Simulator("lake"), group("navigation")
     looks = np.array([look for seed in range(FLIGHTS) for look in flight(sim, seed)])
-    ours, default, motion = (looks[:, k] for k in range(3))  # (looks, 3), of error [m], distance to ours [m], NEES
+    ours, default, motion = (looks[:, k] for k in range(3))  # each (looks, 3): error [m], distance to ours [m], NEES
     rms = {key: float(np.sqrt(np.mean(part[:, 0] ** 2))) for key, part in (("d", default), ("m", motion), ("u", ours))}
     apart = np.sqrt(np.mean(motion[:, 1] ** 2))
-    high = chi2.ppf(0.999, 3 * FLIGHTS) / FLIGHTS  # looks of one flight are correlated
+    high = chi2.ppf(0.999, 3 * FLIGHTS) / FLIGHTS  # errors within one flight are correlated
     return [
         at_most(name, "the navigator's rms position error, at the EKF's with default noise,", rms["d"], rms["u"], "m"),
         at_most(name, "the same, at 1.25 times the EKF's with motion only,", 1.25 * rms["m"], rms["u"], "m"),
@@ -116,7 +116,7 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
         self.P[5, 5] = 0.1**2  # the first heading
 
     def predict(self, time_s: float) -> None:
-        """Propagate state and covariance to a time; late samples, such as the DVL's, do not turn it back."""
+        """Propagate state and covariance to a time; late samples, such as the DVL's, do not move it back in time."""
         dt = time_s - self._time_s
         if dt > 0:
             self._time_s = time_s

@@ -1,4 +1,4 @@
-"""Occupancy maps of uwsim's own engine against OctoMap's library, with which the native module is linked.
+"""Compares occupancy maps from uwsim's own engine with those from the OctoMap library linked into the native module.
 
 Both insert the same random scans by ray casting. The files must agree in every byte.
 """

@@ -1,4 +1,4 @@
-"""The camera model against OpenCV: the ray through each pixel, projected back by OpenCV, must return to the pixel."""
+"""Compares the camera model with OpenCV, which must project the ray through each pixel back onto that pixel."""
 
 from __future__ import annotations
 

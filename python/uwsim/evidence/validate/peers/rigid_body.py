@@ -1,4 +1,4 @@
-"""A rigid body that swings about its centre of buoyancy against MuJoCo, which integrates it by a Runge-Kutta method.
+"""Compares a rigid body that swings about its centre of buoyancy with MuJoCo's Runge-Kutta solution.
 
 The body is neutral, without added mass or damping, and its centre of mass is below and beside its centre of buoyancy.
 It starts with a spin about all axes, so that it tumbles and swings. In MuJoCo its buoyancy is an applied force.

@@ -1,4 +1,4 @@
-"""Density and speed of sound of sea water against TEOS-10 (gsw, by its authors)."""
+"""Compares the density and sound speed of sea water with TEOS-10 (gsw, by the authors of TEOS-10)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Arrivals of sound against those that BELLHOP computed, which are kept beside the suite sound.
+"""Compares sound arrivals with BELLHOP's, which are stored beside the sound suite.
 
-Recipe: the executable of aubellhop 0.2.1, run on the kept profiles and ends in the mode of arrivals; see
+The executable of aubellhop 0.2.1 computed them from the stored profiles and end points in its arrivals mode; see
 tests/python/data/README.md.
 """
 
@@ -11,5 +11,5 @@ from uwsim.evidence.validate.sound import bellhop_checks
 
 
 def checks() -> list[Check]:
-    """Return the checks of all kept cases."""
+    """Return the checks of all stored cases."""
     return bellhop_checks()

@@ -1,8 +1,8 @@
-"""Loads of waves on packaged hulls, and their added mass, against Capytaine, a panel code for potential flow.
+"""Compares the wave loads and added mass of packaged hulls with Capytaine, a panel code for potential flow.
 
 Capytaine 3.0.0 (Ancellin and Dias 2019, "Capytaine: a Python-based linear potential flow solver", J. Open Source
-Software 4:1341) computed the kept results; tests/python/data/README.md has the recipe. Each hull is submerged, held at
-rest, and has Capytaine's added mass in unbounded water, so that the model of the load is judged, not the vehicle's
+Software 4:1341) computed the stored results; tests/python/data/README.md has the recipe. Each hull is submerged, held
+at rest, and has Capytaine's added mass in unbounded water, so the check tests the load model rather than the vehicle's
 coefficients: undisturbed pressure plus added mass times the water's acceleration, in place of diffraction.
 """
 
@@ -35,8 +35,8 @@ MOMENTS = 0.05
 def checks() -> list[Check]:
     """Return the checks of all hulls: the worst wavelength of each component, and the slender hull's added mass.
 
-    Errors are relative to the largest force along the axis; those of moments, to the largest heave force at half the
-    hull's length.
+    Force errors are relative to the largest force along the axis, moment errors to the largest heave force times half
+    the hull's length.
     """
     kept = json.loads(RESULTS.read_text(encoding="utf-8"))
     group = f"Capytaine {kept['capytaine']}"

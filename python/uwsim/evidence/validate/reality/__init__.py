@@ -1,7 +1,7 @@
-"""The reality suite: data that others measured, from files that are not part of the package.
+"""The reality suite: comparisons with data measured by others, in files that are not part of the package.
 
-docs/inside/reality.md lists where each file comes from, and what is left unexplained. A data set is a module with FILE,
-relative to the data folder, and `checks(data, out) -> list[Check]`, and an entry in DATA_SETS.
+docs/inside/reality.md lists where each file comes from, and which differences remain unexplained. A data set is a
+module with FILE, relative to the data folder, and `checks(data, out) -> list[Check]`, and an entry in DATA_SETS.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ SOURCES = "docs/inside/reality.md lists the sources"
 def run(out: Path | None, data: Path | None) -> list[Check]:
     """Return the checks of all data sets in the folder `data`; draw their figures into the folder `out`.
 
-    A data set without its file is left out with a warning. Raises ValueError without a folder or any file.
+    A data set whose file is missing is skipped with a warning. Raises ValueError if there is no folder or none of the
+    files.
     """
     if data is None:
         raise ValueError(f"validate reality: needs --data FOLDER; {SOURCES} of its files")

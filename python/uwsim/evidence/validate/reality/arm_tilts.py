@@ -1,14 +1,14 @@
-"""A BlueROV2 that is tilted by its own arm, in a wave basin: pitch and roll from the measured joint angles alone.
+"""Predicts the pitch and roll of a BlueROV2 that is tilted by its own arm in a wave basin from the joint angles alone.
 
 Hannah Kolano and others, O. H. Hinsdale laboratory, Oregon State University, August 2023: github.com/hkolano/
 UVMS-SysID-with-EAs (MIT); masses, volumes, centres and frames of the Reach Alpha 5 arm from that repository's URDF and
-MagicNumAlpha.jl. The vehicle is at rest where gravity and buoyancy have no moment about its origin, so that the up
-direction is that of
+MagicNumAlpha.jl. The vehicle is at rest where gravity and buoyancy have no moment about its origin, so the upward
+direction is parallel to
 
     h = sum over all parts of (buoyancy x centre of buoyancy - weight x centre of mass)     [N m], body frame.
 
-The part of h that does not move with the arm is fitted: three values, from every other trial, and judged on the trials
-in between; then the other way round.
+The part of h that does not move with the arm, three values, is fitted to every other trial and tested on the trials in
+between; then the two halves change roles.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ Array = NDArray[np.float64]
 FILE = "hinsdale/trials.csv"
 GROUP = "Hinsdale, arm and tilt"
 DENSITY_KG_M3, GRAVITY_M_S2 = 997.0, 9.81
-WEIGHT_N = 13.17 * GRAVITY_M_S2  # of the vehicle without arm, as its authors give it
+WEIGHT_N = 13.17 * GRAVITY_M_S2  # of the vehicle without its arm, as stated by the authors
 LIMIT_DEG = 0.42
 START_NM = (1.960, -0.495, 3.825)  # from the authors' weights, volumes and positions
-LEFT_OUT = ("baseline", "traj003-0-test")  # without motion of the arm; once more the trial 003-1
+LEFT_OUT = ("baseline", "traj003-0-test")  # the arm does not move; a repetition of trial 003-1
 
 BASE = (np.array([0.25, -0.10965, 0.005]), Rotation.identity())
 JOINTS = (  # translation [m], rpy [rad], column, zero [rad]
@@ -102,7 +102,7 @@ def read_trials(folder: Path) -> list[Trial]:
 
 
 def fitted_nm(trials: list[Trial]) -> Array:
-    """Return the constant part of h (3,) with the least squares of tilt, each trial with the same weight."""
+    """Return the constant part of h (3,) that minimises the squared tilt errors, with equal weight for each trial."""
 
     def misfit(constant: Array) -> Array:
         each = [(tilt_deg(t.arm_nm + constant) - t.measured_deg) / np.sqrt(len(t.times_s)) for t in trials]

@@ -1,9 +1,9 @@
-"""A sonar survey over a measured sea floor, scored by the uncertainty that the measurement states, and by S-44.
+"""A sonar survey over a measured sea floor, scored against the uncertainty of the measurement and against S-44.
 
 The sea floor is a Bathymetric Attributed Grid of NOAA survey F00788: depths and their uncertainties at nodes 8 m apart.
-A multibeam sonar at known positions sounds it in lines. The mean of the soundings in the cell of each node is
-its depth. Positions and attitudes have no error, so that the differences are those of the sonar, of the speckle and of
-the bed within a cell.
+A multibeam sonar at known positions surveys it in lines, and the depth at a node is the mean of the soundings in its
+cell. Positions and attitudes have no error, so the differences are due to the sonar, the speckle and the relief within
+a cell.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The noise of packaged instruments against what others measured at sea and in rivers.
+"""Compares the noise of packaged instruments with measurements by others at sea and in rivers.
 
 Doppler velocity (DVL). Snapir, an ECA A18D with an RDI Workhorse Navigator, 13 runs off Haifa, 2022-06-08 (A-KIT data,
 ansfl/A-KIT): robust standard deviations of 5 to 6 mm/s along x and y and 2 to 3 mm/s along z against the post-processed
 inertial solution, in quiet runs at 1.6 to 2.1 m/s. RiverPro 1200 kHz, four beams at 20 degrees (MHKiT's example data):
-the error velocity of the file gives the noise of a beam, from which the simulated instrument must have the scatter of x
+the file's error velocity gives the noise of a beam, and from it the expected scatter of the simulated instrument in x
 and y (0.05 m/s) and z (0.018 m/s).
 
 Echosounder. Ping1D on a BlueROV2, 80,000 pings from 0.7 to 8 m (Seattle Aquarium, CCR_ROV_survey_methods): noise 1.2 mm
@@ -64,14 +64,14 @@ def checks(data: Path, out: Path | None) -> list[Check]:
 
 
 def read_beams(path: Path) -> Array:
-    """Return the bottom velocities (4, n) along the beams, of the pings with all four."""
+    """Return the bottom velocities (4, n) along the beams, for the pings in which all four are valid."""
     rows = np.genfromtxt(path, delimiter=",", names=True)
     beams = np.array([rows[f"vel_bt_{beam}_m_s"] for beam in (1, 2, 3, 4)])
     return np.asarray(beams[:, (np.abs(beams) < NO_LOCK_M_S).all(axis=0)], np.float64)
 
 
 def error_velocity_m_s(beams_m_s: Array, slant_rad: float) -> Array:
-    """Return d (b1 + b2 - b3 - b4), zero but for noise, with d = 1 / (2 sqrt(2) sin slant) (Teledyne RDI)."""
+    """Return d (b1 + b2 - b3 - b4), zero except for noise, with d = 1 / (2 sqrt(2) sin slant) (Teledyne RDI)."""
     return np.asarray(_error_scale(slant_rad) * (np.array([1.0, 1.0, -1.0, -1.0]) @ beams_m_s), np.float64)
 
 

@@ -1,6 +1,7 @@
-"""Two-way times of two EM 302 surveys through their own sound-speed profiles, against the recorded times.
+"""Compares two-way times traced through the sound-speed profiles of two EM 302 surveys with the recorded times.
 
-NOAA Ship Okeanos Explorer, 2018 and 2016. The checks are those of the suite sound; the figure has what is left.
+NOAA Ship Okeanos Explorer, 2018 and 2016. The checks are those of the sound suite; the figure shows the remaining
+differences.
 """
 
 from __future__ import annotations

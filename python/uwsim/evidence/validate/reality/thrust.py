@@ -1,4 +1,4 @@
-"""The packaged T200 against the manufacturer's bench test, and voltages between its sheets by leaving one sheet out."""
+"""Compares the packaged T200 with the manufacturer's bench test, and each sheet with interpolation of the others."""
 
 from __future__ import annotations
 
