@@ -11,7 +11,7 @@ import typer
 from uwsim.cli.bounds import readable
 from uwsim.cli.options import need
 
-Token = Annotated[str | None, typer.Option(help="Clients must pass it: ws://HOST:PORT/?token=TOKEN.")]
+Token = Annotated[str | None, typer.Option(help="Token that clients must pass: ws://HOST:PORT/?token=TOKEN.")]
 Certfile = Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.", callback=readable)]
 Keyfile = Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)]
 Page = Annotated[

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Ardusub = Annotated[
     bool,
-    typer.Option("--ardusub", help="Let a compiled ArduSub make the steps and fly; see docs/connections/ardupilot.md."),
+    typer.Option("--ardusub", help="Let a compiled ArduSub fly and make the steps; see docs/connections/ardupilot.md."),
 ]
 ArdusubPort = Annotated[
     int | None, typer.Option(help="ArduSub: UDP port for its frames. Default: 9002.", callback=within(0, 65535))

@@ -38,13 +38,13 @@ RosReach = Annotated[
     str | None, typer.Option(help="ROS 2: localhost (this machine only) or subnet. Default: localhost.")
 ]
 RosPeers = Annotated[
-    list[str] | None, typer.Option(help="ROS 2: a further host, beyond the reach of multicast; may be repeated.")
+    list[str] | None, typer.Option(help="ROS 2: another host, out of reach of multicast; may be repeated.")
 ]
 Rmw = Annotated[
     str | None,
     typer.Option(
         "--rmw",
-        help="ROS 2: the middleware of its nodes; fastrtps and cyclonedds are served alike. Default: the environment's "
+        help="ROS 2: the middleware of its nodes; fastrtps and cyclonedds both work. Default: the environment's "
         "RMW_IMPLEMENTATION, else fastrtps.",
         **one_of("fastrtps", "cyclonedds", "zenoh"),
     ),

@@ -114,7 +114,7 @@ def dataset(
     Writes colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, and poses (transforms.json), split
     into training and validation sets. Poses are random, in open water with a target in view, or taken from a track. The
     bytes do not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders
-    the rest. With --sequence, a mission is flown, and all that its instruments measure is written.
+    the rest. With --sequence, a mission is flown, and everything that the vehicle's instruments measure is written.
     """
     if sequence is not None:
         _refuse_options_of_frames(context)

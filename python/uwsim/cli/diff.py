@@ -15,7 +15,7 @@ SHOWN = 10
 
 def diff(
     first: Annotated[Path, typer.Argument(help="A recording.", metavar="A.mcap", callback=readable)],
-    second: Annotated[Path, typer.Argument(help="Another.", metavar="B.mcap", callback=readable)],
+    second: Annotated[Path, typer.Argument(help="Another recording.", metavar="B.mcap", callback=readable)],
     out: Annotated[Path, typer.Option(help="The figure to write if they differ, a PNG.")] = Path("divergence.png"),
 ) -> None:
     """Compare two recordings and find where they diverge.

@@ -43,7 +43,7 @@ def exercise(
         typer.Option(help="Port of --serve; 0 chooses a free one. Default: 9090.", callback=within(0, 65535)),
     ] = None,
     token: Annotated[
-        str | None, typer.Option(help="Pilots' pages must pass it: http://HOST:PORT/?token=TOKEN.")
+        str | None, typer.Option(help="Token that pilots' pages must pass: http://HOST:PORT/?token=TOKEN.")
     ] = None,
     instructor_token: InstructorToken = None,
     keep_flights: Annotated[
@@ -59,7 +59,7 @@ def exercise(
     """Fly an exercise with goals, limits and events.
 
     It is judged by the vehicle's true state. Writes score.json and sheet.html, the debriefing. Exits with 4 if the
-    points do not suffice.
+    score is too low to pass.
     """
     from uwsim.exercises import exercise_names, load_exercise
 

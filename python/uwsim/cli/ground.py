@@ -1,4 +1,4 @@
-"""Options for the ground stations of ArduPilot's users: MAVLink without firmware, and video."""
+"""Options for ArduPilot users' ground stations: MAVLink without firmware, and video."""
 
 from __future__ import annotations
 
@@ -53,14 +53,14 @@ class GroundStation:
             self._target = Target.parse(video)
 
     def check(self, simulator: Simulator) -> None:
-        """Refuse what cannot be served for this simulator. Raises ValueError."""
+        """Raise ValueError for connections that this simulator cannot serve."""
         wanted = {"--mavlink": self._endpoint, "--video": self._target}
         crossing = [option for option, value in wanted.items() if value is not None]
         if crossing and simulator.link is not None:
             raise ValueError(f"{crossing[0]}: does not cross the link; use a scenario without one, or --link none")
 
     def join(self, sinks: ExitStack, live: LiveSimulator, table: Table, actions: list[Action], feed: Any) -> list[str]:
-        """Start what is requested; return the lines that describe it. Raises OSError, ValueError, MissingExtraError."""
+        """Start the requested connections; return their descriptions. Raises OSError, ValueError, MissingExtraError."""
         name, places, stream = live.simulator.rov.name, [], None
         if self._target is not None:
             from uwsim.bridges.video import VideoStream

@@ -22,7 +22,9 @@ def identify(
     mapping: Annotated[
         Path | None,
         typer.Option(
-            "--map", help="Mapping file: where the log has each quantity. Not for our recordings.", callback=readable
+            "--map",
+            help="Mapping file: where the log has each quantity. Not needed for uwsim's recordings.",
+            callback=readable,
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for vehicle.yaml, report.md and residuals.png.")] = Path(
@@ -33,11 +35,11 @@ def identify(
     ] = None,
     spread: Annotated[
         list[str] | None,
-        typer.Option(help="What is assumed before the log, as NAME=STANDARD_DEVIATION; may be repeated."),
+        typer.Option(help="Prior standard deviation, as NAME=STANDARD_DEVIATION; may be repeated."),
     ] = None,
     name: Annotated[str, typer.Option(help="The vehicle's name in a recording of several.")] = "",
     segment: Annotated[
-        float, typer.Option(help="Length of the parts that are simulated [s].", callback=within(1, 1e4, "s"))
+        float, typer.Option(help="Length of the segments that are simulated [s].", callback=within(1, 1e4, "s"))
     ] = 60.0,
     density: Annotated[
         float, typer.Option(help="Density of the water [kg/m3].", callback=within(900, 1100, "kg/m3"))
@@ -46,8 +48,9 @@ def identify(
 ) -> None:
     """Identify a vehicle's coefficients from a log.
 
-    Mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, and the current,
-    with 95 % intervals; the report states what the log does not determine. The log must be from well below the surface.
+    Estimates mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, and the
+    current, with 95 % intervals; the report lists what the log does not determine. The log must be from well below the
+    surface.
     """
     from uwsim.evidence.identification import identify as identified
     from uwsim.evidence.identification import read_log

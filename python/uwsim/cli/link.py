@@ -27,7 +27,7 @@ def link(
 ) -> None:
     """Test a link with a vehicle that moves away from the station.
 
-    Its modem sends as much as it can. Draws delay, delivery and goodput against range and time, and the sonar
+    Its modem sends as much data as it can. Draws delay, delivery and goodput against range and time, and the sonar
     equation's prediction for open water.
     """
     from uwsim.figures.link_trial import draw_link_trial

@@ -151,7 +151,7 @@ def score(
     area: Annotated[
         tuple[float, float, float, float] | None,
         typer.Option(
-            help="Score this box only: west south east north [m]. Default: the survey's area, or where the map is.",
+            help="Score this box only: west south east north [m]. Default: the survey's area, or the map's extent.",
             metavar="W S E N",
             callback=within(-1e7, 1e7, "m"),
         ),

@@ -30,7 +30,9 @@ def nodes(
     ] = 10.0,
     published_types: Annotated[
         bool,
-        typer.Option("--published-types", help="decodedDepth as the paper's misc/floatarray, whose package ROS needs."),
+        typer.Option(
+            "--published-types", help="Publish decodedDepth as the paper's misc/floatarray; ROS then needs its package."
+        ),
     ] = False,
 ) -> None:
     """Run the paper's mapping pipeline as ROS nodes over rosbridge.

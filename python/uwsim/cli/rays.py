@@ -27,8 +27,8 @@ def rays(
     """Find all arrivals of sound between two points.
 
     Prints travel time, level, angles, bounces and turning points of each, and draws the rays beside the profile of the
-    speed of sound. The bottom is flat, of the scenario's bottom (silt without a link) and at the depth of the bed
-    half-way; a warning says how far the bed between the points is from that.
+    speed of sound. The bottom is flat, of the material that the scenario's link specifies (silt without a link), and at
+    the depth of the bed half-way between the points; a warning states how far the bed departs from it.
     """
     from uwsim.instruments.acoustics.rays_between import rays_between, text_table
     from uwsim.scenario import load

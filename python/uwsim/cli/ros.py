@@ -1,4 +1,4 @@
-"""`uwsim ros`: what a ROS workspace needs to work with uwsim. Imports happen on call."""
+"""`uwsim ros`: the packages that a ROS workspace needs for uwsim. Imports happen on call."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class ScenarioCommands(TyperGroup):
 app = typer.Typer(
     name="uwsim scenario",
     cls=ScenarioCommands,
-    help="List, begin and check scenarios; print their JSON Schemas.",
+    help="List, create and check scenarios; print their JSON Schemas.",
     invoke_without_command=True,
     callback=show_help,
     **SETTINGS,
@@ -55,11 +55,11 @@ def list_scenarios() -> None:
 
 @app.command()
 def new(
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")],
+    name: Annotated[str, typer.Argument(help="Name of the scenario; the file is NAME.yaml.")],
     out: Annotated[Path | None, typer.Option(help="The file to write, instead of NAME.yaml.")] = None,
     like: Annotated[
         str | None,
-        typer.Option(help="A packaged scenario to begin with. Default: a template.", autocompletion=scenarios),
+        typer.Option(help="A packaged scenario to start from. Default: a template.", autocompletion=scenarios),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file if there is one.")] = False,
 ) -> None:
@@ -96,8 +96,8 @@ def check(
     """Check files, and describe their contents.
 
     All mistakes in a file are listed at once. If there are none, its contents are built, to report what is where, how
-    each vehicle floats and steers, and what may be unintended. Exits with 0 without a mistake, with 1 if a file has
-    one, or with --strict a warning, and with 2 for a wrong option.
+    each vehicle floats and steers, and what may be unintended. Exits with 0 if there are no mistakes, with 1 if a file
+    has a mistake or, with --strict, a warning, and with 2 for a wrong option.
     """
     from uwsim.evidence.scenario_check import check_file, check_part
 

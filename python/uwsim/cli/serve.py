@@ -67,7 +67,7 @@ def serve(
     port: Annotated[
         int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
     ] = 9090,
-    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any but this machine's own.")] = (
+    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any that other machines can reach.")] = (
         "127.0.0.1"
     ),
     speed: Speed = "1",
@@ -95,8 +95,8 @@ def serve(
         str | None,
         typer.Option(
             metavar="COUNT,MB",
-            help="With --station: record each session by itself in the folder flights, as `uwsim station` does, and "
-            "keep so many, and so many MB. Default: none.",
+            help="With --station: record each session separately in the folder flights, as `uwsim station` does, and "
+            "keep this many flights, and this many MB. Default: none.",
         ),
     ] = None,
     link: Link = None,

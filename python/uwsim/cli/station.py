@@ -23,8 +23,8 @@ Truth = Annotated[
 InstructorToken = Annotated[
     str | None,
     typer.Option(
-        help="Let an instructor, at the page that is printed, change the world; the pilot then sees and changes no "
-        "parameters. At least 8 characters."
+        help="Token of an instructor, who changes the world on the page that is printed; the pilot then neither sees "
+        "nor changes parameters. At least 8 characters."
     ),
 ]
 
@@ -32,7 +32,7 @@ KeepFlights = Annotated[
     str,
     typer.Option(
         metavar="COUNT,MB",
-        help="How many flights, and how many MB of them, are kept in the folder flights; each is recorded by itself, "
+        help="How many flights, and how many MB, are kept in the folder flights; each is recorded separately, "
         "and the oldest are deleted first. 0,1 records none.",
     ),
 ]
@@ -49,7 +49,7 @@ def station(
     port: Annotated[
         int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
     ] = 9090,
-    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any but this machine's own.")] = (
+    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any that other machines can reach.")] = (
         "127.0.0.1"
     ),
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
@@ -60,7 +60,9 @@ def station(
     truth: Truth = True,
     wire: Wire = None,
     origin: Origin = None,
-    token: Annotated[str | None, typer.Option(help="Pages must pass it: http://HOST:PORT/?token=TOKEN.")] = None,
+    token: Annotated[
+        str | None, typer.Option(help="Token that pages must pass: http://HOST:PORT/?token=TOKEN.")
+    ] = None,
     certfile: Certfile = None,
     keyfile: Keyfile = None,
     page: Page = None,
@@ -119,7 +121,7 @@ def kept_flights(text: str) -> Bounds:
 
 
 def instructor_text(url: str, instructor_token: str | None) -> str:
-    """Return where the instructor's page is, or ""."""
+    """Return the text that names the instructor's page, or ""."""
     if instructor_token is None:
         return ""
     path, _, query = url.partition("?")

@@ -89,7 +89,7 @@ def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
 
     with ExitStack() as ends:
         live = ends.enter_context(LiveSimulator(simulator))
-        table = served_table(live, wire="both")  # whatever the scenario's: the screen needs the standard topics
+        table = served_table(live, wire="both")  # not the scenario's, since the screen needs the standard topics
         if simulator.link is not None:
             shown = ("telemetry", PLACED) if simulator.link.modem.kind == "modem" else None
             carrier = ends.enter_context(Carrier(live, table, only=shown))

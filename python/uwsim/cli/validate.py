@@ -37,13 +37,15 @@ def validate(
     engine: Annotated[
         str,
         typer.Option(
-            help="What moves the vehicles of the suite dynamics: uwsim (default), or bullet, Bullet's own dynamics.",
+            help="Engine for the dynamics suite: uwsim (default), or bullet, Bullet's own dynamics.",
             **one_of("uwsim", "bullet"),
         ),
     ] = "uwsim",
     jobs: Annotated[
         int | None,
-        typer.Option(help="Suites to run at once, each in a process. Default: one per core.", callback=within(1, 64)),
+        typer.Option(
+            help="Number of suites to run at once, each in a process. Default: one per core.", callback=within(1, 64)
+        ),
     ] = None,
 ) -> None:
     """Compare the simulator with closed forms and published data.

@@ -21,10 +21,10 @@ def vehicle(
 ) -> None:
     """Report how a vehicle floats, moves and sees.
 
-    Mass, buoyancy, trim and righting; added mass and drag beside estimates from the hull's shape (Lamb's ellipsoid,
-    Hoerner, panels); terminal speeds and turning circles; eigenvalues of its linear motion; the rank and authority of
-    its thrusters; and how much of its own hull each instrument sees. All in deep, still, fresh water. Exits with 1 if
-    the file has a mistake.
+    Covers mass, buoyancy, trim and righting; added mass and drag beside estimates from the hull's shape (Lamb's
+    ellipsoid, Hoerner, panels); terminal speeds and turning circles; eigenvalues of its linear motion; the rank and
+    authority of its thrusters; and how much of its own hull each instrument sees. All values are for deep, still, fresh
+    water. Exits with 1 if the file has a mistake.
     """
     from uwsim.evidence.scenario_check import check_part
     from uwsim.evidence.vehicle.report import vehicle_report

@@ -1,4 +1,4 @@
-"""A learning task from nothing: hold 3 m off a wall that only a sonar observes. docs/guides/own-task.md explains it."""
+"""A learning task from scratch: hold 3 m off a wall seen only by sonar. docs/guides/own-task.md explains it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ SECTORS = 16
 class StandOff(Task):
     """Hold 3 m off a wall, facing it. The wall is observed only by sonar.
 
-    Start: 2 to 8 m off the wall, heading within 40 degrees of its normal. Reward of a step: (1 + cos heading error) / 2
+    Start: 2 to 8 m off the wall, heading within 40 degrees of its normal. Reward per step: (1 + cos heading error) / 2
     / (1 + error / 0.5 m) - 0.02 x the mean square of the efforts. Termination: a collision, 8 m too far, or past the
     wall's ends.
     """
@@ -59,8 +59,8 @@ class StandOff(Task):
 
 
 def main() -> None:
-    """Print what eight vehicles earn that do nothing, and eight that act at random."""
-    from uwsim.learning.vector_env import BatchEnv  # only this program needs it, a task does not
+    """Print the returns of eight vehicles that do nothing, and of eight that act at random."""
+    from uwsim.learning.vector_env import BatchEnv  # needed by this program, but not by a task
 
     env = BatchEnv(StandOff, 8)
     for name, share in (("nothing", 0.0), ("random", 1.0)):

@@ -1,4 +1,4 @@
-"""A wall scan using only sonar: face the wall, keep a distance by the middle beams' ranges, and move up and down."""
+"""A wall scan using only sonar: face the wall, keep a distance measured by the middle beams, and move up and down."""
 
 import tempfile
 from pathlib import Path

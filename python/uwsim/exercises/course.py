@@ -260,7 +260,7 @@ class Course:
         return np.array(self._now.track, np.float64).reshape(-1, 6)
 
     def errors(self) -> dict[str, tuple[Any, Any]]:
-        """Return times [s] and errors [m], (n,) each, by title of those goals that require something to be held."""
+        """Return times [s] and errors [m], (n,) each, by title of the goals that require a value to be held."""
         goals = zip(self.exercise.goals, self._now.progress, strict=True)
         return {g.title: (np.array(p.times_s), np.array(p.errors_m)) for g, p in goals if len(p.errors_m) > 1}
 

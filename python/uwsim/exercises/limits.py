@@ -49,7 +49,7 @@ class Collisions(LimitModel):
 
 
 class Deepest(LimitModel):
-    """No deeper than this.
+    """A maximum depth.
 
     most_m: depth, positive down.
     """
@@ -68,7 +68,7 @@ class Deepest(LimitModel):
 
 
 class Lowest(LimitModel):
-    """No closer to the bed than this.
+    """A minimum altitude above the bed.
 
     least_m: altitude.
     """
@@ -87,7 +87,7 @@ class Lowest(LimitModel):
 
 
 class Fastest(LimitModel):
-    """No faster than this, over ground.
+    """A maximum speed over ground.
 
     most_m_s: speed.
     """
@@ -106,7 +106,7 @@ class Fastest(LimitModel):
 
 
 class Area(LimitModel):
-    """Not outside this area.
+    """An area that the vehicle must not leave.
 
     area_m: a polygon, x and y.
     """
@@ -126,7 +126,7 @@ class Area(LimitModel):
 
 
 class Reports(LimitModel):
-    """No more notes of a category than this, so that pilots do not report what is not there.
+    """A maximum number of notes of a category, to discourage false reports.
 
     category: the notes' category. most: the largest number allowed.
     """

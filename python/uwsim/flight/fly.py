@@ -84,8 +84,9 @@ def fly(
     time; by default the battery life. link: a modem, by name or file, that replaces the scenario's; the map built
     ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
     send over the link; by default all that the link can carry. record: path of a new recording (.mcap). record_topics:
-    the channels to record; by default all but pictures and maps. sample_sensors: whether the record's samples have the
-    readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0 disables saving.
+    the channels to record; by default all but pictures and maps. sample_sensors: whether the record's samples include
+    the readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0 disables
+    saving.
     screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
     results.
 

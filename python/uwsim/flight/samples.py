@@ -51,10 +51,11 @@ Hear = Callable[[str, str, dict[str, Any]], object]
 class Samples:
     """The samples of one vehicle; a column such as `samples["depth_m"]` has shape (n,).
 
-    The motion is the true one, its rates in body axes (REP 103). Further columns are "fin NAME", deflections [rad];
-    "sensor NAME", or for several quantities "sensor NAME QUANTITY", with " 0", " 1" ... for the parts of an array: the
-    newest readings as a mission would read them, NaN if the sensor is off, in the units of `Sensor.unit`; and last the
-    commands in [-1, 1], "thruster NAME" or, for a vehicle without thrusters, "effort AXIS".
+    The motion is the true motion, with rates in body axes (REP 103). Further columns are "fin NAME", the deflections
+    [rad]; "sensor NAME" or, for a sensor with several quantities, "sensor NAME QUANTITY", with " 0", " 1" ... for the
+    elements of an array; and "thruster NAME" or, for a vehicle without thrusters, "effort AXIS", the commands in [-1,
+    1]. Sensor columns contain the newest readings as a mission would read them, in the units of `Sensor.unit`, and NaN
+    if the sensor is off.
     """
 
     names: tuple[str, ...]

@@ -70,7 +70,7 @@ class StateFile(BaseModel):
 
 
 def _checksum(content: Mapping[str, Any]) -> str:
-    """Return a checksum of all fields in a file but its own, whichever version wrote them."""
+    """Return a checksum of all fields in a file except the checksum itself, for files written by any version."""
     fields = {name: value for name, value in content.items() if name != "checksum"}
     return hashlib.blake2b(json.dumps(fields, sort_keys=True).encode(), digest_size=16).hexdigest()
 
@@ -160,10 +160,7 @@ class SavedFlight:
         return self if self.pinging is None else replace(self, pinging=replace(self.pinging, growth=growth))
 
     def is_state(self, state: bytes) -> bool:
-        """Return whether the flight was saved in this simulator state; True if another build saved it.
-
-        States saved by different builds cannot be compared.
-        """
+        """Return whether the flight was saved in this simulator state; True if another build saved it."""
         return self.build != build_fingerprint() or state_digest(state) == self.state_digest
 
     def another_flight(self, step_s: float) -> MissionError:

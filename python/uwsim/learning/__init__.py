@@ -7,7 +7,7 @@
     envs = gymnasium.make_vec("uwsim/StationKeeping-v1", num_envs=256)  # on uwsim.Batch
     uwsim.learning.register("lab/Hover-v0", Hover)  # a task of your own
 
-docs/guides/learning.md lists the environments, their spaces, units and rewards; docs/guides/own-task.md begins with an
+docs/guides/learning.md lists the environments, their spaces, units and rewards; docs/guides/own-task.md starts from an
 empty file.
 """
 

@@ -47,7 +47,7 @@ class Definition(State):
 
 
 class Header(State):
-    """The part of a saved state that is no array."""
+    """Everything in a saved state except its arrays."""
 
     task: str
     n: int

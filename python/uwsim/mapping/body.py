@@ -68,7 +68,7 @@ def _on_triangles(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.
 def poses_along(
     positions_world_m: ArrayLike, orientations_xyzw: ArrayLike, reach_m: float, step_m: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return positions (n, 3) and orientations (n, 4) along a path, so close that points of a body move little.
+    """Return positions (n, 3) and orientations (n, 4) along a path, close enough that points of a body move little.
 
     positions_world_m: (m, 3), m >= 2, joined by straight lines. orientations_xyzw: (m, 4), joined by turns about a
     fixed axis. reach_m: distance of the body's farthest point from its origin. step_m: how far a point may move between

@@ -47,7 +47,7 @@ class DistanceField(Sealed):
         )
 
     def update(self) -> int:
-        """Bring the distances up to date with the map; return how many voxels became obstacles or ceased to be.
+        """Bring the distances up to date with the map; return how many voxels became or stopped being obstacles.
 
         Only voxels whose nearest obstacle may have changed are visited.
         """

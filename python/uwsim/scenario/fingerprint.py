@@ -22,7 +22,7 @@ from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 ONCE_BY_DEFAULT = {(Water, "density_kg_m3"): 1000.0} | {
     (kind, "salinity_psu"): 0.0 for kind in (Water, WaterLevel, LinearEnd)
 }
-"""Defaults in the first version of values that are now derived from others; water with these values keeps its
+"""The first version's defaults for values that are now derived from others; water with these values keeps its
 fingerprint."""
 
 
@@ -33,9 +33,9 @@ WITHOUT_EFFECT = ("wire",)
 def scenario_fingerprint(scenario: Scenario) -> str:
     """Return a digest of the scenario, including its seed and the contents of its files: 16 hexadecimal digits.
 
-    Fields with their default value are omitted, so that fields added in later versions do not change the digest, and so
-    are the fields in WITHOUT_EFFECT; renamed fields count under their first name. Raises OSError if a file that the
-    scenario names is gone.
+    Fields with their default value are omitted, so fields added in later versions do not change the digest. The fields
+    in WITHOUT_EFFECT are also omitted, and renamed fields are hashed under their first name. Raises OSError if a file
+    named in the scenario is missing.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
@@ -87,7 +87,7 @@ def _plain(value: Any) -> Any:
 
 
 def _in_effect(model: BaseModel, name: str) -> Any:
-    """Return the value of a field, or its current default if the value equals that of the first version."""
+    """Return the value of a field, or its current default if the value equals the first version's default."""
     value = getattr(model, name)
     if (type(model), name) not in ONCE_BY_DEFAULT or (isinstance(model, Water) and model.profile is not None):
         return value
@@ -97,7 +97,7 @@ def _in_effect(model: BaseModel, name: str) -> Any:
 
 
 def _counts(field: FieldInfo, value: Any) -> bool:
-    """Return whether a field's value must be included: it is not the default, there is none, or it names a variant."""
+    """Return whether a field's value must be included: it differs from the default, has none, or names a variant."""
     if field.is_required() or get_origin(field.annotation) is Literal:
         return True
     default = field.get_default(call_default_factory=True, validated_data={})

@@ -91,7 +91,7 @@ def _fitting(frame: str, thrusters: Mapping[str, ThrusterMount]) -> list[_core.S
 
 
 def _direction(motor: Factors, mount: ThrusterMount) -> int:
-    """Return the sign of a thruster's command for a positive motor command; 0 if they do not act alike."""
+    """Return the sign of a thruster's command for a positive motor command; 0 if their directions differ."""
     force = np.array(mount.axis) / np.linalg.norm(mount.axis)
     moment = np.cross(mount.position_m, force)
     acts = np.array([moment[0], -moment[1], -moment[2], force[2], force[0], -force[1]])

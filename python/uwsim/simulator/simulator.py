@@ -112,7 +112,7 @@ class Simulator(SimulatorProperties):
     ) -> None:
         """Assemble the simulator around a native simulation. Raises ScenarioError.
 
-        running: the scenario with the parameters applied that the native simulation was built with. like: cameras that
+        running: the scenario with changed parameters, from which the native simulation was built. like: cameras that
         see the same surfaces.
         """
         self._scenario = scenario

@@ -20,9 +20,10 @@ from uwsim.campaigns.sweeps.spec import read_sweep
 class SweepPlan:
     """The expected cost of a sweep.
 
-    runs: their number. tried: the numbers of the runs that were flown for this estimate. processor_s: the processor
-    time of each of them. failed: the errors of those that failed. memory_bytes: the largest memory of the process that
-    flew them, as of a worker. row_bytes: size of a run's line in the ledger. metrics: the columns of their results.
+    runs: number of runs. tried: the numbers of the runs that were flown for this estimate. processor_s: the processor
+    time of each of them. failed: the errors of those that failed. memory_bytes: peak memory of the process that flew
+    them, an estimate for a worker's. row_bytes: size of a run's line in the ledger. metrics: the columns of their
+    results.
     """
 
     runs: int
@@ -42,8 +43,8 @@ class SweepPlan:
 def plan_sweep(source: str | Path | Mapping[str, Any]) -> SweepPlan:
     """Fly the first, the middle and the last run in this process, and estimate the cost of all; write nothing.
 
-    The first is flown once more before, since it also loads what later runs share. Raises ScenarioError for mistakes in
-    the sweep, including metrics that no run has.
+    The first run is flown twice, and its first flight is not counted, since it also loads data that later runs share.
+    Raises ScenarioError for mistakes in the sweep, including metrics that no run has.
     """
     spec, read_from, folder = read_sweep(source)
     runs, jobs = runs_of(spec), Jobs(spec, folder)

@@ -82,8 +82,8 @@ def run_sweep(
     are kept, and resumed once the name is correct.
 
     Programs that call this must do so under `if __name__ == "__main__":`, since the workers import them. Raises
-    ScenarioError for mistakes in the file, except names of metrics before anything is written; also ValueError and
-    OSError.
+    ScenarioError for mistakes in the file, before anything is written unless the mistake is a metric's name; also
+    ValueError and OSError.
     """
     spec, read_from, folder = read_sweep(source)
     with show("checking the sweep"):

@@ -35,7 +35,7 @@ ODOMETRY = {
 LEAST_ROWS = 20
 COMMANDS = "/uwsim/commands"
 WITHOUT_MOTION = ("release", "set_lamp", "aim_camera")
-"""Recorded commands beside which the efforts alone steer a vehicle."""
+"""Recorded commands that do not steer a vehicle, so that the efforts alone do."""
 
 
 class Mapping(Model):

@@ -37,9 +37,9 @@ DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
 ROUNDS = 3
 ROUGH, FINE = 1e-3, 1e-8
-"""Tolerances of the first solution, from which the others start, and of these."""
+"""Tolerances of the first solution and of the later ones, which start from it."""
 BRIEF_S = 4.0
-"""Length of the segments of a first solution, in which no motion goes astray whatever the unknowns are."""
+"""Length of the segments in the first solution, so short that no motion diverges, whatever the unknowns are."""
 
 
 @dataclass(frozen=True)

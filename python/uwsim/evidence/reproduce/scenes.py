@@ -24,7 +24,7 @@ OVERVIEW = CameraMount(
     height=720,
     field_of_view_deg=80,
 )
-"""A camera above the southern shore, in the frame of the station, which is not turned."""
+"""A camera above the southern shore, in the frame of the station, which is aligned with the world's."""
 
 
 def place(sim: Simulator, where: tuple[tuple[float, float, float], float]) -> None:

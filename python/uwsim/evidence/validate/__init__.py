@@ -30,7 +30,7 @@ SUITES = {
 }
 RECORDED = ("sound", "reality")
 ON_REQUEST = ("reality", "peers")
-"""Suites that need data or further packages."""
+"""Suites that need data or additional packages."""
 
 
 def run_suite(name: str, out: Path | None = None, data: Path | None = None, engine: str = "uwsim") -> list[Check]:

@@ -52,8 +52,8 @@ TABLE_DB = {
 """APL-UW TR 9407 (1994), table 3, printed to 0.1 dB, as transcribed by the tests of uacpy (a public package)."""
 TOLERANCE_DB = 0.1
 SUSPECT = {("rough_rock", 30e3): (7, 80), ("rock", 30e3): (40,), ("medium_sand", 10e3): (1,)}
-"""Cells that lie 0.2 to 0.6 dB from a curve on which their neighbours lie to the printed digit: taken for errors of the
-print or its transcription. They are checked to 0.6 dB."""
+"""Cells that differ by 0.2 to 0.6 dB from a curve that their neighbours match to the printed digit, presumably by an
+error in the print or its transcription. Their tolerance is 0.6 dB."""
 SUSPECT_DB = 0.6
 
 

@@ -3,4 +3,4 @@
 from contextvars import ContextVar
 
 ENGINE = ContextVar("engine", default="uwsim")
-"""The `dynamics.engine` of the scenarios in the suite dynamics."""
+"""The `dynamics.engine` of the scenarios in the dynamics suite."""

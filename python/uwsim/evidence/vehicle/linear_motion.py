@@ -18,7 +18,7 @@ STATES = (*AXES, "roll angle", "pitch angle")
 DEEP_M = 1000.0
 STEP = 1e-6
 STILL_1_S = 1e-4
-"""Eigenvalues with smaller magnitudes are zero within the errors of the differences: 2 h, and drag over h."""
+"""Eigenvalues with smaller magnitudes are zero within the errors of the central differences: 2 h, and drag over h."""
 SURGE = 0
 
 

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 TOWED_M, FREE_M = -100.0, -500.0
 """Depths of the trials; a hull in free flight may climb or dive far."""
 HOLD_S, LONGEST_S, SETTLED = 0.02, 90.0, 1e-3
-"""A towed vehicle is set straight every HOLD_S. A trial ends when no speed has changed by SETTLED in a second."""
+"""A towed vehicle is straightened every HOLD_S. A trial ends when no speed has changed by SETTLED in a second."""
 CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
 STEADY = 0.05
 

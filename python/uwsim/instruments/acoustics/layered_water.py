@@ -19,7 +19,7 @@ Counts = NDArray[np.int64]
 
 @dataclass(frozen=True, repr=False)
 class Arrivals(ShortRepr):
-    """The arrivals at a receiver, sorted by time: one value of each array per arrival.
+    """The arrivals at a receiver, sorted by time; each array has one value per arrival.
 
     level_db: relative to the source's level at 1 m. phase_rad: sound sent as cos(w t) arrives as cos(w (t - time_s) -
     phase_rad). launch_rad, arrival_rad: below the horizontal, in the direction of travel. turns: turning points.
@@ -58,9 +58,9 @@ def arrivals(
     profile: pairs of (depth_m, speed_m_s), with increasing depths; the speed is linear between them. bottom: clay,
     silt, sand or gravel, or density and speed of sound relative to the water above and attenuation [dB per wavelength];
     None for bottomless water. bottom_depth_m: by default the profile's last depth. surface_rms_m: rms height of the
-    waves. absorption_db_km: of the water, even along the path. Arrivals that are weaker than the strongest by more than
-    within_db are dropped, and of the others all but the `most` strongest; rays that bounce and turn more than 1000
-    times are not found. The model and its limits: cpp/uwsim/acoustics/arrivals.h. Raises ValueError.
+    waves. absorption_db_km: absorption of the water, constant along the path. Arrivals weaker than the strongest by
+    more than within_db are dropped, and of the rest only the `most` strongest are kept; rays that bounce and turn more
+    than 1000 times are not found. The model and its limits: cpp/uwsim/acoustics/arrivals.h. Raises ValueError.
     """
     levels = np.asarray(profile, float)
     if levels.ndim != 2 or levels.shape[1] != 2 or len(levels) == 0:

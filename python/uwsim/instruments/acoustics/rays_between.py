@@ -15,7 +15,7 @@ from uwsim.scenario import Scenario
 from uwsim.scenario.build.world import build_world
 
 FLAT = 0.05
-"""The bed counts as flat if it is within this part of the water's depth, as when a link's rays are blocked."""
+"""Largest departure of a flat bed, as a share of the water's depth; as in the rule that blocks a link's rays."""
 BED_POINTS = 65
 LEVELS = 513
 
@@ -25,11 +25,11 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class RaysBetween:
-    """The arrivals between two points, and the water that they pass.
+    """The arrivals between two points, and the water through which they travel.
 
     profile: pairs of depth and speed of sound. bed_m: pairs of distance from the source and depth of the bed; NaN where
-    it is unknown. bottom_depth_m: of the flat bottom of the rays; infinite if there is none. warning: empty if the bed
-    is flat.
+    it is unknown. bottom_depth_m: depth of the flat bottom that reflects the rays; infinite if there is none. warning:
+    empty if the bed is flat.
     """
 
     scenario: str
@@ -109,7 +109,7 @@ def _profile(world: _core.World, deepest_m: float) -> Floats:
 
 
 def _warning(bed_m: Floats, bottom_m: float, deeper_m: float) -> str:
-    """Return how the bed departs from a flat bottom; empty if it is flat enough."""
+    """Return a warning about how the bed differs from a flat bottom; empty if it is flat enough."""
     if math.isinf(bottom_m):
         known = np.isfinite(bed_m[:, 1])
         return "the bed half-way is above one of the points: no reflections from the bed" if known.any() else ""

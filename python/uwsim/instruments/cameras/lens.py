@@ -46,7 +46,7 @@ class Lens:
 
 
 def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
-    """Return the K (3, 3) and k1 k2 p1 p2 k3 (5,) that fit rays in water best, as a calibration of distant points does.
+    """Return the K (3, 3) and k1 k2 p1 p2 k3 (5,) that best fit rays in water, like a calibration with distant points.
 
     A pixel's distance from the principal point, f (x' y'), is linear in f and in f times each coefficient.
     """

@@ -70,7 +70,7 @@ class SharedScene:
         self, scenario: Scenario, world: _core.World, rays: _core.RayScene, simulation: _core.Simulation, threads: int,
         journal: Journal, like: SharedScene | None = None,
     ) -> None:  # fmt: skip
-        """like: another scene of the same world, which this one shares as much as possible with."""
+        """like: another scene of the same world, with which this scene shares as much as possible."""
         self.journal = journal
         self.optics: Optics = scenario.optics
         self.threads = threads

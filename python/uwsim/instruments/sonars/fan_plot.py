@@ -21,7 +21,7 @@ SPAN_DB = 40.0  # from the noise to the brightest colour
 def plot(ping: _core.Ping) -> Figure:
     """Return a figure of the echoes in the sonar's plane, coloured by intensity; up is ahead, and port is on the left.
 
-    A ping with a water column shows that instead, with the detections as dots.
+    For a ping with a water column, the figure shows the water column instead, with the detections as dots.
     """
     figure = Figure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()

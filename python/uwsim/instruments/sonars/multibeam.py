@@ -99,8 +99,8 @@ class Sonar(Sealed):
         result is a _core.PhysicsPing, which has additional arrays.
 
         water_column: in physics mode, whether the ping contains the level of every range sample of every beam, as
-        `water_column` (beams, samples) and `water_column_ranges_m` (samples,); by default as the scenario's
-        `sonar.water_column`. It changes nothing else in the ping. Raises ValueError if True in geometry mode.
+        `water_column` (beams, samples) and `water_column_ranges_m` (samples,); by default, the scenario's
+        `sonar.water_column` decides. It changes nothing else in the ping. Raises ValueError if True in geometry mode.
         """
         wanted = self._water_column if water_column is None else water_column
         key = self._simulation.version, wanted

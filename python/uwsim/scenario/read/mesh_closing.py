@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 WRAP_CELLS = 48
 SHEET = 1e-4
-"""Volume of a capped part, as a fraction of its area to the power of 3/2, below which it is a sheet without inside."""
+"""Volume of a capped part, as a fraction of its area to the power of 3/2, below which it is an open sheet."""
 FEW_CROSSINGS = 0.01
 """Largest number of pierced edges per triangle with which a part is accepted; its volume counts overlaps twice."""
 
@@ -151,7 +151,7 @@ def _wrapped(part: trimesh.Trimesh) -> manifold3d.Manifold:
     (x0, y0, z0), (last_i, last_j, last_k) = low.tolist(), (shape - 2).tolist()
 
     def height(x: float, y: float, z: float) -> float:
-        """Return the field between the grid's points, positive inside. Plain numbers: it is called a million times."""
+        """Return the field between the grid's points, positive inside. Plain numbers, for speed."""
         u, v, w = (x - x0) / cell_m, (y - y0) / cell_m, (z - z0) / cell_m
         i, j, k = min(int(u), last_i), min(int(v), last_j), min(int(w), last_k)
         u, v, w = u - i, v - j, w - k

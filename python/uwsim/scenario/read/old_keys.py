@@ -1,4 +1,4 @@
-"""Keys under their names of an earlier version: they are read, with a warning that gives the current name."""
+"""Support for keys under the names of earlier versions: they are read, with a warning that gives the current name."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _OLD_FILE: ContextVar[bool] = ContextVar("old_file", default=False)
 
 
 class OldNameWarning(UserWarning, FutureWarning):
-    """Issued for a key or parameter under the name of an earlier version, which a later version will refuse."""
+    """Issued for a key or parameter under an earlier version's name, which a later version will reject."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class OnceNamed:
     factor: float = 1.0
 
     def todays(self, value: Any) -> Any:
-        """Convert a value under the old name; anything but a number remains as it is, and is refused as such."""
+        """Convert a value given under the old name. Anything but a number is left as it is, to be rejected later."""
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         return value * self.factor if is_number and self.factor != 1.0 else value
 
@@ -66,7 +66,7 @@ def is_of_an_earlier_version() -> bool:
 
 @contextmanager
 def of_an_earlier_version() -> Iterator[None]:
-    """Read what was once valid, without a warning, in this block: in a file that an earlier version of uwsim wrote."""
+    """Accept old names without a warning in this block, which reads a file written by an earlier version of uwsim."""
     token = _OLD_FILE.set(True)
     try:
         yield

@@ -62,8 +62,8 @@ class CameraMount(Model):
     fixed exposure. full_well, read_noise: numbers of electrons at base gain. vignetting: fraction of the cos^4 law.
     wobble_mrad: largest deflection of a ray by turbulence; by default derived from `optics.turbulence_k`. shutter_ms:
     time for which each row collects light, during which the camera's own motion blurs the picture. readout_ms: time
-    from the first row's exposure to the last's, of a rolling shutter. The stamp is the middle of both. follows: its
-    carrier; `body`: fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's
+    from the first row's exposure to the last's, for a rolling shutter. The time stamp is the middle of both. follows:
+    its carrier; `body`: fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's
     position and heading from outside, level, and stays above the ground. pan_tilt: its motor, if any. on: a camera that
     is off produces black pictures.
     """

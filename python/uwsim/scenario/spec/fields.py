@@ -53,7 +53,7 @@ class Model(BaseModel):
     @classmethod
     @cache
     def once_named(cls) -> dict[str, tuple[str, OnceNamed]]:
-        """Return the fields that had another name in an earlier version, by that name."""
+        """Return the fields that have been renamed since an earlier version, keyed by their old name."""
         return {
             former.name: (name, former)
             for name, field in cls.model_fields.items()
@@ -109,7 +109,7 @@ class Model(BaseModel):
 
     @classmethod
     def _under_todays_names(cls, data: Mapping[Any, Any]) -> dict[Any, Any]:
-        """Return the data with the current names of keys that had another in an earlier version, with a warning."""
+        """Return the data with keys from earlier versions renamed to their current names, with a warning."""
         named = dict(data)
         for old, (now, former) in cls.once_named().items():
             if old in named:

@@ -52,11 +52,11 @@ class LinkSetup(Model):
     modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access,
     retransmissions: override the modem's access protocol and number of retransmissions. relays: by vehicle, the vehicle
     through which it exchanges messages with the station and with all vehicles except those that it relays itself.
-    station_transducer_m: position of the transducer in the station's frame; a
-    vehicle's is at its origin. wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the
-    material that reflects sound at the bed. carries: patterns of the channels that use the link, by default all that
-    can. repeats: number of additional copies of each message, by channel pattern, sent whether or not the first
-    arrives; a service's command is `command/NAME`. faults: scheduled losses.
+    station_transducer_m: position of the transducer in the station's frame; a vehicle's transducer is at its origin.
+    wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the material that reflects sound
+    at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of
+    additional copies of each message, by channel pattern, sent whether or not the first arrives; a service's command is
+    `command/NAME`. faults: scheduled losses.
     """
 
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]

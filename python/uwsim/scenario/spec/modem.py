@@ -27,7 +27,7 @@ class ModemModel(Model):
     transmitter, re 1 uPa at 1 m. modulation: determines the bit error rate for a signal-to-noise ratio. coding_gain_db:
     gain from error correction. receiver_noise_db_hz: noise from the vehicle and the electronics. fading: whether there
     is Rayleigh fading. multipath_window_s: guard time; echoes that follow the first arrival within this time add to the
-    signal. Later ones disturb the next symbol, increasingly until after another symbol_s they are only noise.
+    signal. Later echoes disturb the next symbol increasingly; after another symbol_s they are only noise.
     speed_max_m_s: closing speed beyond which nothing is received (Doppler). range_max_m: the range for which TDMA
     reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest random wait in ALOHA. access: `aloha`,
     a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns of

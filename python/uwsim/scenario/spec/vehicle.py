@@ -82,7 +82,7 @@ class VehicleModel(Model):
     fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
     crossflow_length_m: length along x over which the quadratic drag of sway and heave is spread evenly in strips, each
     with its own speed, so that they couple with yaw and pitch; pure motion along or about an axis keeps its published
-    drag, and therefore strips end sooner where the published drag in yaw or pitch is smaller than theirs. 0, the
+    drag, so the strips are shortened where their drag in yaw or pitch would exceed it. 0, the
     default: the drag acts at the origin. inertia_kg_m2: principal moments about the centre of mass along the body axes.
     max_force_n, max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without
     thrusters. control: gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps,

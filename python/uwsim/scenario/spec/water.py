@@ -260,14 +260,14 @@ class Water(Model):
     """The water; by default still, of uniform density, and without current.
 
     density_kg_m3: uniform density, at atmospheric pressure; by default from the surface's temperature and the salinity
-    (EOS-80). salinity_psu: uniform salinity; by default 0, or the value that gives a density that fresh water cannot
-    have. Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c: linear
-    between the surface and the terrain's deepest point. compressible: whether pressure includes the compression by the
-    water's own weight (EOS-80). sound_speed_equation: automatic selects the best that is valid in all of the water; one
-    that is not valid in it is rejected. surface: flat, or with waves. current_world_m_s: a uniform current. current:
-    additional currents; all add up, to 10 m/s at most, with gusts counted at three sigma. profile: temperature,
-    salinity, density and sound speed by depth, instead of the first four. volume_strength_db: backscatter per cubic
-    metre, which a multibeam in physics mode receives as reverberation; by default none.
+    (EOS-80). salinity_psu: uniform salinity; by default 0, or derived from a density that fresh water cannot have.
+    Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c: linear between
+    the surface and the terrain's deepest point. compressible: whether pressure includes the compression by the water's
+    own weight (EOS-80). sound_speed_equation: automatic selects the best one that is valid throughout the water; an
+    equation that is not valid there is rejected. surface: flat, or with waves. current_world_m_s: a uniform current.
+    current: additional currents; all add up, to 10 m/s at most, with gusts counted at three sigma. profile:
+    temperature, salinity, density and sound speed by depth, instead of the first four. volume_strength_db: backscatter
+    per cubic metre, which a multibeam in physics mode receives as reverberation; by default none.
     """
 
     density_kg_m3: Density | None = None

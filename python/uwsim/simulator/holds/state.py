@@ -13,10 +13,10 @@ Effort = Annotated[float, Field(ge=-1, le=1)]
 
 
 class HoldsState(State):
-    """Saved holds. targets: of the active holds; None while the stick or the braking decides.
+    """Saved holds. targets: of the active holds; None while the stick steers or the vehicle brakes.
 
-    braking: the tick at which each hold's stick was let go. memory: of the Controller, once it has begun. efforts: its
-    last efforts.
+    braking: the tick at which each hold's stick was let go. memory: the Controller's state, once it has started.
+    efforts: its last efforts.
     """
 
     targets: dict[HoldName, list[FiniteFloat] | None]

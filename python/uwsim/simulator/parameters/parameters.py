@@ -80,7 +80,7 @@ class Parameters(Mapping[str, Any]):
         self._changes: dict[str, Any] = {}
 
     def adopt(self, changes: Mapping[str, Any], running: Scenario) -> None:
-        """Start with changes that have been applied already, which made `running` of the scenario."""
+        """Start with changes that have already been applied, which turned the scenario into `running`."""
         given: dict[str, Any] = {}
         for name, value in changes.items():
             self._spread(name, value, given)
@@ -165,7 +165,7 @@ class Parameters(Mapping[str, Any]):
         self._note("set_parameters", changes=wanted)
 
     def _under_todays_name(self, name: str, value: Any) -> tuple[str, Any]:
-        """Return name and value of a parameter; of one that had this name in an earlier version, with a warning."""
+        """Return a parameter's current name and value; warn if the name is from an earlier version."""
         if name not in self and (found := once_named(self._running, name)) is not None:
             now, former = found
             warn_of_old_name(name, now, former, stacklevel=3)
@@ -289,6 +289,6 @@ def _begins(text: str, key: str) -> bool:
 
 
 def _displaces(name: str, old: str) -> bool:
-    """Return whether a change supersedes an earlier one, of the same value, part of it, or another kind's keys."""
+    """Return whether a change supersedes an earlier one: of the same value, part of it, or another kind's keys."""
     above = name.removesuffix("." + KIND)
     return old == name or old.startswith(name + ".") or (above != name and old.startswith(above + "."))

@@ -76,7 +76,7 @@ def find(scenario: Scenario, name: object) -> Node | None:
 
 
 def once_named(scenario: Scenario, name: str) -> tuple[str, OnceNamed] | None:
-    """Return the current name of a parameter that had this name in an earlier version, or None if none had."""
+    """Return the current name of a parameter that had this name in an earlier version, or None."""
     above, _, last = name.rpartition(".")
     node = find(scenario, above)
     if node is None or not isinstance(node.value, Model) or last not in type(node.value).once_named():

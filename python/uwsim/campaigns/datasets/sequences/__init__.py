@@ -1,4 +1,4 @@
-"""Sequences for SLAM: what a vehicle's instruments measure along a mission, with calibration and ground truth."""
+"""Sequences for SLAM: the measurements of a vehicle's instruments on a mission, with calibration and ground truth."""
 
 from uwsim.campaigns.datasets.sequences.make import Sequence, make_sequence
 

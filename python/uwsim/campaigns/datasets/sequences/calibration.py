@@ -28,7 +28,7 @@ def mounted(position_m: Any, yaw_pitch_roll_deg: Any) -> Floats:
 
 
 def require_calibrated(name: str, camera: Camera) -> None:
-    """Raise ValueError unless EuRoC's and Kalibr's model of a camera, pinhole-radtan, describes this one exactly."""
+    """Raise ValueError unless EuRoC's and Kalibr's camera model, pinhole-radtan, describes this camera exactly."""
     mount = camera.mount
     if mount.follows != "body":
         raise ValueError(
@@ -58,7 +58,7 @@ def camera_chain(
     """Return Kalibr's camchain-imucam.yaml, or its camchain.yaml without an IMU.
 
     cameras: intrinsics and body_from_optical (4, 4) by name. T_cn_cnm1: from the previous camera's frame to this one's;
-    T_cam_imu: from the IMU's frame to the camera's. Time stamps agree, so that timeshift_cam_imu is 0.
+    T_cam_imu: from the IMU's frame to the camera's. All time stamps use one clock, so timeshift_cam_imu is 0.
     """
     chain: dict[str, Any] = {}
     before: Floats | None = None
@@ -83,7 +83,7 @@ def camera_chain(
 
 
 def body_from_optical(info_pose: Floats, world_from_body: Floats) -> Floats:
-    """Return the pose of a camera's optical frame in the body frame, both poses in the world, (4, 4)."""
+    """Return the pose of a camera's optical frame in the body frame, (4, 4), given the poses of both in the world."""
     camera = np.linalg.inv(world_from_body) @ info_pose
     camera[:3, :3] = camera[:3, :3] @ MOUNT_FROM_OPTICAL
     return camera
@@ -92,9 +92,10 @@ def body_from_optical(info_pose: Floats, world_from_body: Floats) -> Floats:
 def imu_noise(mount: SensorMount, sensor: Sensor[Any]) -> dict[str, Any]:
     """Return an IMU's noise under EuRoC's names, in SI units per root hertz.
 
-    Noise density: of white noise, density or std / sqrt(rate). Random walk: the intensity q of the bias's derivative,
-    from `walk` and, for a first-order Gauss-Markov bias of standard deviation s and correlation time T, from the noise
-    that drives it, q = s sqrt(2 / T), for which its variance is stationary: d(s^2)/dt = -2 s^2 / T + q^2 = 0.
+    Noise density: that of the white noise, density or std / sqrt(rate). Random walk: the intensity q of the bias's
+    derivative, from `walk` and, for a first-order Gauss-Markov bias of standard deviation s and correlation time T,
+    from the noise that drives it, q = s sqrt(2 / T), for which its variance is stationary: d(s^2)/dt = -2 s^2 / T + q^2
+    = 0.
     """
     rate_hz = 1.0 / sensor.period_s
     found: dict[str, Any] = {"rate_hz": rate_hz}

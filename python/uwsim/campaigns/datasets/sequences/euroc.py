@@ -1,7 +1,7 @@
 """The files of EuRoC's layout (Burri et al. 2016): one folder per instrument, with data.csv and sensor.yaml.
 
-Time stamps are in nanoseconds of simulated time. File names have 19 digits, so that their alphabetical order is that of
-time. T_BS is the pose of the sensor's frame in the body frame: x forward, y left, z up.
+Time stamps are in nanoseconds of simulated time. File names have 19 digits, so alphabetical order is chronological.
+T_BS is the pose of the sensor's frame in the body frame: x forward, y left, z up.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Rows:
         self.count = 0
 
     def add(self, stamp_ns: int, *values: float | str) -> None:
-        """Append a row; numbers are written so that reading them gives the same number. Raises OSError."""
+        """Append a row; numbers are written so that they read back unchanged. Raises OSError."""
         texts = [value if isinstance(value, str) else repr(float(value)) for value in values]
         self._file.write(",".join([str(stamp_ns), *texts]) + "\n")
         self.count += 1
@@ -38,7 +38,7 @@ class Rows:
 
 
 class Files:
-    """A folder with a file per time stamp, as EuRoC's cameras have, and the data.csv that lists them."""
+    """A folder with one file per time stamp, as for EuRoC's cameras, and the data.csv that lists them."""
 
     def __init__(self, folder: Path, suffix: str) -> None:
         """Create the folders. Raises OSError."""
@@ -65,14 +65,14 @@ class Files:
 
 
 def write_sensor(folder: Path, kind: str, comment: str, body_from_sensor: ArrayLike, more: Mapping[str, Any]) -> None:
-    """Write a sensor.yaml. body_from_sensor: (4, 4). more: the keys that depend on the kind. Raises OSError."""
+    """Write a sensor.yaml. body_from_sensor: (4, 4). more: the keys specific to the kind of sensor. Raises OSError."""
     data = np.asarray(body_from_sensor, float).ravel().tolist()
     pose = {"cols": 4, "rows": 4, "data": data}
     write_yaml(folder / "sensor.yaml", {"sensor_type": kind, "comment": comment, "T_BS": pose, **more})
 
 
 def write_yaml(path: Path, values: Mapping[str, Any]) -> None:
-    """Write a YAML file that readers of YAML 1.1, such as Kalibr's, also read. Raises OSError."""
+    """Write a YAML file that YAML 1.1 readers, such as Kalibr's, can also read. Raises OSError."""
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None  # lists of numbers on one line
     yaml.width = 4096
@@ -84,7 +84,7 @@ def write_yaml(path: Path, values: Mapping[str, Any]) -> None:
 
 
 def _represented(representer: Any, value: float) -> Any:
-    """Return a float as YAML 1.1 has it: 1.0e-05, since 1e-05 would be text there."""
+    """Return a float in YAML 1.1 notation: 1.0e-05, since 1e-05 would be read as text."""
     text = repr(value)
     text = text.replace("e", ".0e") if "e" in text and "." not in text else text
     special = {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}

@@ -1,6 +1,6 @@
 """The instruments of a sequence: each writes its samples, pictures or pings to its folder and to the bag.
 
-They read in the order of simulated time, so that a scenario, a seed and a mission give the same bytes.
+They are read in order of simulated time, so the same scenario, seed and mission give the same bytes.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Instrument(Protocol):
 
 
 class Sampled:
-    """A sensor with samples of numbers: all that arrive, without those lost, at the times of their measurement."""
+    """A sensor with numeric samples: all those that are not lost, with the times of their measurement."""
 
     rate_hz = RATE_HZ
 
@@ -209,7 +209,7 @@ class Pinged:
 
 
 class Imaged:
-    """An imaging sonar: its levels in 16 bits, a picture for each ping; of a side-scan one for all, with a row each."""
+    """An imaging sonar: 16-bit levels, one picture per ping; for a side-scan, one picture with a row per ping."""
 
     def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, name: str, say: Say):
         self.folder, self.name, self._say = folder, name, say
@@ -272,7 +272,7 @@ class Imaged:
 
 
 class Truth:
-    """The vehicle's true pose and velocity, as EuRoC's ground truth, as TUM's trajectory, and in the bag."""
+    """The vehicle's true pose and velocity, written as EuRoC ground truth, as a TUM trajectory, and to the bag."""
 
     rate_hz = TRUTH_HZ
 
@@ -307,7 +307,7 @@ class Truth:
 
 
 def sixteen_bits(level_db: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Return levels [dB] as LOWEST_DB + STEP_DB * value; 0 where there is none."""
+    """Return the 16-bit values of levels [dB], LOWEST_DB + STEP_DB * value; 0 where there is no level."""
     with np.errstate(invalid="ignore"):
         values = np.rint((level_db - LOWEST_DB) / STEP_DB)
     return np.where(np.isfinite(values), np.clip(values, 1, 65535), 0).astype(np.uint16)

@@ -1,6 +1,6 @@
 """make_sequence: flies a mission and writes what the instruments measured; `uwsim dataset --sequence` calls it.
 
-The files are written to a folder beside the requested one, which gets its name only when the sequence is complete.
+The files are written to a folder beside the requested one, which is renamed once the sequence is complete.
 """
 
 from __future__ import annotations
@@ -70,10 +70,11 @@ def make_sequence(
         uwsim.make_sequence("lake", "my_mission.py", "sequence", cameras=("front", "down"))
 
     mission: as for uwsim.flight.fly.fly. out: a new folder. cameras: names of the vehicle's cameras. The same scenario,
-    seed and mission give the same bytes, whatever the number of threads. If the flight fails or is interrupted, nothing
-    is left; a folder whose name ends in ".unfinished" is what a killed process left, and the next run removes it.
+    seed and mission give the same bytes, whatever the number of threads. If the flight fails or is interrupted, its
+    files are removed; a folder whose name ends in ".unfinished" was left by a killed process, and the next run removes
+    it.
 
-    Raises ScenarioError or ValueError before anything is written, for example for a camera that EuRoC's model does not
+    Raises ScenarioError or ValueError before anything is written, for example for a camera that EuRoC's model cannot
     describe; ValueError if the flight was interrupted or a camera was turned; OSError; and the mission's own errors.
     """
     into = Path(out)
@@ -83,7 +84,7 @@ def make_sequence(
     table = Table(sim)
     source = _source(table, sim, vehicle)
     for name in cameras:
-        source.of(sim).cameras[name]  # raises KeyError's subclass, with the names that exist
+        source.of(sim).cameras[name]  # raises a KeyError that lists the existing names
     with _made(into) as folder:
         taken = _Taken(folder, table, source, sim, cameras)
         taken.start()
@@ -109,7 +110,7 @@ def _source(table: Table, sim: Simulator, vehicle: str | None) -> Source:
 
 @contextmanager
 def _made(into: Path) -> Iterator[Path]:
-    """Yield a folder beside `into`, which gets its name after the block, or is removed if the block fails."""
+    """Yield a folder beside `into`; rename it to `into` after the block, or remove it if the block fails."""
     folder = into.with_name(into.name + UNFINISHED)
     made_folder(folder)
     with alone_in(folder), unfinished(folder):
@@ -127,7 +128,7 @@ def _made(into: Path) -> Iterator[Path]:
 
 
 class _Taken:
-    """All instruments of a vehicle while it flies."""
+    """All instruments of a vehicle in flight."""
 
     def __init__(self, folder: Path, table: Table, source: Source, sim: Simulator, cameras: Names[str]) -> None:
         self._sim, self._bag = sim, BagSink(folder / BAG, compressed=False)
@@ -160,7 +161,7 @@ class _Taken:
         return {each.folder.name: each.count for each in self.instruments}
 
     def start(self) -> None:
-        """Read all instruments at their rates, first after a step: a mission that undocks places the vehicle before."""
+        """Read all instruments at their rates, starting after one step, when a mission that undocks has done so."""
         step_ns = round(self._sim.step_s * 1e9)
         for each, subscription in zip(self.instruments, self._subscriptions, strict=True):
             subscription.due_tick = next_tick(self._sim.tick, round(1e9 / each.rate_hz), step_ns)

@@ -23,7 +23,7 @@ PEERS = {
     "pinhole": ("cv2", "opencv-python-headless"),
     "navigation": ("filterpy", "filterpy"),
 }
-"""Python package and distribution of each peer; those of uwsim itself have kept results, or are linked with it."""
+"""Python package and distribution of each peer; peers under `uwsim` have stored results or are linked with it."""
 
 
 def run(out: Path | None = None) -> list[Check]:

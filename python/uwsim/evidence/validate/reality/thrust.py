@@ -27,8 +27,8 @@ LEFT_OUT = {
 }
 """Permitted root mean square differences of the packaged sheets, and of a sheet that is left out.
 
-A propeller starts with a jump of 300 rpm; its command varies by sheet. Both gaps of 6 V that remain are wider than any
-between the packaged sheets.
+A propeller starts with a jump of 300 rpm, at a command that varies by sheet. Without one sheet, a gap of 6 V remains,
+wider than any between the packaged sheets.
 """
 UNITS = {"force_kgf": ("thrust", "kgf"), "current_a": ("current", "A"), "rpm": ("speed", "rpm")}
 
