@@ -1,4 +1,4 @@
-"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Each command imports its dependencies on call."""
+"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Dependencies are imported only when needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`uwsim ros`: the packages that a ROS workspace needs for uwsim. Imports happen on call."""
+"""`uwsim ros`: the packages that a ROS workspace needs for uwsim."""
 
 from __future__ import annotations
 

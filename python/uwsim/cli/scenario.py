@@ -1,4 +1,4 @@
-"""`uwsim scenario`: list, create and check scenarios, and print their schemas. Imports happen on call."""
+"""`uwsim scenario`: list, create and check scenarios, and print their schemas."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem", "batter
 
 
 class ScenarioCommands(TyperGroup):
-    """The scenario commands; the error for a scenario's name in place of a command suggests the right command."""
+    """The scenario commands; for a scenario's name in place of a command, the error suggests the right command."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name, command and arguments. Raises UsageError."""
@@ -95,9 +95,9 @@ def check(
 ) -> None:
     """Check files, and describe their contents.
 
-    All mistakes in a file are listed at once. If there are none, its contents are built, to report what is where, how
-    each vehicle floats and steers, and what may be unintended. Exits with 0 if there are no mistakes, with 1 if a file
-    has a mistake or, with --strict, a warning, and with 2 for a wrong option.
+    All mistakes in a file are listed at once. If there are none, its contents are built, to report their positions, how
+    each vehicle floats and steers, and likely oversights. Exits with 0 if there are no mistakes, with 1 if a file has a
+    mistake or, with --strict, a warning, and with 2 for a wrong option.
     """
     from uwsim.evidence.scenario_check import check_file, check_part
 

@@ -219,7 +219,7 @@ class Course:
         self._now.log.append(Happening(moment.time_s, kind, text, points, place))
 
     def state(self) -> dict[str, Any]:
-        """Return what the pilot may see: no events, and no places. All values are of JSON types."""
+        """Return the state that the pilot may see, without events and positions. All values are of JSON types."""
         now = self._now
         goals = zip(self.exercise.goals, now.progress, strict=True)
         return {

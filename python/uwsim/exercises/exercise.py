@@ -28,7 +28,7 @@ EVENT_COMMANDS = (
 class Near(Model):
     """A place that triggers an event when the vehicle approaches it.
 
-    position_m: in the world. within_m: distance at which it triggers.
+    position_m: position in the world. within_m: distance at which it triggers.
     """
 
     position_m: Point3
@@ -38,9 +38,9 @@ class Near(Model):
 class Event(Model):
     """An event that happens once, unannounced.
 
-    at_s: the time since the beginning; near: instead, a place; after: instead, the name of a goal that has been met.
-    Exactly one of these is required. command: a command of the simulator. arguments: its arguments. note: its
-    description in the debriefing.
+    at_s: the time since the beginning; near: a place; after: the name of a goal that has been met. Exactly one of these
+    three is required. command: a command of the simulator. arguments: its arguments. note: its description in the
+    debriefing.
     """
 
     at_s: Annotated[float, InRange(0, 1e5, "s")] | None = None
@@ -68,7 +68,8 @@ class Exercise(Model):
 
     title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. obstacles: added to the
     scenario's. hidden: names of obstacles that the station's 3D view and chart leave out. start: the pose of the first
-    vehicle, by default as in the scenario. seed: for all random draws. time_s: time after which it ends. goals, limits,
+    vehicle, by default as in the scenario. seed: seed of all random draws. time_s: time after which it ends. goals,
+    limits,
     events: see their models. pass_points: points needed to pass.
     """
 

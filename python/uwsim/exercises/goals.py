@@ -65,7 +65,7 @@ class GoalModel(Model):
 class Reach(GoalModel):
     """Reach a position.
 
-    position_m: in the world. within_m: how close.
+    position_m: position in the world. within_m: how close.
     """
 
     kind: Literal["reach"]
@@ -80,7 +80,7 @@ class Reach(GoalModel):
 class Pass(GoalModel):
     """Pass through an opening, such as a gate.
 
-    position_m: its middle. heading_deg: the direction of passing, counter-clockwise from east. within_m: its radius.
+    position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east. within_m: its radius.
     """
 
     kind: Literal["pass"]
@@ -112,8 +112,8 @@ class Follow(GoalModel):
 class LookAt(GoalModel):
     """Keep a place in view of one of the vehicle's cameras.
 
-    position_m: in the world. within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by default
-    all that move with the vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.
+    position_m: position in the world. within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by
+    default all that move with the vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.
     """
 
     kind: Literal["look_at"]
@@ -131,8 +131,8 @@ class LookAt(GoalModel):
 class Hold(GoalModel):
     """Hold a position, a depth or a heading for some time without interruption.
 
-    position_m: in the world; within_m: distance from it. depth_m: positive down; within_m applies. heading_deg:
-    counter-clockwise from east; within_deg: difference from it. for_s: how long.
+    position_m: position in the world; within_m: distance from it. depth_m: positive down; within_m applies.
+    heading_deg: counter-clockwise from east; within_deg: difference from it. for_s: how long.
     """
 
     kind: Literal["hold"]
@@ -174,7 +174,7 @@ class MapArea(GoalModel):
 class Report(GoalModel):
     """Report what is at a place by writing a note, either at the station or with the command `note`.
 
-    position_m: in the world. within_m: how close to it the note must be placed. category: the note's category.
+    position_m: position in the world. within_m: how close to it the note must be placed. category: the note's category.
     """
 
     kind: Literal["report"]

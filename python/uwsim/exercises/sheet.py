@@ -64,7 +64,7 @@ def _places(course: Course) -> dict[str, list[tuple[float, ...]]]:
 
 
 def _marks(sheet: dict[str, object]) -> list[tuple[str, float, float]]:
-    """Return the kind and place of each broken limit and each event."""
+    """Return the kind and position of each broken limit and each event."""
     log: list[dict[str, object]] = sheet["log"]  # type: ignore[assignment]
     placed = [entry for entry in log if entry["position_world_m"] and entry["kind"] in ("limit", "event")]
     return [(str(e["kind"]), *e["position_world_m"][:2]) for e in placed]  # type: ignore[index]

@@ -75,8 +75,8 @@ def _draw_rows(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the colours (rows, width, 3) and ranges (rows, width) of some rows; a pixel is the mean of its rays.
 
-    A pixel has SUPERSAMPLE x SUPERSAMPLE places for rays. Rays on its diagonal are cast first; if their colours agree,
-    the others are assumed to agree as well.
+    A pixel is divided into SUPERSAMPLE x SUPERSAMPLE cells. The rays on its diagonal are cast first; if their colours
+    agree, the other rays are assumed to agree as well.
     """
     fine = SUPERSAMPLE
     count = rows.stop - rows.start

@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 class PingKeeper:
     """Stores a vehicle's pings with the estimated poses used for mapping; can be used as a TakePing.
 
-    track: the stored pings. true_path_m: the vehicle's true position at each ping. vehicle: by default, the first in
-    the simulator.
+    track: the stored pings. true_path_m: the vehicle's true position at each ping. vehicle: the vehicle; by default,
+    the first in the simulator.
     """
 
     def __init__(self, sim: Simulator, vehicle: Vehicle | None = None) -> None:

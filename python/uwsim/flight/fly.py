@@ -184,7 +184,7 @@ def resume(
 ) -> FlightRecord:
     """Continue the flight that was last saved in `out`, with the same results; see checkpoint.py.
 
-    arguments: other arguments of `fly`; those that are not None must match those of the saved flight. Raises ValueError
+    arguments: other arguments of `fly`; any that is not None must match the saved flight. Raises ValueError
     if no flight is saved there, an argument differs, the mission's file has changed, or the repeated flight differs;
     OSError if files cannot be read or written.
     """

@@ -67,8 +67,9 @@ class MapSetup:
 class SavedPinging:
     """The pings of a saved flight up to `tick`.
 
-    logs: by vehicle, see PingLog.save. due: by vehicle, the tick of the next ping and the number of steps from it to
-    the following ping; None in flights saved by an earlier version. growth: measurements of the map so far.
+    logs: saved logs by vehicle, see PingLog.save. due: for each vehicle, the tick of the next ping and the number of
+    steps from it to the following ping; None in flights saved by an earlier version. growth: measurements of the map so
+    far.
     """
 
     tick: int
@@ -80,7 +81,7 @@ class SavedPinging:
 class Pinger:
     """Takes one vehicle's pings: an Observer of the simulator's journal.
 
-    vehicle: as seen by the mission; the map is built from its estimated poses.
+    vehicle: the vehicle as seen by the mission; the map is built from its estimated poses.
     """
 
     def __init__(

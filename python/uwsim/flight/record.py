@@ -37,8 +37,9 @@ class FlightRecord:
     scenario, seed, step_s: as in the simulator; for remote vehicles, scenario is the URL and the others are None.
     estimate: source of the poses used. result: the mission's return value; None if the mission did not end by itself.
     ended_because: the reason, as a clause. ended_early: whether the flight was ended by anything but the mission itself
-    or --time-limit. error: the exception that the mission raised, if any. samples: by vehicle. stage_wall_s: wall time
-    of each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a link.
+    or --time-limit. error: the exception that the mission raised, if any. samples: samples by vehicle. stage_wall_s:
+    wall time of each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a
+    link.
 
     If a map was built: occupancy: the map. pings_world_m: by vehicle, the sonar position used for the map at each ping;
     true_pings_world_m: the true positions. area_world_m: (k, 2), the polygon in which the map is scored. score: None

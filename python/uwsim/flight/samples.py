@@ -123,9 +123,9 @@ class Samples:
 class Sampler:
     """Samples a simulator's vehicles and reports changes on their panels as events: an Observer of its journal.
 
-    vehicles: by name, as seen by the mission. hear: receives the events. timer: times the sampling. saved: by vehicle,
-    the rows (n, columns) of the flight being resumed; that flight began at begun_tick. with_sensors: whether the
-    samples include the sensors' readings, which take longer than everything else.
+    vehicles: the vehicles by name, as seen by the mission. hear: receives the events. timer: measures the time spent on
+    sampling. saved: by vehicle, the rows (n, columns) of the flight being resumed; that flight began at begun_tick.
+    with_sensors: whether the samples include the sensors' readings, which take longer than everything else.
     """
 
     def __init__(

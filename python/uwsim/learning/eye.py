@@ -39,7 +39,7 @@ class Eye:
 
 
 def look(space: Space[Any], eye: Eye | None) -> Space[Any]:
-    """Return the observation space, including the eye's pictures if there is an eye."""
+    """Return the observation space, with the eye's pictures if there is an eye."""
     if eye is None:
         return space
     parts = dict(space.spaces) if isinstance(space, Dict) else {"state": space}

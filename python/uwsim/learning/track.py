@@ -25,7 +25,7 @@ class Track:
         return self._points[piece] + (along_m - self._begins[piece])[:, None] * direction, direction
 
     def nearest(self, places_m: Floats) -> tuple[Floats, Floats]:
-        """Return the distances along the line to the points nearest to places (n, 2), and their offsets: (n,) each."""
+        """Return the distances along the line of the points nearest to places (n, 2), and their offsets: (n,) each."""
         away = places_m[:, None] - self._points[None, :-1]
         along = np.clip(np.einsum("nkj,kj->nk", away, self._directions), 0.0, self._lengths)
         apart = np.linalg.norm(away - along[:, :, None] * self._directions, axis=2)

@@ -12,7 +12,7 @@ RENDER_MODES = ["rgb_array"]
 class View:
     """How an environment is rendered.
 
-    camera: a camera on the vehicle, such as "chase" or "front". width, height: in pixels.
+    camera: a camera on the vehicle, such as "chase" or "front". width, height: size in pixels.
     """
 
     camera: str = "chase"

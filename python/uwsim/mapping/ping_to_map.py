@@ -61,7 +61,7 @@ class PingToMap(Sealed):
     ) -> NDArray[np.float32]:
         """Insert a ping with ranges (beams,), taken at these poses (4, 4); return its echoes in the world, (n, 3).
 
-        deviation_m: (beams,), standard deviations of the echoes' places, if known: ranging.place_deviation_m.
+        deviation_m: (beams,), standard deviations of the echoes' positions, if known; see ranging.place_deviation_m.
         """
         certain_m = self._certain(ranges_m, deviation_m)
         arrived_m = self._carried(certain_m)

@@ -130,7 +130,7 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
 
 
 def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float32] | None:
-    """Return the standard deviation of each echo's place, vertical and horizontal together, (beams,).
+    """Return the standard deviation of each echo's position, combining vertical and horizontal errors, (beams,).
 
     Returns None in geometry mode, where it is unknown.
     """
@@ -141,7 +141,7 @@ def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float3
 
 
 def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
-    """Replace ranges with inf where an echo's place is uncertain by more than max_uncertainty_m at 95 % confidence.
+    """Replace ranges with inf where an echo's position is uncertain by more than max_uncertainty_m at 95 % confidence.
 
     ranges_m, deviation_m: (beams,), as in a ping in physics mode and as `place_deviation_m` returns; the uncertainty is
     CONFIDENCE standard deviations, as in IHO S-44. The sonar head applies this before it sends ranges, as real

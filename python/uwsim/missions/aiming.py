@@ -21,9 +21,10 @@ def aim_to(
 ) -> Steps[None]:
     """Turn a multibeam's head to an elevation, or a camera to pan and tilt, and wait until it points there.
 
-    head: such as vehicle.sonar or vehicle.cameras["front"]. elevation_rad: of a sonar, positive up. pan_rad: of a
-    camera, positive to port. tilt_rad: of a camera, positive down; None leaves an axis unchanged. Raises ValueError for
-    angles that the head does not have or cannot reach, and StoppedError if it has not arrived after timeout_s.
+    head: a sonar or camera, such as vehicle.sonar or vehicle.cameras["front"]. elevation_rad: elevation of a sonar,
+    positive up. pan_rad: pan of a camera, positive to port. tilt_rad: tilt of a camera, positive down; None leaves an
+    axis unchanged. Raises ValueError for angles that the head does not have or cannot reach, and StoppedError if it has
+    not arrived after timeout_s.
     """
     if elevation_rad is not None and (pan_rad is not None or tilt_rad is not None):
         raise ValueError("aim_to: either elevation_rad, of a sonar, or pan_rad and tilt_rad, of a camera")

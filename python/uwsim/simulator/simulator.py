@@ -189,7 +189,7 @@ class Simulator(SimulatorProperties):
         return Network.of(self._core, self.scenario, self.journal)
 
     def _added(self, index: int, entry: VehicleEntry) -> tuple[_core.VehicleSpec, ControlSettings]:
-        """Add a vehicle to the native simulation; return what it was built from. Raises ValueError."""
+        """Add a vehicle to the native simulation; return its spec. Raises ValueError."""
         spec = vehicle_spec(self.scenario, entry)
         self._core.add_vehicle(spec)
         return spec, vehicle_control(self.scenario, entry.model, spec)
@@ -232,7 +232,7 @@ class Simulator(SimulatorProperties):
         self.step(max(1, round(steps)) if steps else 0)
 
     def reset(self, seed: int | None = None) -> None:
-        """Restart as a new Simulator of this scenario would, with the same seed by default.
+        """Restart the run, as if with a new Simulator of this scenario; by default with the same seed.
 
         Vehicles, sensors and sonars remain the same objects; vehicles return to their starting poses, lamps and
         parameters to their values in the scenario. `version` keeps counting. Raises ValueError, changing nothing.

@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
-    sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them. cameras,
+    sensors: sensors by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them.
+    cameras,
     imaging_sonars: by name. lamps: keyed by switch name. control: the model and gains from its file, for a
     Controller; later changes of parameters are not included. A docked vehicle's thrusters are off: if simulated time
     passes while it is commanded, a DockedWarning is issued once.

@@ -1,4 +1,4 @@
-"""The ledger in a folder: the finished jobs of a plan, with their results. It survives a kill at any time."""
+"""A ledger file of the finished jobs of a plan, with their results, which survives a kill at any time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Identification: a vehicle's coefficients from a log, with intervals, and what the log does not determine."""
+"""Identification: estimates a vehicle's coefficients from a log, with intervals, and lists what the log leaves open."""
 
 from uwsim.evidence.identification.motion_log import MotionLog, read_log
 from uwsim.evidence.identification.solution import Identified, identify

@@ -47,7 +47,7 @@ class Flown:
         density_kg_m3: float,
         threads: int | None = None,
     ):
-        """segment_s: about the length of a segment. density_kg_m3: of the water."""
+        """segment_s: approximate length of a segment. density_kg_m3: density of the water."""
         self.found, self._log = found, log
         every_s = min(max(float(np.median(np.diff(log.times_s))), STEP_S), 0.1)
         self._steps = max(round(every_s / STEP_S), 1)

@@ -1,4 +1,4 @@
-"""The report of an identification: values with intervals, what the log does not determine, and the residuals."""
+"""The report of an identification: values with intervals, undetermined combinations, and residuals."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class Value:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identified(ShortRepr):
-    """The result. values: by name. undetermined: combinations, as (share of the spread left, {name: part}).
+    """The result. values: quantities by name. undetermined: combinations, as (share of the spread left, {name: part}).
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
     noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values found.
@@ -90,8 +90,8 @@ def identify(
     """Identify a vehicle's coefficients from a log of its motion, deep under water.
 
     model: the vehicle as far as it is known. spreads, known: see unknowns(). segment_s: the log is simulated in parts
-    of about this length, each from a start of its own, so that disturbances do not add up. Raises ValueError if nothing
-    is unknown, or if the vehicle cannot be simulated.
+    of about this length, each with its own initial state, so that disturbances do not accumulate. Raises ValueError if
+    nothing is unknown, or if the vehicle cannot be simulated.
     """
     found = unknowns(model, VEHICLE, spreads, known)
     if not found:

@@ -1,4 +1,4 @@
-"""The unknowns of an identification, and what is assumed about each before the log is read.
+"""The unknowns of an identification, and their prior distributions.
 
 An unknown is a parameter of the vehicle file or the current. Its prior is normal around the file's value, in the
 logarithm for positive quantities (mass, added mass, drag, thrust, lag) and directly for positions and the current. The
@@ -19,7 +19,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 Array = NDArray[np.float64]
 
-SPREADS = {  # prior standard deviations; those of positive quantities are of the logarithm
+SPREADS = {  # prior standard deviations; of the logarithm for positive quantities
     "mass_kg": 0.1,
     "centre_of_mass_m": 0.3,
     "centre_of_buoyancy_m": 0.3,
@@ -48,7 +48,7 @@ class Unknown:
     """A quantity to be identified.
 
     name: such as added_mass.surge. names: the simulator's parameters that it sets. spread: standard deviation of the
-    prior, of the logarithm if `positive`. scale: what the identified value is multiplied by in each parameter.
+    prior, of the logarithm if `positive`. scale: factor from the identified value to each parameter.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The report on a check: mistakes, warnings, and properties of what was built."""
+"""The report on a check: mistakes, warnings, and properties of the scene or vehicle."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class CheckReport:
     """The result of checking a file.
 
     mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties in
-    fresh water of the vehicle in a vehicle file, None for other files. simulator: of the scenario, or of the vehicle in
-    open water.
+    fresh water of the vehicle in a vehicle file, None for other files. simulator: a simulator of the scenario, or of
+    the vehicle in open water.
     """
 
     file: str

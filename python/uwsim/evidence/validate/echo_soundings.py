@@ -55,7 +55,7 @@ def read_soundings(path: Path) -> tuple[Floats, list[Ping]]:
 
 
 def _ping(data: bytes, scales: dict[int, tuple[float, float]]) -> Ping:
-    """Read a ping. scales: those of earlier pings, which apply until replaced."""
+    """Read a ping. scales: the scale factors of earlier pings, which apply until replaced."""
     (beams,) = struct.unpack_from(">H", data, 16)
     arrays: dict[int, Floats] = {}
     flags, place = np.zeros(beams, np.uint8), PING_HEADER_BYTES

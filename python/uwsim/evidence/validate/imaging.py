@@ -222,7 +222,7 @@ def speckle_checks() -> list[Check]:
 
 
 def profile_checks() -> list[Check]:
-    """Check that the pencil beam measures a flat bed at height / cosine, averaged over places to reduce speckle."""
+    """Check that the pencil beam measures a flat bed at height / cosine, averaged over positions to reduce speckle."""
     checks = []
     poses = [imaging.pose_matrix((x, 0, BED_M + HEIGHT_M), pitch_rad=np.pi / 2) for x in np.arange(50.0)]
     place, model = basin(), SingleBeam()

@@ -25,7 +25,7 @@ class Estimates:
     lamb: added mass of the ellipsoid with the hull's volume and its ratios of moments of inertia, about its centre.
     mesh: added mass of the mesh in ideal flow, about the body's origin; None if the mesh is too fine. streamlined: drag
     ahead, without separation; NaN on the other axes. bluff: drag with separation, from the hull's silhouettes.
-    speed_m_s: at which the friction of `streamlined` is computed.
+    speed_m_s: speed at which the friction of `streamlined` is computed.
     """
 
     lamb: Floats

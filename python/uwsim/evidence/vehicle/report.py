@@ -28,8 +28,9 @@ RANK_TOLERANCE = 1e-6
 class Allocation:
     """The axes that a vehicle's thrusters and fins drive, and how strongly.
 
-    rank: of the thrusters' forces and torques in still water; None without thrusters. rank_without: by thruster, the
-    rank that is left when it fails. full_ahead, full_astern: (6,) the largest wrench on each axis alone [N, N m].
+    rank: rank of the thrusters' forces and torques in still water; None without thrusters. rank_without: for each
+    thruster, the rank that remains when it fails. full_ahead, full_astern: (6,) the largest wrench on each axis alone
+    [N, N m].
     authority: (6,) the acceleration from rest at full effort [m/s2, rad/s2]. Fins are not included, since they need
     forward speed.
     """
@@ -46,9 +47,10 @@ class Allocation:
 class VehicleReport:
     """The properties of a vehicle, measured in deep, still, fresh water.
 
-    added_mass, linear_damping, quadratic_damping: (6,) diagonals from its file. estimates: of its hull's shape.
-    terminal: (6, 2) speeds at full effort ahead and astern, NaN where nothing drives. motions: the modes by speed ahead
-    [m/s]. circles: at full yaw. views: its instruments' fields of view.
+    added_mass, linear_damping, quadratic_damping: (6,) diagonals from its file. estimates: coefficients estimated from
+    its hull's shape.
+    terminal: (6, 2) speeds at full effort ahead and astern, NaN on axes that nothing drives. motions: the modes, by
+    speed ahead [m/s]. circles: turning circles at full yaw. views: its instruments' fields of view.
     """
 
     model: VehicleModel

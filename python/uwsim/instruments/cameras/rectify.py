@@ -12,7 +12,7 @@ def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[
     """Return a picture (h, w, 3) as seen through the pinhole with the projection matrix p (3, 4).
 
     As ROS's image_proc and OpenCV's initUndistortRectifyMap do: each pixel of the result is interpolated linearly at
-    the place to which k (3, 3) and d (k1 k2 p1 p2 k3, Brown and Conrady) project its ray; black beyond the picture.
+    the point to which k (3, 3) and d (k1 k2 p1 p2 k3, Brown and Conrady) project its ray; black beyond the picture.
     """
     if not d.any() and np.array_equal(k, p[:, :3]):
         return rgb
@@ -34,7 +34,7 @@ def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[
 def project(
     u: NDArray[np.int64], v: NDArray[np.int64], k: Floats, d: Floats, p: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return where rays through pixels (u, v) of the pinhole p are in the picture of a lens with k and d."""
+    """Return the pixels of a lens with k and d that see the rays through pixels (u, v) of the pinhole p."""
     k1, k2, p1, p2, k3 = d
     x, y = (u - p[0, 2]) / p[0, 0], (v - p[1, 2]) / p[1, 1]
     r2 = x * x + y * y

@@ -89,7 +89,7 @@ class ImagingSonar(Sealed):
         return cast(Waterfall, self.ping(with_labels=with_labels))
 
     def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
-        """Return single-beam pings at angles (n,) from the current pose. Raises ValueError for any other kind."""
+        """Return single-beam pings at angles (n,) from the current pose. Raises ValueError for other kinds of sonar."""
         self._require(SingleBeam)
         return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
 

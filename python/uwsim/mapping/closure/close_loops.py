@@ -51,7 +51,7 @@ def _candidates(maps: list[Submap], second: int) -> list[int]:
 
 
 def _placed(submap: Submap, correction: Array) -> Array:
-    """Return the transform (4, 4) that moves a submap to its corrected place."""
+    """Return the transform (4, 4) that moves a submap to its corrected position."""
     pose = np.eye(4)
     pose[:2, :2] = turned(np.eye(2), correction[2]).T
     pose[:2, 3] = submap.anchor_m + correction[:2] - pose[:2, :2] @ submap.anchor_m

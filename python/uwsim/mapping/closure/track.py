@@ -14,9 +14,9 @@ Array = NDArray[np.float64]
 class PingTrack:
     """The pings of a flight and the vehicle's estimated poses; about 4 kB per ping.
 
-    For each ping: its time; world_from_body and body_from_sonar, (4, 4); ranges_m, (beams,); deviation_m, (beams,), of
-    the echoes' places, or None if unknown; points_sonar_m, (n, 3), the echoes of every BEAM_STEP-th beam, for matching;
-    std_m, the filter's standard deviation of the horizontal position, per axis.
+    For each ping: its time; world_from_body and body_from_sonar, (4, 4); ranges_m, (beams,); deviation_m, (beams,),
+    standard deviations of the echoes' positions, or None if unknown; points_sonar_m, (n, 3), the echoes of every
+    BEAM_STEP-th beam, for matching; std_m, the filter's standard deviation of the horizontal position, per axis.
     """
 
     times_s: list[float] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""AreaPilot: travels between places in an area by its chart, and replans when the sonar reveals more."""
+"""AreaPilot: travels between points of an area by its chart, and replans when the sonar reveals more."""
 
 from __future__ import annotations
 

@@ -155,9 +155,10 @@ def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
 
 
 def _mean(sums: Floats, count: Floats, first: int, last: int) -> Floats:
-    """Return each line's means (3, lines) over the lines first to last from it; NaN where too little is seen.
+    """Return the mean over a band of lines about each line, (3, lines); NaN where too little is seen.
 
-    sums, count: padded with zeros by the width of a bar and one of its sides.
+    first, last: the band, relative to the line. sums, count: padded with zeros by the width of a bar and one of its
+    sides.
     """
     width = 2 * HALF + GAP
     lines = len(count) - 2 * width

@@ -124,7 +124,7 @@ def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np
 
 
 def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
-    """Return the columns inside the polygon, using lanes across it that are one column apart."""
+    """Return the columns inside the polygon, found along lanes that are one column apart."""
     points = []
     for lane in lanes:
         steps = np.arange(0.0, lane.length_m, 0.5 * cells.edge_m)

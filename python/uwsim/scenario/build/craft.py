@@ -21,7 +21,7 @@ def craft(
 ) -> _core.Craft:
     """Return the vehicle's equations of motion in water with this surface density.
 
-    trim: the vehicle's trim; None keeps the published mass and balance. buoyancy_share: from
+    trim: the vehicle's trim; None keeps the published mass and balance. buoyancy_share: the result of
     compressibility.buoyancy_share; by default the hull is as compressible as the water around it. Raises ScenarioError.
     """
     body = rigid_body(model, water_density_kg_m3)

@@ -44,8 +44,8 @@ def acoustic_spec(
 ) -> _core.AcousticSpec:
     """Return the physics-mode parameters at a frequency.
 
-    bottoms: backscatter by label; labels beyond its end are treated as rock. volume_strength_db: of the water.
-    Raises ValueError.
+    bottoms: backscatter by label; labels beyond its end are treated as rock. volume_strength_db: backscatter of the
+    water. Raises ValueError.
     """
     band = model.acoustic_band(frequency_hz)
     spec, figures = _core.AcousticSpec(), _core.SonarFigures()

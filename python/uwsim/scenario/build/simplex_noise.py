@@ -31,8 +31,8 @@ GRADIENT_X, GRADIENT_Y = np.cos(_ANGLES).astype(np.float32), np.sin(_ANGLES).ast
 def fractal_noise(x: Floats, y: Floats, *, seed: int, frequency: float, octaves: int, gain: float) -> Floats:
     """Return fractal noise in [-1, 1] at points, as a float32 array of their shape.
 
-    x, y: float32 arrays of the same shape. frequency: that of the first octave, in cycles per unit of x; each further
-    octave doubles it. gain: ratio of amplitudes between successive octaves. seed: in [0, 2^31).
+    x, y: float32 arrays of the same shape. frequency: frequency of the first octave, in cycles per unit of x; each
+    further octave doubles it. gain: ratio of amplitudes between successive octaves. seed: in [0, 2^31).
     """
     values = np.empty(x.size, np.float32)
     flat_x, flat_y = x.ravel(), y.ravel()

@@ -43,7 +43,7 @@ class Terrain:
         return float(self.heights_m.min())
 
     def window(self, corners_m: tuple[tuple[float, float], tuple[float, float]] | None) -> Terrain:
-        """Return the part of the terrain whose cells cover a box with these corners (x, y); None: all of it.
+        """Return the part of the terrain whose cells cover a box with these corners (x, y), or all of it for None.
 
         Raises ScenarioError if the box is outside.
         """

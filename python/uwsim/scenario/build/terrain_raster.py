@@ -47,8 +47,8 @@ GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 class _Raster:
     """A raster read from a file.
 
-    elevations: (h, w); NaN where there are none. file_from_pixel: from pixel corners (column, row) to the file's
-    coordinates.
+    elevations: (h, w); NaN for cells without data. file_from_pixel: transform from pixel corners (column, row) to the
+    file's coordinates.
     """
 
     name: str

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 
 class ScenarioError(ValueError):
-    """A scenario, or a file that it names, cannot be used. The message is one line: the place and the remedy.
+    """A scenario, or a file that it names, cannot be used. The message is one line: the location and the remedy.
 
     at: key path of the offending value, relative to the part of the scenario being built. mistakes: all messages, if
     there are several; the first is this exception's own message, the rest are attached as notes and shown in

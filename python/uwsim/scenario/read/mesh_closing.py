@@ -1,4 +1,4 @@
-"""Closes meshes made for rendering: open or inside-out meshes, and those of many parts that overlap or share edges.
+"""Closes meshes made for rendering: open or inside-out meshes, and meshes of many parts that overlap or share edges.
 
 Each connected part is made a solid: its winding is made consistent, each hole is capped by a fan around the middle of
 its rim, and it is turned outward. A part that intersects itself in many places is wrapped: its capped surface is

@@ -33,7 +33,7 @@ class Remainder:
         return value
 
     def in_file(self, path: Sequence[Key]) -> Path:
-        """Return the place in the file for a place in `values`."""
+        """Return the position in the file for a position in `values`."""
         node: Any = self.values
         found: list[Key] = []
         for key in path:
@@ -65,7 +65,7 @@ class Remainder:
     def leave_out(self, path: Path) -> Path | None:
         """Remove a key, a list item that is a mapping, or its nearest existing ancestor.
 
-        Return the place removed, or None if that would leave nothing.
+        Return the position removed, or None if nothing would remain.
         """
         while path:
             node, key = self._at(path[:-1]), path[-1]

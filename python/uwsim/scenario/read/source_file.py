@@ -14,8 +14,8 @@ from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 class SourceFile:
     """The file from which a scenario was read, for error messages.
 
-    document: None for a scenario built in Python. in_file: converts a place in the scenario to the place in the file;
-    they differ if parts of the file were left out. All source files compare equal, so that they do not affect the
+    document: None for a scenario built in Python. in_file: converts a position in the scenario to the position in the
+    file; they differ if parts of the file were left out. All source files compare equal, so that they do not affect the
     equality of scenarios.
     """
 

@@ -14,7 +14,7 @@ MAX_BYTES = 1_000_000
 
 
 class SheetRow(NamedTuple):
-    """A point on a performance sheet. command: in the unit of the thruster's own table."""
+    """A point on a performance sheet. command: the command, in the unit of the thruster's own table."""
 
     voltage_v: float
     command: float

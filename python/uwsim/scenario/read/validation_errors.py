@@ -56,7 +56,7 @@ class Mistake(NamedTuple):
 def mistakes_in(
     errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None, in_file: InFile
 ) -> list[Mistake]:
-    """Return the errors that are not consequences of others. in_file: maps places in `values` to places in the file."""
+    """Return the errors that are not consequences of others. in_file: converts positions in `values` to the file's."""
     return [
         _described(error, errors, hints, values, document, in_file)
         for error in errors

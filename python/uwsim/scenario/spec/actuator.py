@@ -86,7 +86,7 @@ class ThrusterType(Model):
 
     @property
     def _scale(self) -> tuple[float, float]:
-        """The tabulated value of command 0, and the difference between those of commands 1 and 0."""
+        """The tabulated value for command 0, and the difference between the values for commands 1 and 0."""
         return (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
 
 

@@ -55,7 +55,7 @@ def _battery_type(value: object, info: ValidationInfo) -> object:
 
 
 class BatterySetup(Model):
-    """A vehicle's battery and what it supplies besides the thrusters. A type's name alone suffices.
+    """A vehicle's battery and its load besides the thrusters. The name of a type is sufficient.
 
     model: the name of a packaged battery or the path of its YAML file, which is read into a BatteryType. hotel_w: power
     of everything but the thrusters, from the release on. initial_charge: charge at the start, as a fraction of the

@@ -42,8 +42,8 @@ class PanTilt(Model):
 class FlatPort(Model):
     """A flat window between the lens, in air, and the water, across the camera's axis.
 
-    distance_m: from the lens's centre of projection to the inside of the glass. thickness_m: of the glass.
-    refractive_index: of the glass, by default that of acrylic.
+    distance_m: distance from the lens's centre of projection to the inside of the glass. thickness_m: thickness of the
+    glass. refractive_index: refractive index of the glass, by default that of acrylic.
     """
 
     distance_m: Annotated[float, InRange(0, 1, "m")] = 0.0
@@ -54,8 +54,9 @@ class FlatPort(Model):
 class CameraMount(Model):
     """A camera: its mount, lens and image sensor.
 
-    It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of its carrier. width,
-    height: in pixels, which are square. field_of_view_deg: across the image's width, before distortion.
+    It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: position in the frame of its carrier.
+    width, height: size in pixels, which are square. field_of_view_deg: angle across the image's width, before
+    distortion.
     distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. port: a flat window, at which rays from the
     water are refracted: field of view and distortion are then those of the lens in air. Without it they hold in water
     as in air, as behind a dome, or after a calibration under water. exposure: a factor on the automatic or
@@ -96,7 +97,7 @@ class CameraMount(Model):
 class LampSpot(Model):
     """The mount of one lamp on a switch; the lamp shines along its x.
 
-    position_m: in the body frame.
+    position_m: position in the body frame.
     """
 
     position_m: Point3

@@ -72,7 +72,7 @@ class Model(BaseModel):
             return former.value(getattr(self, now))
 
     def given(self) -> dict[str, Any]:
-        """Return the fields whose presence carries information: those set explicitly, and the name of a variant."""
+        """Return the fields whose presence carries information: fields set explicitly, and the name of a variant."""
         return {name: getattr(self, name) for name in type(self).model_fields if self._is_given(name)}
 
     def _is_given(self, name: str) -> bool:

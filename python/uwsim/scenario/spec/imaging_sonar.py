@@ -34,8 +34,8 @@ class ImagingMount(Model):
     """An imaging sonar of one of _core.imaging_kinds(), and its mount: x ahead, y to port, z up; pitch positive down.
 
     Parameters that differ from the kind's defaults (see `sonars/imaging/`) are written next to the other keys in YAML,
-    with angles in degrees under names that end in _deg. position_m: in the body frame. figures: in Python, those
-    parameters, under their own names and in SI units.
+    with angles in degrees under names that end in _deg. position_m: position in the body frame. figures: in Python,
+    these parameters under their own names and in SI units.
     """
 
     kind: str

@@ -50,8 +50,9 @@ class LinkSetup(Model):
     """The link between the station and the vehicles. In a scenario, a modem's name alone suffices.
 
     modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access,
-    retransmissions: override the modem's access protocol and number of retransmissions. relays: by vehicle, the vehicle
-    through which it exchanges messages with the station and with all vehicles except those that it relays itself.
+    retransmissions: override the modem's access protocol and number of retransmissions. relays: for each vehicle that
+    needs one, the vehicle through which it exchanges messages with the station and with all vehicles except those that
+    it relays itself.
     station_transducer_m: position of the transducer in the station's frame; a vehicle's transducer is at its origin.
     wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the material that reflects sound
     at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of

@@ -83,8 +83,8 @@ MaterialSpec = Annotated[Material, BeforeValidator(_named, json_schema_input_typ
 class Ground(Model):
     """The materials of the terrain: under water, on steep slopes, and above the water.
 
-    bed: under water. steep: on steep slopes. land: above the water. strength_db, relief, seabed: the backscatter of the
-    whole terrain, as in Backscatter; they override those of the bed's material.
+    bed: material under water. steep: material on steep slopes. land: material above the water. strength_db, relief,
+    seabed: the backscatter of the whole terrain, as in Backscatter; they override those of the bed's material.
     """
 
     bed: MaterialName = "sand"

@@ -36,7 +36,7 @@ class Placed(Model):
     """An obstacle placed by coordinates.
 
     on_bed: whether it stands on the terrain: z of position_m is then the height of its lowest point above the point of
-    the bed that it would touch first; a negative value sinks it in. position_m: in the world.
+    the bed that it would touch first; a negative value sinks it into the bed. position_m: position in the world.
     """
 
     on_bed: StrictBool = False
@@ -152,9 +152,10 @@ class Sphere(Placed):
 class Ring(Placed):
     """A torus, such as a gate that hangs in the water; the passage is along its own x.
 
-    position_m: its centre (world), unless it is on_bed. major_radius_m: from the centre to the axis of the bar.
-    minor_radius_m: radius of the bar. stripes: albedos, by turns, of twelve stripes around the ring; they override the
-    material's.
+    position_m: its centre (world), unless it is on_bed. major_radius_m: distance from the centre to the axis of the
+    bar.
+    minor_radius_m: radius of the bar. stripes: albedos, in alternation, of twelve stripes around the ring; they
+    override the material's.
     """
 
     kind: Literal["ring"]

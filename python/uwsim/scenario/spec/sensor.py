@@ -62,11 +62,12 @@ class SensorMount(Model):
 
     Rays are cast along the sensor's x: yaw 90 points to port. Parameters of the kind
     (_core.sensor_kind(...).parameters, such as range_max_m) are written next to the other keys in YAML, and in
-    `parameters` here. position_m: in the body frame. parameters: in Python, the parameters of the kind, which YAML has
-    next to the other keys. on: whether it is powered; off, it has no readings. rate_hz: sampling rate; every step by
-    default. latency_s: delay from the measurement to its arrival. drop_out: the fraction of samples that is lost; a
-    read then returns the last sample that was not lost, marked invalid. noise: noise of all channels, if they have the
-    same unit; noise_std: short for noise: {std: ...}. channels: noise by channel, instead of `noise`.
+    `parameters` here. position_m: position in the body frame. parameters: in Python, the parameters of the kind; in
+    YAML, they are next to the other keys. on: whether it is powered; without power it has no readings. rate_hz:
+    sampling rate; every step by default. latency_s: delay from the measurement to its arrival. drop_out: the fraction
+    of samples that is lost; a read then returns the last sample that was not lost, marked invalid. noise: noise of all
+    channels, if they have the same unit; noise_std: short for noise: {std: ...}. channels: noise by channel, instead of
+    `noise`.
     """
 
     kind: str
@@ -140,7 +141,7 @@ class SensorMount(Model):
 class SensorSet(Model):
     """Sensors shared by several vehicles, in a separate YAML file.
 
-    sensors: by name.
+    sensors: the sensors by name.
     """
 
     name: Name

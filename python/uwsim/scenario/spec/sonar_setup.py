@@ -59,15 +59,17 @@ class SonarSetup(Model):
 
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
     swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel. frequency_hz:
-    for a model with several. range_max_m: the operator's setting, for a model with a larger range: the ping rate is
-    then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a wider fan
-    and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`, in which
-    ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's sound-speed
-    profile. rays_per_beam: in physics mode, for each footprint. multipath: in physics mode, whether echoes by more than
-    one bounce are received; by default the model's. water_column: in physics mode, whether every ping contains the
-    water column, and a channel offers it. tilt_rate_deg_s: of the head, overriding the model's. gain_db: of the
-    receiver's display, added to every intensity. noise: values for physics mode that override the model's. tilt_deg:
-    initial tilt, positive nose down, as scanPos on the wire. on: a sonar that is off tilts, but receives no echoes.
+    frequency, for a model with several. range_max_m: the operator's setting, for a model with a larger range: the ping
+    rate is then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a
+    wider fan and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`,
+    in which ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's
+    sound-speed profile. rays_per_beam: number of rays for each footprint, in physics mode. multipath: in physics mode,
+    whether echoes by more than one bounce are received; by default the model's. water_column: in physics mode, whether
+    every ping contains the water column, and whether a channel provides it. tilt_rate_deg_s: tilt rate of the head,
+    overriding the model's. gain_db: gain of the receiver's display, added to every intensity. noise: values for physics
+    mode that override the model's.
+    tilt_deg: initial tilt, positive nose down, as scanPos on the wire. on: a sonar that is off tilts, but receives no
+    echoes.
     """
 
     model: Annotated[

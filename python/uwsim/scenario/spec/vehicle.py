@@ -42,7 +42,7 @@ Matrix = tuple[Row, Row, Row, Row, Row, Row]
 class SonarMount(Model):
     """The mount of the multibeam's head, which faces forward and tilts about the body's y.
 
-    position_m: in the body frame.
+    position_m: position in the body frame.
     """
 
     position_m: Point3
@@ -73,20 +73,20 @@ class VehicleModel(Model):
     hull displaces in the scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box.
     ballast_kg, ballast_position_m: an additional point mass: it adds to mass and inertia and moves the centre of mass,
     but displaces no water. compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by
-    default it is as compressible as the water around it (assumed). trim: for the scenario's water; by default the mass
-    and the water determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published values, to
-    which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex hull, the
-    bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes from the
-    mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: mass of the water that
-    moves with the hull; zero by default. munk_share: how much of the Munk moment, which added_mass implies in an ideal
-    fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
+    default it is as compressible as the water around it (assumed). trim: weights for the scenario's water; by default
+    the mass and the water determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published
+    values, to which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex
+    hull, the bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes
+    from the mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: mass of the
+    water that moves with the hull; zero by default. munk_share: how much of the Munk moment, which added_mass implies
+    in an ideal fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
     crossflow_length_m: length along x over which the quadratic drag of sway and heave is spread evenly in strips, each
     with its own speed, so that they couple with yaw and pitch; pure motion along or about an axis keeps its published
     drag, so the strips are shortened where their drag in yaw or pitch would exceed it. 0, the
     default: the drag acts at the origin. inertia_kg_m2: principal moments about the centre of mass along the body axes.
     max_force_n, max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without
     thrusters. control: gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps,
-    imaging_sonars: by name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two
+    imaging_sonars: parts by name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two
     bodies in contact, the geometric mean applies. restitution: the fraction of the approach speed that is kept; for two
     bodies in contact, the larger value applies. material: material of the hull. failsafe: the reaction to loss of
     contact or to a fault.

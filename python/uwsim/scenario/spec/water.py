@@ -85,7 +85,7 @@ class UniformCurrent(Model):
 class CurrentLevel(Model):
     """The current at a depth.
 
-    depth_m: below the surface. velocity_m_s: components along the world's axes.
+    depth_m: depth below the surface. velocity_m_s: components along the world's axes.
     """
 
     depth_m: Depth
@@ -175,7 +175,7 @@ class WaterLevel(Model):
     """The properties of the water at a depth.
 
     depth_m, temperature_deg_c: depth and temperature of the level. salinity_psu, density_kg_m3: must agree with each
-    other. sound_speed_m_s: at all levels or none; by default derived from the other properties.
+    other. sound_speed_m_s: speed of sound, at all levels or none; by default derived from the other properties.
     """
 
     depth_m: Depth
@@ -215,8 +215,9 @@ class TableProfile(Model):
 class LinearProfile(Model):
     """Temperature and salinity linear from the surface down to bottom_depth_m, constant below.
 
-    surface, bottom: the water there. bottom_depth_m: by default that of the terrain's deepest point. Density is also
-    linear if both ends specify it; otherwise it follows from temperature and salinity at every depth (EOS-80).
+    surface, bottom: the water at both ends. bottom_depth_m: depth of the bottom end, by default that of the terrain's
+    deepest point. Density is also linear if both ends specify it; otherwise it follows from temperature and salinity at
+    every depth (EOS-80).
     """
 
     kind: Literal["linear"]
@@ -313,7 +314,7 @@ class Water(Model):
         return 0.0 if self.compressible else depth_m
 
     def _states(self) -> Iterator[tuple[tuple[str | int, ...], WaterState]]:
-        """Yield each specified water state and its place; levels in a file are read later."""
+        """Yield each specified water state and its key path; levels in a file are read later."""
         if isinstance(self.profile, LinearProfile):
             yield ("profile", "surface"), self.profile.surface.state()
             bottom_m = self._measured_at(self.profile.bottom_depth_m or DEEPEST_M)

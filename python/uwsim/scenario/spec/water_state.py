@@ -16,10 +16,10 @@ _PA_PER_M = 1e4
 
 
 class WaterState(NamedTuple):
-    """A scenario's values for some water. density_kg_m3, salinity_psu: None if derived.
+    """The properties of a body of water as specified in a scenario. density_kg_m3, salinity_psu: None if derived.
 
-    temperatures_deg_c: at its upper and lower end. depth_m: depth at which the density may have been measured; 0 for
-    densities at atmospheric pressure.
+    temperatures_deg_c: temperatures at its upper and lower end. depth_m: depth at which the density may have been
+    measured; 0 for densities at atmospheric pressure.
     """
 
     density_kg_m3: float | None

@@ -17,8 +17,8 @@ class School(Model):
     """A school of fish, which stands still.
 
     position_m: its middle. size_m: diameters of the ellipsoid that it fills evenly. count: number of fish.
-    target_strength_db: of each, re 1 m2; by default 20 log10 L - 67.5 for a length L of 30 cm (Foote 1987, J. Acoust.
-    Soc. Am. 82:981, for cod-like fish from above at 38 kHz; cited from memory).
+    target_strength_db: target strength of each fish, re 1 m2; by default 20 log10 L - 67.5 for a length L of 30 cm
+    (Foote 1987, J. Acoust. Soc. Am. 82:981, for cod-like fish from above at 38 kHz; cited from memory).
     """
 
     kind: Literal["school"]
@@ -32,10 +32,10 @@ class School(Model):
 class Seep(Model):
     """A plume of bubbles, which rise from a source and begin again at the top.
 
-    position_m: the source. height_m, top_diameter_m: of the cone that the plume fills. count: number of bubbles.
-    target_strength_db: of each, re 1 m2; by default a^2 / 4 for a radius a of 2 mm, the geometric cross-section of a
-    bubble that is large compared with the wavelength. rise_m_s: speed; the default is typical for that size (both
-    assumed).
+    position_m: the source. height_m, top_diameter_m: size of the cone that the plume fills. count: number of bubbles.
+    target_strength_db: target strength of each bubble, re 1 m2; by default a^2 / 4 for a radius a of 2 mm, the
+    geometric cross-section of a bubble that is large compared with the wavelength. rise_m_s: speed; the default is
+    typical for that size (both assumed).
     """
 
     kind: Literal["seep"]

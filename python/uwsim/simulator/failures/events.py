@@ -13,7 +13,7 @@ from uwsim.base.saved_state import State, Tick
 
 @dataclass(frozen=True)
 class Event:
-    """An event at a tick. vehicle: "" for the world. values: JSON types."""
+    """An event at a tick. vehicle: name of the vehicle, or "" for the world. values: details, of JSON types."""
 
     tick: int
     time_s: float

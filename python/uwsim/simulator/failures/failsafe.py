@@ -26,7 +26,7 @@ SILENCE = "silence"
 
 
 class BeginningState(State):
-    """The place and time at which a manoeuvre began; see uwsim.simulator.failures.manoeuvres."""
+    """The pose and time at which a manoeuvre began; see uwsim.simulator.failures.manoeuvres."""
 
     x_m: FiniteFloat
     y_m: FiniteFloat

@@ -7,7 +7,7 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 class Aided(Steered):
-    """A vehicle whose efforts are the stick's, plus those of its holds on the axes where the stick is at rest.
+    """A vehicle that adds the efforts of its holds to the stick's, on axes where the stick is at rest.
 
     held: the indices of the axes that holds steer.
     """

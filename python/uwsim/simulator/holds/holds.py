@@ -32,9 +32,9 @@ HEAVE_INTEGRAL, YAW_INTEGRAL, VELOCITY, TURN = 2, 5, 6, 9  # indices into Contro
 class Holds:
     """The holds of one vehicle; docs/guides/holds.md states their rules. They act only while the vehicle is released.
 
-    targets: by active hold: yaw [rad], z for the depth [m], altitude [m], x and y [m], speed ahead [m/s]; None while
-    the stick moves the vehicle or the vehicle comes to rest. note: why the last hold was lost or changed; "" if none
-    was.
+    targets: the target of each active hold: yaw [rad], z for the depth [m], altitude [m], x and y [m], speed ahead
+    [m/s]; None while the stick moves the vehicle or the vehicle comes to rest. note: why the last hold was lost or
+    changed; "" if none was.
     """
 
     def __init__(self, vehicle: Vehicle, *, agenda: Agenda, events: EventLog, step_s: float) -> None:

@@ -13,7 +13,7 @@ Effort = Annotated[float, Field(ge=-1, le=1)]
 
 
 class HoldsState(State):
-    """Saved holds. targets: of the active holds; None while the stick steers or the vehicle brakes.
+    """Saved holds. targets: targets of the active holds; None while the stick steers or the vehicle brakes.
 
     braking: the tick at which each hold's stick was let go. memory: the Controller's state, once it has started.
     efforts: its last efforts.

@@ -23,13 +23,13 @@ UNSET = object()
 
 @dataclass
 class Edits:
-    """The replacement values at and below a place."""
+    """The replacement values at and below a key path."""
 
     value: Any = UNSET
     below: dict[str | int, Edits] = field(default_factory=dict)
 
     def put(self, place: Place, value: Any) -> None:
-        """Replace the value at a place below this one."""
+        """Replace the value at a path below this one."""
         at = self
         for part in place:
             at = at.below.setdefault(part, Edits())

@@ -47,7 +47,7 @@ def _type(figure: _core.Parameter, *, optional: bool = False, in_degrees: bool =
 
 
 def noise_unit(scenario: Scenario, place: tuple[str | int, ...]) -> str:
-    """Return the unit of a noise value at a place, or "" if the sensor's channels have different units."""
+    """Return the unit of a noise value at a key path, or "" if the sensor's channels have different units."""
     at: Any = scenario
     below = list(place)
     while not isinstance(at, SensorMount):

@@ -244,11 +244,11 @@ class Parameters(Mapping[str, Any]):
         into[name] = [plain(value)] if is_one_of_a_list else plain(value)
 
     def places(self, names: Iterable[str]) -> Sequence[Place]:
-        """Return the places of these names in the scenario, for use with `edited`."""
+        """Return the key paths of these names in the scenario, for use with `edited`."""
         return [self._place(name) for name in names]
 
     def _place(self, name: str) -> Place:
-        """Return the place of a name. Below a part that is replaced as a whole, the name need not exist yet."""
+        """Return the key path of a name. Below a part that is replaced as a whole, the name need not exist yet."""
         for scenario in (self._running, self._original):
             node = find(scenario, name)
             if node is not None:

@@ -1,4 +1,4 @@
-"""The tree of a scenario's parameters: their names, places in the scenario's models, and values."""
+"""The tree of a scenario's parameters: their names, paths in the scenario's models, and values."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Node:
 
     @property
     def key(self) -> str:
-        """The place in the notation of messages about a scenario: vehicles[0].model.mass_kg."""
+        """The path in the notation of messages about a scenario: vehicles[0].model.mass_kg."""
         text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.place)
         return text.removeprefix(".")
 
@@ -109,7 +109,7 @@ class _Walk:
         )
 
     def model(self, at: Node) -> Iterator[Node]:
-        """Yield the places below a model."""
+        """Yield the nodes below a model."""
         model = at.value
         if isinstance(model, SensorMount):
             yield from self._sensor_figures(at)

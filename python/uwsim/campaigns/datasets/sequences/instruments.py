@@ -62,7 +62,7 @@ class Instrument(Protocol):
         """The number of samples written."""
 
     def read(self, sim: Simulator) -> None:
-        """Write what is new."""
+        """Write the new samples."""
 
     def close(self) -> None:
         """Finish the files."""

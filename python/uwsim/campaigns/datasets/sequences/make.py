@@ -1,4 +1,4 @@
-"""make_sequence: flies a mission and writes what the instruments measured; `uwsim dataset --sequence` calls it.
+"""make_sequence: flies a mission and writes the measurements of the instruments; `uwsim dataset --sequence` calls it.
 
 The files are written to a folder beside the requested one, which is renamed once the sequence is complete.
 """
@@ -69,10 +69,10 @@ def make_sequence(
 
         uwsim.make_sequence("lake", "my_mission.py", "sequence", cameras=("front", "down"))
 
-    mission: as for uwsim.flight.fly.fly. out: a new folder. cameras: names of the vehicle's cameras. The same scenario,
-    seed and mission give the same bytes, whatever the number of threads. If the flight fails or is interrupted, its
-    files are removed; a folder whose name ends in ".unfinished" was left by a killed process, and the next run removes
-    it.
+    mission: the mission, as for uwsim.flight.fly.fly. out: a new folder. cameras: names of the vehicle's cameras. The
+    same scenario, seed and mission give the same bytes, whatever the number of threads. If the flight fails or is
+    interrupted, its files are removed; a folder whose name ends in ".unfinished" was left by a killed process, and the
+    next run removes it.
 
     Raises ScenarioError or ValueError before anything is written, for example for a camera that EuRoC's model cannot
     describe; ValueError if the flight was interrupted or a camera was turned; OSError; and the mission's own errors.

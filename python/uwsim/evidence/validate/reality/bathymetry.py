@@ -40,7 +40,7 @@ DOWN_ACROSS_Y_XYZW = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
 
 @dataclass(frozen=True)
 class Floor:
-    """Depths and stated uncertainties [m] at nodes (n, n), from south to north; centre: in the file's coordinates."""
+    """Depths and stated uncertainties [m] at nodes (n, n), from south to north; centre, in the file's coordinates."""
 
     depth_m: Array
     uncertainty_m: Array
