@@ -1,4 +1,4 @@
-"""Options shared by all commands that accept clients: who may connect, and encryption."""
+"""Options shared by all commands that accept clients: access control and encryption."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ class Benchmarks(TyperGroup):
         return sorted(path.stem for path in _folder().glob("*.py"))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a benchmark's command, or, for help and shell completion, a quick outline of it."""
+        """Return a benchmark's command or, for help and shell completion, an outline that is quick to build."""
         path = _folder() / f"{cmd_name}.py"
         if not path.is_file():
             return None

@@ -11,7 +11,7 @@ from uwsim.cli.values import words
 
 
 def one_of(*known: str) -> dict[str, Any]:
-    """Return typer's settings for a parameter that accepts one of these words, or a list of them."""
+    """Return typer's settings for a parameter that accepts one or several of these words."""
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for word in value if isinstance(value, list) else (value,):

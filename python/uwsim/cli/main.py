@@ -179,7 +179,7 @@ def _exit_on_signal(number: int, frame: object) -> NoReturn:
         ("uwsim._core", "remove_unfinished_files"),
     ):
         if remove := getattr(sys.modules.get(module), function, None):  # None while the module is being imported
-            remove()  # those of all threads
+            remove()  # of all threads
     os.write(2, b"uwsim: interrupted\n")
     os._exit(INTERRUPTED)
 

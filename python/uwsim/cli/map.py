@@ -160,7 +160,7 @@ def score(
 ) -> None:
     """Compare a map with the true world.
 
-    Reports coverage, precision, recall, distances, and the seabed by IHO S-44.
+    Reports coverage, precision, recall, distances, and the seabed's accuracy by IHO S-44.
     """
     from rich.console import Console
 

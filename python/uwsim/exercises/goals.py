@@ -65,7 +65,7 @@ class GoalModel(Model):
 class Reach(GoalModel):
     """Reach a position.
 
-    position_m: position in the world. within_m: how close.
+    position_m: position in the world. within_m: distance at which it counts as reached.
     """
 
     kind: Literal["reach"]

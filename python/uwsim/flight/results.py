@@ -97,7 +97,7 @@ def scored(
         return flown
     survey = sim.scenario.survey
     if survey is None or not np.array_equal(flown.area_world_m, survey.area_m):
-        ahead = None  # it examined the survey's area, not this one
+        ahead = None  # `ahead` examined the survey's area, not this one
     score = _score(flown.occupancy, flown, sim, ahead, is_exact=_is_exact(flown, sim))
     ashore_score = None if ashore is None else _score(ashore, flown, sim, ahead, is_exact=False)
     return replace(flown, score=score, ashore_score=ashore_score, free_voxels=flown.occupancy.count().free)

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 def rows(where: str, name: str, values: Any, shape: tuple[int, ...], members: NDArray[np.intp] | None = None) -> Floats:
     """Return values as a float64 array of this shape. Raises ValueError, naming the member, if a value is not finite.
 
-    members: the members that the rows belong to, if not all of them.
+    members: the members to which the rows belong; by default all.
     """
     array = np.asarray(values)
     require_shape(where, name, array, shape)

@@ -1,4 +1,4 @@
-"""Checks of a task: of its class before it is used, and of everything that its methods return.
+"""Checks a task's class before it is used, and everything that its methods return.
 
 Each error names the task's method, the member and the value.
 """

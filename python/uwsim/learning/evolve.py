@@ -48,8 +48,8 @@ def evolve(
     """Return the mean of the last generation's distribution. Episodes are seeded consecutively from first_seed.
 
     start: the mean of the first candidates; by default, all weights are zero. spread: the standard deviation of their
-    weights, each multiplied by the usual size of its input. The policy is for observations in their own units, whatever
-    `options.normalise` says. Raises MissingExtraError if cma is not installed.
+    weights, each multiplied by the usual size of its input. The policy is for observations in their own units,
+    regardless of `options.normalise`. Raises MissingExtraError if cma is not installed.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
     import cma

@@ -43,7 +43,7 @@ def fly(episodes: Episodes, policy: Policy, seeds: Sequence[int]) -> Flown:
     total, steps = np.zeros(episodes.n), np.zeros(episodes.n, np.intp)
     rows: list[dict[str, Floats]] = []
     while flying.any():
-        outcome = episodes.step(policy(observation), ended if ended.any() else None)  # these fly on, uncounted
+        outcome = episodes.step(policy(observation), ended if ended.any() else None)  # ended ones fly on, uncounted
         observation = outcome.observation
         total[flying] += outcome.reward[flying]
         steps[flying] += 1

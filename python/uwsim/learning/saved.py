@@ -60,7 +60,7 @@ class Header(State):
 def save_episodes(episodes: Episodes, ended: Flags) -> bytes:
     """Return everything that the episodes' future depends on. ended: (n,). Raises ValueError before the first episode.
 
-    Also raises ValueError if the task has attributes that could change and are neither arrays, numbers nor texts.
+    Also raises ValueError if the task has attributes that could change and are not arrays, numbers or texts.
     """
     arrays, plain = task_state(episodes.task)
     generators = [_saved_generator(episodes, k) for k in range(episodes.n)]

@@ -57,7 +57,7 @@ class ShoalChart(Sealed):
         self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
 
     def close(self, point_m: Point) -> None:
-        """Chart a point's cell, which the vehicle cannot enter for a reason other than height."""
+        """Chart a point's cell as one that the vehicle cannot enter, for a reason other than height."""
         self._chart([_cell(point_m)])
 
     def blocks(self, start_m: Point, end_m: Point) -> bool:

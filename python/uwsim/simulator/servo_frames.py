@@ -22,7 +22,8 @@ FRAME_BYTES = 64
 class Factors(NamedTuple):
     """The effect of a motor at full command, in the autopilot's axes.
 
-    Forces are forward, right (lateral) and up (throttle); moments are right-handed about forward, right and down.
+    Forces are forward, right (lateral) and up (throttle); moments are right-handed about the forward, right and down
+    axes.
     """
 
     roll: int

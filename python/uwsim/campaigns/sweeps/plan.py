@@ -21,8 +21,8 @@ class SweepPlan:
     """The expected cost of a sweep.
 
     runs: number of runs. tried: the numbers of the runs that were flown for this estimate. processor_s: the processor
-    time of each of them. failed: the errors of those that failed. memory_bytes: peak memory of the process that flew
-    them, an estimate for a worker's. row_bytes: size of a run's line in the ledger. metrics: the columns of their
+    time of each such run. failed: the errors of failed runs, by number. memory_bytes: peak memory of the process that
+    flew them, an estimate for a worker's. row_bytes: size of a run's line in the ledger. metrics: the columns of their
     results.
     """
 

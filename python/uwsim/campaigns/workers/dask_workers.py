@@ -37,7 +37,7 @@ SETTINGS = {
     "distributed.admin.tick.limit": "1h",  # a step may hold Python's lock for longer than 3 s
     "distributed.scheduler.http.routes": [],  # status pages, which any site could read
     "distributed.worker.http.routes": [],
-    "distributed.worker.profile.enabled": False,  # it samples every thread a hundred times a second
+    "distributed.worker.profile.enabled": False,  # the profiler samples every thread a hundred times a second
 }
 
 
@@ -214,7 +214,7 @@ def scratch_folder() -> Iterator[str]:
     """Create a folder for a cluster's files, and remove the folders of clusters that were killed."""
     for left in Path(tempfile.gettempdir()).glob(f"{SCRATCH}*"):
         if (left / LOCK).exists():
-            with contextlib.suppress(OSError), alone_in(left):  # an error: in use, or owned by another user
+            with contextlib.suppress(OSError), alone_in(left):  # in use, or owned by another user
                 shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix=SCRATCH, ignore_cleanup_errors=True) as folder, alone_in(Path(folder)):
         yield folder

@@ -89,9 +89,9 @@ def identify(
 ) -> Identified:
     """Identify a vehicle's coefficients from a log of its motion, deep under water.
 
-    model: the vehicle as far as it is known. spreads, known: see unknowns(). segment_s: the log is simulated in parts
-    of about this length, each with its own initial state, so that disturbances do not accumulate. Raises ValueError if
-    nothing is unknown, or if the vehicle cannot be simulated.
+    model: the vehicle, with the best values known. spreads, known: see unknowns(). segment_s: the log is simulated in
+    parts of about this length, each with its own initial state, so that disturbances do not accumulate. Raises
+    ValueError if nothing is unknown, or if the vehicle cannot be simulated.
     """
     found = unknowns(model, VEHICLE, spreads, known)
     if not found:

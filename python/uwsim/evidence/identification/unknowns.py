@@ -63,7 +63,7 @@ class Unknown:
         return self.value * float(np.exp(self.spread * z)) if self.positive else self.value + self.spread * z
 
     def slope(self, z: float) -> float:
-        """Return the derivative of the value by z."""
+        """Return the derivative of the value with respect to z."""
         return self.spread * self.at(z) if self.positive else self.spread
 
 

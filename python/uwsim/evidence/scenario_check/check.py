@@ -61,7 +61,7 @@ def _survey_left_out(sim: Simulator) -> str | None:
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
-    """Return the mistakes in individual values, then those found by building the world from the valid rest."""
+    """Return the mistakes in individual values, then those found by building a world from the valid values."""
     holding = what_holds(Scenario, document.values, document, folder)
     scenario = holding.model
     if scenario is None:

@@ -40,7 +40,7 @@ OPEN_WATER: dict[str, Any] = {
 def check_part(source: str | Path, kind: str) -> CheckReport:
     """Return the report on a file of one of the kinds in uwsim.scenario.schema.FILES, such as a vehicle file.
 
-    The contents are built: for a vehicle, its hull, mass, actuators and all instruments, in open water. Raises
+    The check builds the contents: for a vehicle, its hull, mass, actuators and all instruments, in open water. Raises
     ValueError if the kind is unknown.
     """
     if kind not in FILES:

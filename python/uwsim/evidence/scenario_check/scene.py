@@ -38,7 +38,8 @@ Floats = NDArray[np.float64]
 class Bed:
     """The terrain.
 
-    extent_m: west, south, east, north. lowest_m, highest_m: z. dry_share: share of its area that is above water.
+    extent_m: west, south, east, north. lowest_m, highest_m: z of the lowest and highest point. dry_share: share of its
+    area that is above water.
     """
 
     extent_m: tuple[float, float, float, float]
@@ -51,9 +52,10 @@ class Bed:
 class ObstacleScene:
     """An obstacle in the scene.
 
-    lowest_m, highest_m: z. clearance_m: smallest height of its points above the bed; negative if it reaches below the
-    bed. size_m: extent along the world's x, y and z. buried_share, above_water_share: shares of its surface below the
-    bed and above the water. beside_terrain: whether any part of it is outside the terrain.
+    lowest_m, highest_m: z of the lowest and highest point. clearance_m: smallest height of its points above the bed;
+    negative if it reaches below the bed. size_m: extent along the world's x, y and z. buried_share, above_water_share:
+    shares of its surface below the bed and above the water. beside_terrain: whether any part of it is outside the
+    terrain.
     """
 
     name: str
@@ -233,7 +235,8 @@ def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
 
 
 def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
-    """Return whether the thrusters can drive the vehicle ahead at a given speed through the water; True near 0."""
+    """Return whether the thrusters can drive the vehicle ahead at a given speed through the water; always True near
+    0."""
     if speed_m_s < STILL_M_S:
         return True
     ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -1,7 +1,7 @@
 """Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
-A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES. Those in RECORDED also take the
-folder of recorded data that is not part of uwsim.
+A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES. Suites in RECORDED also take the
+folder of recorded data, which is not part of uwsim.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ SUSPECT_DB = 0.6
 
 
 def checks() -> list[Check]:
-    """Compare each column of the table: the cell that differs most, and the largest difference of the suspect cells."""
+    """Check the cell that differs most in each column of the table, and the worst of the suspect cells."""
     found = []
     for (name, frequency_hz), published_db in TABLE_DB.items():
         got_db = seabed_backscatter_db(name, np.radians(GRAZING_DEG), frequency_hz, TABLE_SPEED_M_S)

@@ -75,7 +75,7 @@ def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> I
 
 
 def fin_travel(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check that the fins turn at full effort to their limit at their rate, in the direction for port or nose down."""
+    """Check that full effort turns the fins at their rate to their limit, in the direction for port or nose down."""
     probe = Probe(name, model)
     for effort, sides in (("yaw", {"top": -1, "bottom": 1}), ("pitch", {"port": -1, "starboard": 1})):
         probe.rov.set_effort(**{effort: 1.0})

@@ -90,7 +90,7 @@ def level_checks() -> list[Check]:
         level = spec.modem.source_level_db - 20.0 * math.log10(far_m) - alpha * far_m
         checks.append(within("received level", f"{far_m:g} m", level, heard.signal_db, 1.0, 0.1, "dB"))
     expected = _noise_db(spec)
-    spec.modem.source_level_db = 60.0  # so that no echo is received from the surface
+    spec.modem.source_level_db = 60.0  # no echo arrives from the surface
     quiet = _core.LinkWater(spec, water).hear(nothing, (0.0, 0.0, -5000.0), (100.0, 0.0, -5000.0)).noise_db
     checks.append(within("noise in the band", f"{spec.modem.bandwidth_hz:g} Hz", expected, quiet, 1.0, 0.2, "dB"))
     normal = (1.9 * 1.1 - 1.0) / (1.9 * 1.1 + 1.0)

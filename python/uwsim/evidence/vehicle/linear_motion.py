@@ -36,7 +36,7 @@ class Mode:
 
     @property
     def is_neutral(self) -> bool:
-        """True if the mode neither grows nor decays: drag is quadratic there, or nothing restores it."""
+        """True if the mode neither grows nor decays, because its drag is quadratic or no moment restores it."""
         return abs(self.growth_1_s) < STILL_1_S
 
     @property

@@ -74,7 +74,7 @@ def rays_between(
     bed_m = np.column_stack([range_m * shares, -heights_m])
     bottom_m = float(bed_m[BED_POINTS // 2, 1])
     for name, point, bed in (("--from", source_m, bed_m[0, 1]), ("--to", receiver_m, bed_m[-1, 1])):
-        if point[2] > 0 or -point[2] > bed:  # a NaN where the bed is unknown is neither
+        if point[2] > 0 or -point[2] > bed:  # false for NaN, where the bed is unknown
             raise ValueError(f"{name} {point[0]:g},{point[1]:g},{point[2]:g}: must be in the water")
     deeper_m = -float(ends[:, 2].min())
     if not bottom_m > deeper_m:  # also where the bed is unknown

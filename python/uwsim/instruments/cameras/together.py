@@ -92,7 +92,7 @@ def _poses(cameras: Sequence[Camera], positions_m: Floats, orientations_xyzw: Fl
         return np.array([position for position, _ in each]), np.array([turn for _, turn in each])
     places, turns = np.empty((len(cameras), 3)), np.empty((len(cameras), 4))
     latest: tuple[Any, ...] = ()
-    for k, camera in enumerate(cameras):  # most of them are mounted and aimed alike
+    for k, camera in enumerate(cameras):  # most cameras share a mount and an aim
         now = camera.mount.yaw_pitch_roll_deg, camera.aim_rad
         if now != latest:
             latest, turn = now, camera.mounting_xyzw()

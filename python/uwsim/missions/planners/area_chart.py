@@ -1,4 +1,4 @@
-"""AreaChart: where in an area a vehicle may go, as far as its sonar has shown, and the paths to those places.
+"""AreaChart: the parts of an area that a vehicle may enter, as far as its sonar has shown, and the paths to them.
 
 The chart is a raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from
 everything too high to pass over; unknown water is open. Paths are found with Dijkstra's algorithm over open cells, and
@@ -71,7 +71,7 @@ class AreaChart:
             self._close(found[counts >= ECHOES_IN_A_CELL])
 
     def add_map(self, occupancy: OccupancyMap) -> None:
-        """Chart everything too high in a map, by casting rays down from the surface, one voxel apart."""
+        """Chart everything in a map that is too high, by casting rays down from the surface, one voxel apart."""
         step_m = min(occupancy.resolution_m, self.grid.edge_m)
         counts = np.ceil(np.array(self._shoal.shape) * self.grid.edge_m / step_m).astype(int)
         places = Grid(self.grid.low_m, step_m, tuple(counts.tolist())).all_centres()
@@ -81,7 +81,7 @@ class AreaChart:
         self._close(np.unique(cells[held], axis=0))
 
     def close(self, point_m: Sequence[float] | Floats) -> None:
-        """Close the water around a point (2,) for a reason other than its height."""
+        """Mark the water around a point (2,) as closed for a reason other than height."""
         cells, held = self.cells_of(np.atleast_2d(np.asarray(point_m, np.float64)))
         self._close(cells[held])
 

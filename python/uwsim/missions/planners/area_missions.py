@@ -10,7 +10,7 @@ from uwsim.missions.planners.frontier import Explored, explore
 from uwsim.missions.planners.unknown_water import MownWater, mow_unknown_water
 from uwsim.missions.steps import Steps
 
-CORNERS = 16  # of the polygon that approximates the circle
+CORNERS = 16  # corners of the polygon that approximates the circle
 
 
 def unknown_water(

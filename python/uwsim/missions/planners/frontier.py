@@ -71,7 +71,7 @@ def explore(
 class _Search:
     """The progress of `explore`.
 
-    given_up: columns that remain unknown. _closed: known columns that cannot be entered for some other reason.
+    given_up: columns that remain unknown. _closed: known columns that cannot be entered for other reasons.
     """
 
     def __init__(self, lookout: Wayfinder, live: LiveMap, cells: Cells, bound_m: float) -> None:

@@ -53,7 +53,7 @@ def pass_gate(
     *,
     speed_m_s: float = 0.4,
 ) -> Steps[Gate]:
-    """Find a gate of known width and height near a place (2,), starting nearby, and pass through its middle.
+    """Find a gate of known width and height near a position (2,), searching from here, and pass through its middle.
 
     Logs `gate_seen` for each measurement, and `gate_passed`. Raises StoppedError if the gate is not seen, and
     ValueError for invalid arguments.

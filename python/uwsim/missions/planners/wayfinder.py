@@ -15,7 +15,7 @@ from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.protocols import PingLike
 
-STOP_M, STOP_S = 2.5, 2.0  # it stops for obstacles at its height within STOP_M + STOP_S x speed of its origin
+STOP_M, STOP_S = 2.5, 2.0  # the vehicle stops for obstacles at its height within STOP_M + STOP_S x speed of its origin
 CLEARANCE_M = 1.5  # clearance below the vehicle when it flies highest
 PASSABLE_Z_M = HIGHEST_Z_M - CLEARANCE_M
 """Anything higher is a shoal."""

@@ -50,7 +50,8 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
         with caught_warnings() as issued:
             directory.load(file)
         said = [str(warning.message) for warning in issued]
-        if lost := [text for text in said if not text.startswith("Metadata Warning")]:  # that is only surplus values
+        # A metadata warning only means surplus values.
+        if lost := [text for text in said if not text.startswith("Metadata Warning")]:
             raise ValueError(f"damaged tags: {lost[0]}")
         yield dict(directory)
 

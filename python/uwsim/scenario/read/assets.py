@@ -51,7 +51,7 @@ def find_yaml(source: str | Path, kind: str) -> Path:
 
 
 def find_asset(name: Path, folder: Path) -> Path | None:
-    """Return a file named in a YAML file, relative to that file's folder, or else packaged; None if not found."""
+    """Return a file named in a YAML file: relative to that file's folder or, failing that, packaged; else None."""
     for base in (folder, assets_folder()):
         path = base / name.expanduser()
         if path.is_file():

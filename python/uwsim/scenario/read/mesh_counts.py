@@ -1,4 +1,4 @@
-"""Checks that mesh files are complete, since trimesh silently reads whatever it can of a damaged file."""
+"""Checks that mesh files are complete, since trimesh silently reads as much as it can of a damaged file."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
 
     Only one of these is done at a time, so that as much as possible is checked. Return False if nothing is left to do.
     """
-    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # from the end of each list
+    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # last items first
     renamed = [each for each in ordered if (key := _meant(each)) is not None and left.rename(each.path, key)]
     if renamed:
         return True

@@ -104,7 +104,7 @@ def _explained(
     error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints
 ) -> tuple[Sequence[Key], str, Sequence[str]]:
     """Return the keys below the error's location, `= value unit` and the rule, or the mistakes of another file."""
-    if isinstance(error.get("ctx", {}).get("error"), ScenarioError):  # from a file that this one names
+    if isinstance(error.get("ctx", {}).get("error"), ScenarioError):  # from a file named in this one
         return (), "", error["ctx"]["error"].mistakes
     if error["type"] == "extra_forbidden":
         return (), "", ["unknown key" + hints.get(str(error["loc"][-1]), "")]

@@ -38,7 +38,7 @@ class FaultModel(Model):
 class ThrusterFault(FaultModel):
     """A thruster produces only a fraction of its thrust; 0: none. The allocation is not aware of it.
 
-    thruster: its name. axis: instead, for a vehicle without thrusters, the axis on which force or torque is reduced.
+    thruster: its name. axis: for a vehicle without thrusters, the axis on which force or torque is reduced.
     health: the fraction that remains.
     """
 

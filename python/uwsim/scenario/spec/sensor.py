@@ -35,7 +35,7 @@ class Noise(Model):
     sqrt(rate). turn_on_std [u]: a constant bias, drawn once per run. bias_std [u], bias_time_s: a bias that varies
     about zero, first-order Gauss-Markov. walk [u/sqrt(s)]: a bias that is a random walk from zero. instability [u]:
     flicker noise, the bias instability of data sheets: the Allan deviation where it is flat. quantum [u]: readings are
-    integer multiples of it. limits [u]: readings saturate at them.
+    integer multiples of this value. limits [u]: values at which readings saturate.
     """
 
     std: Magnitude = 0.0

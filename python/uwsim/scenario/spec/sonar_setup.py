@@ -59,10 +59,10 @@ class SonarSetup(Model):
 
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
     swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel. frequency_hz:
-    frequency, for a model with several. range_max_m: the operator's setting, for a model with a larger range: the ping
-    rate is then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a
-    wider fan and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`,
-    in which ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's
+    frequency, for a model with several. range_max_m: the operator's setting, for a model with a larger range; the
+    travel time over this range then limits the ping rate. receivers: 2 ("dual RX") for a model that can have two, with
+    a wider fan and twice the beams; by default the model's number. mode: `geometry`, one exact ray for each beam, or
+    `physics`, in which ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's
     sound-speed profile. rays_per_beam: number of rays for each footprint, in physics mode. multipath: in physics mode,
     whether echoes by more than one bounce are received; by default the model's. water_column: in physics mode, whether
     every ping contains the water column, and whether a channel provides it. tilt_rate_deg_s: tilt rate of the head,

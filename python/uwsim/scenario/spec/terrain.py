@@ -21,7 +21,8 @@ class Grid(Model):
     size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: distance between neighbouring
     heights. source: source of the heights; each source has its own keys. window_m: corners (x, y), south-west and
     north-east, of the part that is built, extended to whole cells; the heights and the world's origin are those of the
-    whole terrain. It is for flying part of a survey so large that no single process needs to hold all of it.
+    whole terrain. It allows parts of a very large survey to be flown in separate processes, none of which holds the
+    whole terrain.
     """
 
     spacing_m: Spacing = 0.5
@@ -94,8 +95,9 @@ class RasterTerrain(Grid):
     one, a file whose cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres
     by a transverse Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the
     file's own units; it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m
-    lake. vertical_scale: likewise. centre: centre of the terrain in the file's coordinates (longitude, latitude or
-    easting, northing); by default the file's centre. size_m: simulated extent; by default the largest that fits.
+    lake. vertical_scale: simulated metres per real metre of height. centre: centre of the terrain in the file's
+    coordinates (longitude, latitude or easting, northing); by default the file's centre. size_m: simulated extent; by
+    default the largest that fits.
     fill_nodata: interpolate cells without data; without it, the terrain must not include any.
     """
 

@@ -31,7 +31,7 @@ class AboardState(State):
     __pydantic_extra__: dict[str, FailsafeState]
     all_stopped: list[str] = Field(default=[])  # version 1 did not have all stop
     faults: FaultsState
-    holds: dict[str, HoldsState] = Field(default={})  # by vehicle, for vehicles with active holds
+    holds: dict[str, HoldsState] = Field(default={})  # keyed by vehicle, for vehicles with active holds
 
 
 class Aboard:

@@ -68,7 +68,7 @@ def _check_sensor(spec: SensorFault, vehicle: Vehicle) -> None:
 
 
 def lay(spec: FaultModel, vehicle: str, water_kg: float, scenario: Scenario, over: dict[str, Any]) -> None:
-    """Apply a fault's effect on top of a scenario's parameters. over: parameters by name, after earlier faults."""
+    """Apply a fault's effect on top of a scenario's parameters. over: values by name, after earlier faults."""
     model = _model(scenario, vehicle)
     if isinstance(spec, ThrusterFault):
         if spec.thruster is not None:

@@ -135,7 +135,7 @@ class Faults(Sealed):
         given = {"kind": kind, "name": name, **figures}
         begins = {} if {"at_s", "rate_per_h"} & figures.keys() else {"at_s": self._agenda.tick * step_s}
         spec = checked_fault({**given, **begins})
-        # as the journal states it, so that a replay has the same state
+        # in the journal's form, so that a replay has the same state
         spec = spec.model_copy(update={"name": spec.name or self._free_name(spec.kind)})  # type: ignore[attr-defined]
         if spec.at_s is not None and round(spec.at_s / step_s) < self._agenda.tick:
             raise ValueError(f"faults.inject: at_s = {spec.at_s} s: is in the past")

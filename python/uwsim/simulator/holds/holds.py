@@ -121,7 +121,7 @@ class Holds:
         self._aided.insist()
 
     def end(self, why: str) -> None:
-        """End all holds, leaving the actuators to whatever ended the holds."""
+        """End all holds; whatever ended them now controls the actuators."""
         if not self.targets:
             return
         names = ", ".join(self.targets)

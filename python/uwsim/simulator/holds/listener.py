@@ -1,4 +1,4 @@
-"""Listener: knows which instruments a hold needs, and notices when they fall silent."""
+"""Listener: tracks the instruments that a hold needs, and detects when they fall silent."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ COMPASS = "compass"
 class Listener:
     """Counts the control periods for which each kind of sensor has had no valid sample.
 
-    It judges only by validity, as a real vehicle would: a stuck or biased sensor goes unnoticed. silent: counts by
-    kind.
+    It checks only validity, as a real vehicle would: a stuck or biased sensor goes unnoticed. silent: counts by kind.
     """
 
     def __init__(self, vehicle: Vehicle, period_s: float) -> None:

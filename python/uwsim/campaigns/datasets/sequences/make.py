@@ -114,7 +114,7 @@ def _made(into: Path) -> Iterator[Path]:
     folder = into.with_name(into.name + UNFINISHED)
     made_folder(folder)
     with alone_in(folder), unfinished(folder):
-        for left in folder.iterdir():  # by a process that was killed
+        for left in folder.iterdir():  # left by a process that was killed
             if left.name != LOCK:
                 shutil.rmtree(left) if left.is_dir() else left.unlink()
         try:

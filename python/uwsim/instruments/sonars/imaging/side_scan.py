@@ -39,7 +39,7 @@ class SideScan(Acoustics):
 
     kind: ClassVar[str] = "side_scan"
 
-    frequency_hz: float = 450e3  # from its name
+    frequency_hz: float = 450e3  # from the instrument's name
     source_level_db: float = 210.0
     noise_level_db: float = 50.0  # as for ForwardLooking, with 15 kHz
     range_max_m: float = 50.0
