@@ -71,7 +71,7 @@ def fingerprint(
 def results(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the arrays to be hashed, in order, each with the name of the part to which it belongs.
+    """Yield the arrays to be hashed, in order, each with the name of its part.
 
     Raises the same errors as `fingerprint`.
     """

@@ -25,7 +25,7 @@ Command = Callable[[str, Mapping[str, Any]], Any]
 
 @dataclass
 class Happening:
-    """An entry in the course's log. time_s: since the beginning. kind: goal, limit, event or end."""
+    """An entry in the course's log. time_s: time since the beginning. kind: goal, limit, event or end."""
 
     time_s: float
     kind: str
@@ -135,7 +135,7 @@ class Course:
         return self.score >= self.exercise.pass_points
 
     def judge(self) -> None:
-        """Judge the current moment. Called every PERIOD_S; a jump back in time before the beginning restarts."""
+        """Judge the current moment. Called every PERIOD_S; a jump back to before the beginning restarts it."""
         sim, now = self.sim, self._now
         period_ns, step_ns = round(PERIOD_S * 1e9), round(sim.step_s * 1e9)
         self.due_tick = next_tick(sim.tick, period_ns, step_ns)

@@ -361,7 +361,7 @@ def _stations(corners: Sequence[Point3]) -> Floats:
 
 
 def inside(points: Floats, corners: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return which points (n, 2) are inside a polygon (m, 2), by the even-odd rule."""
+    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2), by the even-odd rule."""
     x, y = points.T
     inside = np.zeros(len(points), np.bool_)
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A simulator between two steps. time_s: since the exercise began. position_world_m: (3,), of the vehicle."""
+    """A simulator between two steps. time_s: time since the exercise began. position_world_m: (3,), the vehicle's."""
 
     sim: Simulator
     vehicle: Vehicle

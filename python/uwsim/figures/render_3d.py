@@ -36,8 +36,7 @@ def cast_at_world(rays: _core.RayScene) -> Cast:
 
 
 def cast_at_cubes(centres_world_m: NDArray[np.floating], edge_m: float) -> Cast:
-    """Return a function that casts rays at cubes with centres (n, 3), whose corners lie at multiples of their edge
-    length."""
+    """Return a function that casts rays at cubes with centres (n, 3), aligned to multiples of their edge length."""
     return partial(_core.VoxelScene(centres_world_m, edge_m).cast, max_range_m=FAR_M)
 
 

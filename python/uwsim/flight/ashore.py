@@ -18,7 +18,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 class Ashore:
-    """Collects a vehicle's pings as they arrive: an Observer of the simulator's journal.
+    """Collects a vehicle's pings as they arrive, as an Observer of the simulator's journal.
 
     table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
     selects what its link carries; if None, all channels that the link can carry. steps: simulator steps between

@@ -42,7 +42,7 @@ def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> Growth
 
 
 class GrowthWatch:
-    """Measures the map when due: an Observer of the simulator's journal.
+    """Measures the map when due, as an Observer of the simulator's journal.
 
     when_mapped: runs a job as soon as the map contains all pings so far. begun_tick: tick at which the flight began.
     first_tick: tick up to which `rows` already exist.

@@ -22,7 +22,7 @@ class MissionError(ValueError):
 
 
 def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
-    """Import a file and return its mission: the function of this name.
+    """Import a file and return its mission, the function with this name.
 
     Raises MissionError if the file has no usable mission, OSError if it cannot be read.
     """
@@ -104,9 +104,9 @@ def _named(error: BaseException) -> str:
 
 
 def parsed_arguments(texts: list[str], parse: Callable[[str], Any]) -> dict[str, Any]:
-    """Return the values of NAME=VALUE texts by name; a value that `parse` rejects is kept as text.
+    """Parse strings NAME=VALUE; return the values by name. A value that `parse` rejects is kept as a string.
 
-    Raises MissionError if a text is not of this form.
+    Raises MissionError if a string does not have this form.
     """
     arguments = {}
     for text in texts:

@@ -79,7 +79,7 @@ class SavedPinging:
 
 
 class Pinger:
-    """Takes one vehicle's pings: an Observer of the simulator's journal.
+    """Takes one vehicle's pings, as an Observer of the simulator's journal.
 
     vehicle: the vehicle as seen by the mission; the map is built from its estimated poses.
     """

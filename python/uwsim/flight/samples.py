@@ -121,7 +121,7 @@ class Samples:
 
 
 class Sampler:
-    """Samples a simulator's vehicles and reports changes on their panels as events: an Observer of its journal.
+    """Samples a simulator's vehicles and reports changes on their panels as events, as an Observer of its journal.
 
     vehicles: the vehicles by name, as seen by the mission. hear: receives the events. timer: measures the time spent on
     sampling. saved: by vehicle, the rows (n, columns) of the flight being resumed; that flight began at begun_tick.

@@ -12,7 +12,7 @@ CELL_M, PERIOD_S = 1.0, 1.0
 
 
 class SeenBed:
-    """Pings once a second from each vehicle's current pose: an Observer of the simulator's journal.
+    """Pings once a second from each vehicle's current pose, as an Observer of the simulator's journal.
 
     Echoes count at their true positions, regardless of the vehicles' estimates. times_s: times since the start.
     areas_m2: the area seen by then. cells: all columns with an echo.

@@ -60,7 +60,7 @@ class Header(State):
 def save_episodes(episodes: Episodes, ended: Flags) -> bytes:
     """Return everything that the episodes' future depends on. ended: (n,). Raises ValueError before the first episode.
 
-    Also raises ValueError if the task has attributes that could change and are not arrays, numbers or texts.
+    Also raises ValueError if the task has attributes that could change and are not arrays, numbers or strings.
     """
     arrays, plain = task_state(episodes.task)
     generators = [_saved_generator(episodes, k) for k in range(episodes.n)]
@@ -165,7 +165,7 @@ def _put(batch: Batch, members: list[Definition], states: list[bytes]) -> None:
 
 
 def task_state(task: Task) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Return a task's arrays, and its numbers and texts, by attribute. Raises ValueError for lists, dicts and sets."""
+    """Return a task's arrays, and its numbers and strings, by name. Raises ValueError for lists, dicts and sets."""
     arrays: dict[str, NDArray[Any]] = {}
     plain: dict[str, Any] = {}
     for name, value in vars(task).items():

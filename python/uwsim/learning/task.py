@@ -103,7 +103,7 @@ class Task(ABC):
     true motion. goal_fields: what `goal` returns.
 
     A task may have additional arrays with a row per member; `start` resets the rows of the members that begin. All of
-    its arrays, numbers and texts are part of an environment's saved state; other objects must not change.
+    its arrays, numbers and strings are part of an environment's saved state; other objects must not change.
 
     Everything that its methods return is checked: shapes, dtypes, finite values, ranges. Raises ValueError.
     """

@@ -1,4 +1,4 @@
-"""A body as points, and the poses along a path: the input with which `OccupancyMap.bodies_blocked` checks a path."""
+"""Samples a body as points and a path as poses, the input with which `OccupancyMap.bodies_blocked` checks a path."""
 
 from __future__ import annotations
 

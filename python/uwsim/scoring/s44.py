@@ -47,5 +47,5 @@ def share_within(order: Order, errors_m: NDArray[np.floating], depths_m: NDArray
 
 
 def best_order(errors_m: NDArray[np.floating], depths_m: NDArray[np.floating]) -> Order | None:
-    """Return the strictest order whose limit is met by 95 % of the errors, or None (also without any errors)."""
+    """Return the strictest order whose limit is met by 95 % of the errors, or None if there is no such order."""
     return next((order for order in ORDERS if share_within(order, errors_m, depths_m) >= CONFIDENCE), None)

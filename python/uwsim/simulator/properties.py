@@ -1,4 +1,4 @@
-"""The part of uwsim.Simulator that shows its scenario, its world and its clock."""
+"""The part of uwsim.Simulator that exposes its scenario, its world and its clock."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class Unknown:
     names: tuple[str, ...]
 
     def at(self, z: float) -> float:
-        """Return the value at z standard deviations of the prior from the file's value."""
+        """Return the value that lies z prior standard deviations from the file's value."""
         return self.value * float(np.exp(self.spread * z)) if self.positive else self.value + self.spread * z
 
     def slope(self, z: float) -> float:

@@ -1,4 +1,4 @@
-"""Reproduces published results: each figure in the paper, as a picture drawn by uwsim with its values."""
+"""Reproduces the figures in the paper: each is drawn by uwsim, together with its values."""
 
 from uwsim.evidence.reproduce.paper import reproduce_paper
 

@@ -1,4 +1,4 @@
-"""The vehicle with its movements, and a ray that finds a collision (Figs. 3 and 7)."""
+"""The vehicle with its movement vectors, and a ray that detects a collision (Figs. 3 and 7)."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def movements(sim: Simulator, path: Path) -> Figure:
 
 
 def ray(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 7, a ray that finds a collision, between rays that find none."""
+    """Draw Fig. 7, a ray that detects a collision, between rays that detect none."""
     gate = next(item for item in sim.scenario.obstacles if item.name == TARGET)
     assert isinstance(gate, Ring)
     world_from_gate = Rotation.from_euler("ZYX", gate.yaw_pitch_roll_deg, degrees=True)

@@ -72,7 +72,7 @@ def coverage(path: Path) -> Figure:
 
 
 def _beside(column: str, cell: Cell, ours_m: float, table: dict[Cell, float]) -> tuple[Any, ...]:
-    """Return a row: our value beside the table's; None where the table's is unknown."""
+    """Return a row with our value, the table's (None if unknown) and the difference in per cent."""
     known_m = table.get(cell)
     error = None if known_m is None else round(100.0 * (ours_m / known_m - 1.0), 1)
     head = column, cell.array, cell.frequency_khz, cell.water, cell.receivers
@@ -80,7 +80,7 @@ def _beside(column: str, cell: Cell, ours_m: float, table: dict[Cell, float]) ->
 
 
 def _draw_table(rows: list[tuple[Any, ...]], path: Path) -> None:
-    """Draw the rows as a table of frequencies: ours / table, "?" where the table's value is unknown."""
+    """Draw the rows as a table by frequency: our value / the table's, or "?" if that is unknown."""
     lines: dict[tuple[Any, ...], dict[int, str]] = {}
     for column, array, khz, water, receivers, known_m, ours_m, _ in rows:
         name = column if column == "depth" else f"{column}, {'one receiver' if receivers == 1 else 'two receivers'}"

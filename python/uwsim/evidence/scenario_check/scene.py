@@ -235,8 +235,7 @@ def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
 
 
 def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
-    """Return whether the thrusters can drive the vehicle ahead at a given speed through the water; always True near
-    0."""
+    """Return whether the thrusters can drive the vehicle ahead at a given speed through water; always True near 0."""
     if speed_m_s < STILL_M_S:
         return True
     ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])

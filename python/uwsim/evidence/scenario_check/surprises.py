@@ -1,4 +1,4 @@
-"""Likely oversights in a valid scenario: a wreck under the bed, a start in the ground, a camera in opaque water."""
+"""Finds likely oversights in a valid scenario, such as a wreck under the bed or a camera in opaque water."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Navigation after contacts: soon after the vehicle is free again, the filter's errors match its covariance.
+"""Checks navigation after contacts: soon after the vehicle is free, the filter's errors match its covariance.
 
 A collision exceeds the accelerometer's range, and a hull that overlaps the ground is moved and rotated by the
 contact solver without any instrument measuring it. The measure is the NEES of estimation.py, RECOVERY_S after the

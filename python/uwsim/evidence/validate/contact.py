@@ -1,4 +1,4 @@
-"""Laws of contact with the bed: impulses for the full mass matrix, energy that never increases, and rest."""
+"""Checks contact with the bed: impulses with the full mass matrix, energy that never increases, and rest."""
 
 from __future__ import annotations
 

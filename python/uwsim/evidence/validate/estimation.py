@@ -35,8 +35,7 @@ LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
 
 
 def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
-    """Return the checks of the suite; draw its curves into the folder `out`. seeds: number of flights; by default
-    SEEDS."""
+    """Return the checks of the suite; draw its curves into `out`. seeds: number of flights; by default SEEDS."""
     sim, seeds = Simulator("lake"), seeds or SEEDS
     nees = np.array([list(nees_of_a_flight(sim, seed)) for seed in range(seeds)])
     drifts = [drop_out(sim, seed) for seed in range(seeds)]

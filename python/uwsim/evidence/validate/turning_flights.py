@@ -1,4 +1,4 @@
-"""Navigation of a vehicle that turns about all axes: the filter's errors match its covariance.
+"""Checks the navigation of a vehicle that turns about all axes: the filter's errors match its covariance.
 
 An uncontrolled BlueROV2 hardly rights itself, so small torques make it roll, pitch and tumble, even upside down. Its
 DVL then loses the bottom, while the depth sensor, compass, USBL and IMU continue to measure. The measure is the NEES of

@@ -24,7 +24,7 @@ SURGE = 0
 
 @dataclass(frozen=True)
 class Mode:
-    """A real eigenvalue, or a pair of conjugate ones with a positive imaginary part, of the linear motion.
+    """A mode of the linear motion: a real eigenvalue, or a conjugate pair with its positive imaginary part.
 
     growth_1_s: real part; negative if the mode decays. frequency_rad_s: imaginary part. moves: the axis with the
     largest participation factor (these do not depend on units).

@@ -62,7 +62,7 @@ def _mount(
     beams: Floats,
     is_dvl: bool,
 ) -> Mount:
-    """Return one mount. vertices_m: (n, 3), of the hull. sides: (k, 4), planes of its convex hull."""
+    """Return one mount. vertices_m: (n, 3), the hull's vertices. sides: (k, 4), planes of its convex hull."""
     at = np.asarray(position_m, np.float64)
     outside = np.maximum(0.0, np.maximum(vertices_m.min(axis=0) - at, at - vertices_m.max(axis=0)))
     is_within = bool(np.all(sides[:, :3] @ at + sides[:, 3] <= SKIN_M))

@@ -21,8 +21,9 @@ Counts = NDArray[np.int64]
 class Arrivals(ShortRepr):
     """The arrivals at a receiver, sorted by time; each array has one value per arrival.
 
-    level_db: relative to the source's level at 1 m. phase_rad: sound sent as cos(w t) arrives as cos(w (t - time_s) -
-    phase_rad). launch_rad, arrival_rad: below the horizontal, in the direction of travel. turns: turning points.
+    level_db: level relative to the source's at 1 m. phase_rad: sound sent as cos(w t) arrives as cos(w (t - time_s) -
+    phase_rad). launch_rad, arrival_rad: angles below the horizontal, in the direction of travel. turns: number of
+    turning points.
     """
 
     time_s: Floats

@@ -109,7 +109,7 @@ def _mounted(lamps: Lamps) -> list[_core.SpotLamp]:
 
 
 class _Once:
-    """Calls a function once for each first argument, by identity, since hashing models takes longer than a look-up."""
+    """Calls a function once per first argument, compared by identity, since hashing models would take longer."""
 
     def __init__(self, make: Callable[..., Any]) -> None:
         self._make = make

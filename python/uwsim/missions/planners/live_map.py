@@ -42,7 +42,7 @@ class LiveMap:
 
     @property
     def tops_m(self) -> dict[Cell, float]:
-        """Height of the highest occupied voxel in each column that has one; at most LOOK_PERIOD_S old."""
+        """Height of the highest occupied voxel in each column that has one, at most LOOK_PERIOD_S out of date."""
         if self._vehicle.time_s >= self._next_look_s:
             self._next_look_s = self._vehicle.time_s + LOOK_PERIOD_S
             self._tops = self._read_tops()

@@ -31,7 +31,7 @@ def size_text(size_m: Floats) -> str:
 
 
 def question_of_factor(factor: float, mesh_scale: float) -> str:
-    """Return a question about the mesh unit if a unit explains this factor in lengths; otherwise an empty string."""
+    """Return the end of a message, "is its mesh in mm?", if a unit explains this factor in lengths, else ""."""
     unit = next((unit for unit, metres in UNITS.items() if 0.9 <= factor / metres <= 1.1), None)
     return "" if unit is None else _question([unit], mesh_scale)
 
@@ -101,14 +101,15 @@ def require_solid_fits(name: str, vertices_m: Floats, terrain: Terrain) -> None:
 
 
 def _of_size(longest_m: float, mesh_scale: float) -> str:
-    """Return a question about the unit of a hull that is too long, or an empty string if no unit explains it."""
+    """Return such a question for a hull that is too long, or an empty string if no unit explains its length."""
     low, high = LENGTHS_M
     units = [unit for unit, metres in UNITS.items() if low <= longest_m * metres <= high]
     return "" if longest_m <= HUGE_M or not units else _question(units, mesh_scale)
 
 
 def _of_density(density_kg_m3: float, mesh_scale: float) -> str:
-    """Return a question about the unit with the most plausible density (closest to water), or an empty string."""
+    """Return such a question for the unit whose density is the most plausible (closest to water's), or an empty
+    string."""
     if density_kg_m3 > DENSITIES_KG_M3[1]:
         return _too_small(mesh_scale) if mesh_scale != 1.0 else ": is the mass in kg and the mesh in metres?"
     water, (low, high) = 1000.0, DENSITIES_KG_M3

@@ -211,7 +211,7 @@ def _opened(path: Path) -> DatasetReader:
 
 
 def _filled(elevations: FloatGrid) -> FloatGrid:
-    """Return the elevations with their gaps interpolated, unless all of it is a gap."""
+    """Return the elevations with their gaps interpolated, unless there are only gaps."""
     has_data = np.isfinite(elevations)
     if has_data.all() or not has_data.any():
         return elevations

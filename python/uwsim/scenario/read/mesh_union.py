@@ -95,7 +95,7 @@ def crossings(vertices: Vertices, faces: Faces) -> int:
 def _flat_boxes_meet(
     face_low: Vertices, face_high: Vertices, edge_low: Vertices, edge_high: Vertices
 ) -> NDArray[np.bool_]:
-    """Return a mask of box pairs that meet where either is flat along an axis: open intervals would not overlap."""
+    """Return a mask of box pairs that touch along an axis on which one is flat, where open intervals cannot overlap."""
     meet = ((face_low <= edge_high) & (edge_low <= face_high)).all(axis=1)
     flat = ((face_low == face_high) | (edge_low == edge_high)).any(axis=1)
     return np.asarray(meet & flat, np.bool_)

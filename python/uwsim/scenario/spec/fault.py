@@ -98,7 +98,7 @@ class BatteryFault(FaultModel):
 
 
 class LeakFault(FaultModel):
-    """Water enters, and remains when the leak ends: weight without buoyancy.
+    """Water enters, and remains after the leak ends; it adds weight but no buoyancy.
 
     kg_per_s: the inflow. kg_max: the mass at which the compartment is full. position_m: where the water collects, in
     the body frame; by default at the centre of mass.

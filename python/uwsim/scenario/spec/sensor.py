@@ -34,8 +34,8 @@ class Noise(Model):
     std [u]: white noise of each sample. density [u/sqrt(Hz)]: white noise as in data sheets; std = density x
     sqrt(rate). turn_on_std [u]: a constant bias, drawn once per run. bias_std [u], bias_time_s: a bias that varies
     about zero, first-order Gauss-Markov. walk [u/sqrt(s)]: a bias that is a random walk from zero. instability [u]:
-    flicker noise, the bias instability of data sheets: the Allan deviation where it is flat. quantum [u]: readings are
-    integer multiples of this value. limits [u]: values at which readings saturate.
+    flicker noise, called bias instability in data sheets: the flat minimum of the Allan deviation. quantum [u]:
+    readings are integer multiples of this value. limits [u]: values at which readings saturate.
     """
 
     std: Magnitude = 0.0

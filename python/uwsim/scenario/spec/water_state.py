@@ -1,4 +1,4 @@
-"""Density, temperature and salinity of water: missing values derived (EOS-80), specified ones checked for agreement."""
+"""Derives missing values of density, temperature and salinity (EOS-80), and checks that specified values agree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Things in the water that only sonars receive: schools of fish and the bubbles of seeps, as point targets."""
+"""Targets in the water that only sonars detect: schools of fish and the bubbles of seeps, as points."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class School(Model):
 
 
 class Seep(Model):
-    """A plume of bubbles, which rise from a source and begin again at the top.
+    """A plume of bubbles that rise from a source; a bubble that reaches the top starts again at the source.
 
     position_m: the source. height_m, top_diameter_m: size of the cone that the plume fills. count: number of bubbles.
     target_strength_db: target strength of each bubble, re 1 m2; by default a^2 / 4 for a radius a of 2 mm, the

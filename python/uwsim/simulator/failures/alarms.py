@@ -112,7 +112,7 @@ class Alarms:
 
 
 def _never_repeats(mount: SensorMount) -> bool:
-    """Return whether noise makes successive samples of a sensor differ: if any channel has noise and no rounding."""
+    """Return whether successive samples of a sensor always differ, because a channel has noise and no rounding."""
     if mount.noise_std is not None:
         return mount.noise_std > 0
     errors = [mount.noise, *mount.channels.values()]

@@ -118,7 +118,7 @@ def rms_deg(trial: Trial, constant_nm: Array) -> Array:
 
 
 def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw a judged trial and all errors into the folder `out`."""
+    """Return the checks; draw one of the tested trials, and all errors, into the folder `out`."""
     trials = read_trials((data / FILE).parent)
     halves = trials[::2], trials[1::2]
     fits = [fitted_nm(half) for half in halves]
