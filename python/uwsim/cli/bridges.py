@@ -56,7 +56,7 @@ FoxglovePort = Annotated[int | None, typer.Option(help="Port for Foxglove. Defau
 
 
 def need_subnet(ros_reach: str | None, ros_peer: Sequence[str] | None) -> None:
-    """Raise WithoutEffectError if peers are named but the reach is only this machine."""
+    """Raise WithoutEffectError if peers are given although only this machine can be reached."""
     if ros_reach in (None, "localhost"):
         need("--ros-reach subnet", ros_peer=ros_peer)
 

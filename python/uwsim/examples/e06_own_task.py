@@ -22,8 +22,8 @@ class StandOff(Task):
     """Hold 3 m off a wall, facing it. The wall is observed only by sonar.
 
     Start: 2 to 8 m off the wall, heading within 40 degrees of its normal. Reward per step: (1 + cos heading error) / 2
-    / (1 + error / 0.5 m) - 0.02 x the mean square of the efforts. Termination: a collision, 8 m too far, or past the
-    wall's ends.
+    / (1 + error / 0.5 m) - 0.02 x the mean square of the efforts. Termination: a collision, a distance 8 m too large,
+    or a position beyond the wall's ends.
     """
 
     scenario = TANK

@@ -69,7 +69,7 @@ def beam_ends_m(ping: FanPing, range_max_m: float) -> tuple[NDArray[np.float64],
 
 
 def _level_axes(ping: FanPing) -> NDArray[np.float64]:
-    """Return the starboard and forward directions as rows (2, 2) of east and north.
+    """Return the starboard and forward directions as rows (2, 2), each with its components to the east and north.
 
     Forward is the sonar's x axis, seen from above.
     """

@@ -1,4 +1,4 @@
-"""Division of observations by the usual sizes of their values, so that learners receive numbers of the order of 1."""
+"""Divides observations by the usual sizes of their values, so that learners receive numbers of about 1."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finds likely oversights in a valid vehicle file, such as a hull upside down at rest or a propeller far from the hull."""
+"""Finds likely oversights in a valid vehicle file, such as a hull that rests upside down or a propeller far from it."""
 
 from __future__ import annotations
 

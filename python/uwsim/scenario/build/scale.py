@@ -108,8 +108,7 @@ def _of_size(longest_m: float, mesh_scale: float) -> str:
 
 
 def _of_density(density_kg_m3: float, mesh_scale: float) -> str:
-    """Return such a question for the unit whose density is the most plausible (closest to water's), or an empty
-    string."""
+    """Return such a question for the unit with the most plausible density (closest to water's), or an empty string."""
     if density_kg_m3 > DENSITIES_KG_M3[1]:
         return _too_small(mesh_scale) if mesh_scale != 1.0 else ": is the mass in kg and the mesh in metres?"
     water, (low, high) = 1000.0, DENSITIES_KG_M3
