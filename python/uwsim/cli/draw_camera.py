@@ -40,7 +40,7 @@ def draw(
 ) -> list[Frame]:
     """Capture the pictures, write them side by side to out (.png or .jpg, atomically) and return them.
 
-    Raises ValueError for unknown names, malformed poses and positions below the ground, OSError.
+    Raises OSError, and ValueError for unknown names, malformed poses and positions below the ground.
     """
     check_suffix("out", out)
     if not out.parent.is_dir():

@@ -17,7 +17,8 @@ class FlightClock:
 
     Waits are rounded to whole steps, at least one; rounding errors do not accumulate. end_tick: the tick at which the
     flight ends; end_because: the reason to report. on_pause: called after each wait, before the mission continues; may
-    raise FlightOverError. physics: times the steps. phase: the phase of a saved clock to continue from.
+    raise FlightOverError. physics: measures the wall time of the steps. phase: the phase of a saved clock to continue
+    from.
     """
 
     def __init__(

@@ -68,7 +68,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
     def save_state(self) -> bytes:
         """Save everything that the episode and those after it depend on. Raises ValueError before the first reset.
 
-        The same environment, or another one made in the same way, continues from it to the last bit.
+        The same environment, or another one made in the same way, can continue from it with bit-identical results.
         """
         return save_episodes(self.episodes, np.array([self._ended]))
 

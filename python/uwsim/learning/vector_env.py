@@ -125,7 +125,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
     def save_state(self) -> bytes:
         """Save everything that the episodes of all members depend on. Raises ValueError before the first reset.
 
-        The same environment, or another one made in the same way, continues from it to the last bit.
+        The same environment, or another one made in the same way, can continue from it with bit-identical results.
         """
         return save_episodes(self.episodes, self._ended)
 

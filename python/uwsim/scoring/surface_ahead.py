@@ -16,7 +16,7 @@ from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 class SurfaceAhead:
     """Samples a world's surface in an area, and measures its distance from the voxels that contain echoes.
 
-    A score that receives this object computes only what has not been done yet, with the same result. Not thread-safe.
+    A score that receives this object computes only the remaining part, with the same result. Not thread-safe.
     voxels: the map's voxels, resolution_m wide. area_world_m: (k, 2), the polygon to be scored.
     """
 

@@ -47,8 +47,8 @@ AXIS_UNITS = {
 class Unknown:
     """A quantity to be identified.
 
-    name: such as added_mass.surge. names: the simulator's parameters that it sets. spread: standard deviation of the
-    prior, of the logarithm if `positive`. scale: factor from the identified value to each parameter.
+    name: its name, such as added_mass.surge. names: the simulator's parameters that it sets. spread: standard deviation
+    of the prior, of the logarithm if `positive`. scale: factor from the identified value to each parameter.
     """
 
     name: str

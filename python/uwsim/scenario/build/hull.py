@@ -28,7 +28,7 @@ vehicle."""
 class RigidBody:
     """The mass properties of a vehicle, body frame.
 
-    centre_of_buoyancy_m: (3,), of the fully submerged hull. inertia_kg_m2: (3,), about the centre of mass along the
+    centre_of_buoyancy_m: (3,), for the fully submerged hull. inertia_kg_m2: (3,), about the centre of mass along the
     body axes.
     """
 

@@ -18,8 +18,8 @@ class FaultModel(Model):
 
     name: name in the log; by default its kind, or kind_2 and so on if there are several of a kind. vehicle: name of the
     vehicle, by default the first. at_s: when it begins; either this or rate_per_h. rate_per_h: mean number of
-    occurrences per hour, at random times (exponential intervals, from the seed). for_s: its duration; by default until
-    the end.
+    occurrences per hour, at random times (exponential intervals, drawn with the seed). for_s: its duration; by default
+    until the end.
     """
 
     name: Name | None = None

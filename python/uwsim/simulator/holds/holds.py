@@ -34,7 +34,7 @@ class Holds:
 
     targets: the target of each active hold: yaw [rad], z for the depth [m], altitude [m], x and y [m], speed ahead
     [m/s]; None while the stick moves the vehicle or the vehicle comes to rest. note: why the last hold was lost or
-    changed; "" if none was.
+    changed; "" if none has been.
     """
 
     def __init__(self, vehicle: Vehicle, *, agenda: Agenda, events: EventLog, step_s: float) -> None:
