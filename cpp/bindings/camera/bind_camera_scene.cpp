@@ -1,10 +1,10 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +15,6 @@
 #include "bindings/core/convert.h"
 #include "uwsim/camera/renderer.h"
 #include "uwsim/core/names.h"
-#include "uwsim/core/parallel.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -78,8 +77,7 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
 /// A lamp that is mounted on a vehicle, given by its index; the lamp's pose is that on the vehicle.
 using MountedLamp = std::pair<std::size_t, SpotLamp>;
 
-/// Pictures in colour of several scenes, each with its own camera; each thread takes the next picture when it has
-/// finished one.
+/// Pictures in colour of several scenes, each with its own camera.
 py::array_t<std::uint8_t> render_many(
     const std::vector<std::optional<std::shared_ptr<CameraScene>>>& scenes,
     const std::vector<std::shared_ptr<Camera>>& cameras, const std::vector<Optics>& optics,
@@ -103,10 +101,12 @@ py::array_t<std::uint8_t> render_many(
   require(poses.size() == count, "positions_m.size", poses.size(), "must equal the number of scenes");
   require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
   const Effects on = as_effects(effects);
-  std::vector<PictureRequest> requests(count);
+  std::vector<PictureJob> jobs(count);
   for (std::size_t k = 0; k < count; ++k) {
+    require(cameras[k] != nullptr, "cameras[" + std::to_string(k) + "]", "none", "must be a camera");
+    jobs[k] = {scenes[k] ? scenes[k]->get() : nullptr, cameras[k].get(), &optics[k], {}};
     const auto row = static_cast<py::ssize_t>(k);
-    PictureRequest& request = requests[k];
+    PictureRequest& request = jobs[k].request;
     request.world_from_camera = poses[k];
     request.velocity_camera = Vector6d::Map(velocities.data(row));
     require(request.velocity_camera.allFinite(), "velocities_camera", request.velocity_camera.transpose(),
@@ -126,29 +126,13 @@ py::array_t<std::uint8_t> render_many(
       request.lamps.push_back(placed);
     }
     request.hidden_vehicle = hidden_vehicle;
-    require(cameras[k] != nullptr, "cameras[" + std::to_string(k) + "]", "none", "must be a camera");
-    require(
-        cameras[k]->lens().width == cameras[0]->lens().width && cameras[k]->lens().height == cameras[0]->lens().height,
-        "cameras[" + std::to_string(k) + "]", "of another size", "must be as large as the first");
   }
   const py::ssize_t height = count == 0 ? 0 : cameras[0]->lens().height;
   const py::ssize_t width = count == 0 ? 0 : cameras[0]->lens().width;
   py::array_t<std::uint8_t> pictures({n, height, width, py::ssize_t{3}});
-  std::uint8_t* const out = pictures.mutable_data();
+  const std::span<std::uint8_t> out(pictures.mutable_data(), static_cast<std::size_t>(pictures.size()));
   without_gil([&] {
-    parallel_batches(count, 1, threads, [&](std::size_t k, std::size_t, std::size_t) {
-      const std::size_t bytes = 3 * static_cast<std::size_t>(height * width);
-      if (!scenes[k]) {
-        std::fill_n(out + k * bytes, bytes, std::uint8_t{0});
-        return;
-      }
-      try {
-        const Picture picture = render(**scenes[k], *cameras[k], optics[k], requests[k], nullptr);
-        std::copy(picture.rgb.begin(), picture.rgb.end(), out + k * bytes);
-      } catch (const InvalidValue& error) {
-        throw InvalidValue("batch[" + std::to_string(k) + "]: " + error.what());
-      }
-    });
+    render_colours(jobs, threads, out);
     return 0;
   });
   return pictures;

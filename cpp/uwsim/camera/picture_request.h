@@ -25,6 +25,8 @@ struct PictureRequest {
   std::vector<Pose> world_from_vehicles;      ///< poses of all CameraScene::vehicles, or empty
   std::optional<std::size_t> hidden_vehicle;  ///< the vehicle that carries the camera and is not visible to it
   bool geometry_only = false, keep_radiance = false;
+  /// If set, the colours are written here, height x width x 3, and the picture that is returned is empty.
+  std::uint8_t* rgb = nullptr;
   bool measure = false;                      ///< fill RenderCost::seconds
   RayRecord* record = nullptr;               ///< if set, only one thread may be used
   const camera::Kernels* kernels = nullptr;  ///< if null, the fastest that this CPU supports; all produce the same bits

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <string>
+#include <vector>
 
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/camera/development.h"
@@ -12,6 +15,7 @@
 #include "uwsim/camera/shafts.h"
 #include "uwsim/camera/tracer.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
 
 namespace uwsim {
 namespace {
@@ -41,7 +45,8 @@ class Rendering {
         view_(prepared_.view),
         tracer_(scene, prepared_.anchor_world_m, request),
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
-        classes_(scene.classes_by_label()) {
+        classes_(scene.classes_by_label()),
+        keeps_geometry_(request.rgb == nullptr || on(Effect::kParticles)) {
     timer_.add(kPrepare);
   }
 
@@ -82,12 +87,14 @@ class Rendering {
 
   void allocate() {
     const auto pixels = static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height);
-    picture_.width = view_.width;
-    picture_.height = view_.height;
-    picture_.depth_m.resize(pixels);
-    picture_.normals_world.resize(3 * pixels);
-    picture_.labels.resize(pixels);
-    picture_.classes.resize(pixels);
+    if (keeps_geometry_) {
+      picture_.width = view_.width;
+      picture_.height = view_.height;
+      picture_.depth_m.resize(pixels);
+      picture_.normals_world.resize(3 * pixels);
+      picture_.labels.resize(pixels);
+      picture_.classes.resize(pixels);
+    }
     if (request_.geometry_only) return;
     scatters_ = on(Effect::kForwardScatter) && optics_.forward_scatter_rad > 0 && view_.camera_in_water &&
                 view_.has_attenuation;
@@ -126,7 +133,7 @@ class Rendering {
       cost.primary_rays += count(block.active);
       timer.add(kPrimaryRays);
       locate_hits(hits, block);
-      if (is_middle_) kernels_.write_geometry(view_, left, top, block, geometry);
+      if (keeps_geometry_ && is_middle_) kernels_.write_geometry(view_, left, top, block, geometry);
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;
@@ -218,9 +225,10 @@ class Rendering {
   void develop() {
     radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
     picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_,
-                                  picture_.depth_m.size() * static_cast<std::size_t>(parts_));
-    picture_.rgb.resize(3 * picture_.depth_m.size());
-    if (request_.keep_radiance) picture_.radiance.resize(picture_.rgb.size());
+                                  bands_[0].size() * static_cast<std::size_t>(parts_));
+    if (request_.rgb == nullptr) picture_.rgb.resize(3 * bands_[0].size());
+    std::uint8_t* const rgb = request_.rgb == nullptr ? picture_.rgb.data() : request_.rgb;
+    if (request_.keep_radiance) picture_.radiance.resize(3 * bands_[0].size());
     const camera::Development development = development_of(camera_, request_, scene_.seed(), picture_.gain);
     constexpr int kRows = 16;
     for_rows((view_.height + kRows - 1) / kRows, threads_, [&](int band, int worker) {
@@ -229,7 +237,7 @@ class Rendering {
       draw_particles(particles_, picture_.depth_m, view_, first, last, radiance_);
       timer.add(kParticles);
       for (int row = first; row < last; ++row) {
-        kernels_.develop_row(view_, development, radiance_, row, picture_.rgb.data());
+        kernels_.develop_row(view_, development, radiance_, row, rgb);
         if (request_.keep_radiance) keep_radiance(row);
       }
       timer.add(kDevelopment);
@@ -263,6 +271,7 @@ class Rendering {
   Tracer tracer_;
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
+  const bool keeps_geometry_;  // without it, particles cannot be drawn
   Picture picture_;
   std::array<ImageBuffer<float>, 3> bands_, exposed_;
   bool scatters_ = false;
@@ -289,6 +298,31 @@ Picture render(const CameraScene& scene, const Camera& camera, const Optics& opt
   }
   require(request.record == nullptr || request.threads == 1, "threads", request.threads, "must be 1 to record rays");
   return Rendering(scene, camera, optics, request).render(cost);
+}
+
+void render_colours(std::span<PictureJob> jobs, int threads, std::span<std::uint8_t> rgb) {
+  if (jobs.empty()) return;
+  const std::size_t bytes = rgb.size() / jobs.size();
+  std::vector<std::exception_ptr> errors(jobs.size());
+  parallel_batches(jobs.size(), 1, threads, [&](std::size_t k, std::size_t, std::size_t) {
+    PictureJob& job = jobs[k];
+    const std::span<std::uint8_t> own = rgb.subspan(k * bytes, bytes);
+    if (job.scene == nullptr) return std::fill(own.begin(), own.end(), std::uint8_t{0});
+    const std::string name = "batch[" + std::to_string(k) + "]";
+    try {
+      const Lens& lens = job.camera->lens();
+      const std::size_t pixels = static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
+      require(3 * pixels == bytes, "camera '" + job.camera->name() + "'", "of another size",
+              "must be as large as the first");
+      job.request.rgb = own.data();
+      render(*job.scene, *job.camera, *job.optics, job.request);
+    } catch (const InvalidValue& error) {
+      errors[k] = std::make_exception_ptr(InvalidValue(name + ": " + error.what()));
+    }
+  });
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
 }
 
 }  // namespace uwsim

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "uwsim/camera/camera.h"
 #include "uwsim/camera/camera_scene.h"
 #include "uwsim/camera/optics.h"
@@ -18,5 +21,18 @@ namespace uwsim {
 /// the camera is below the ground; inside another solid, it sees the inside of that solid.
 Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request,
                RenderCost* cost = nullptr);
+
+/// What one of several pictures shows; without a scene, it is black.
+struct PictureJob {
+  const CameraScene* scene = nullptr;
+  const Camera* camera = nullptr;
+  const Optics* optics = nullptr;
+  PictureRequest request;
+};
+
+/// Renders the colours of several pictures, each on one thread: those that `render` returns, one after the other in
+/// `rgb`. The cameras have the same size, width x height. If some fail, the others are rendered; then throws
+/// InvalidValue for the first that failed, naming it as batch[3].
+void render_colours(std::span<PictureJob> jobs, int threads, std::span<std::uint8_t> rgb);
 
 }  // namespace uwsim

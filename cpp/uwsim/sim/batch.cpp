@@ -17,6 +17,7 @@ namespace {
 // few shares, the threads that finish first would wait a long time for the last share.
 constexpr std::size_t kSharesPerThread = 32;
 constexpr std::size_t kStepsWorthThreads = 256;  // over all members; fewer steps take less time than starting a thread
+constexpr std::size_t kReadsWorthThreads = 64;   // members whose motion is read
 constexpr std::size_t kAxes = 6;
 constexpr std::array<const char*, kAxes> kAxisNames = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 
@@ -144,7 +145,7 @@ void Batch::step_each(std::span<const std::uint64_t> counts) {
 }
 
 void Batch::motion(std::size_t vehicle, const MotionRows& rows) const {
-  each(all_, 1, [&](std::size_t k, std::size_t) {
+  each(all_, size() < kReadsWorthThreads ? 1 : threads_, [&](std::size_t k, std::size_t) {
     const Simulation& simulation = *members_[k];
     const BodyState& state = simulation.state(vehicle);
     rows.times_ns[k] = simulation.time_ns();

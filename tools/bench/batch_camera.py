@@ -1,0 +1,138 @@
+"""Pictures of 84 x 84 pixels from all members of a batch, compared with Embree alone casting the same rays.
+
+The members are those of the pipeline environment, shortly after their random starts, with the effects of its
+observations. The cases alternate within one run, on one thread and on two; results are medians over the rounds, and
+ratios are computed per round. A step is one of the environment, which includes twenty steps of the dynamics.
+"""
+
+from __future__ import annotations
+
+import json
+import runpy
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+import uwsim.learning  # noqa: F401, registers the environments
+from uwsim import Batch
+from uwsim.learning.eye import EFFECTS
+
+console = Console()
+
+MEMBERS, SIDE = 256, 84
+THREADS = (1, 2)
+PACKET = np.dtype([("kind", "<i4"), ("active", "<i4", 16), ("origin", "<f4", (3, 16)), ("others", "<f4", (5, 16))])
+GOAL = 4000.0  # environment steps of all members a second, on two threads
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often to measure each case; medians are reported.")] = 9,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
+) -> None:
+    """Measure all cases alternately and print medians."""
+    camera = runpy.run_path(str(Path(__file__).with_name("camera.py")))
+    cases: dict[str, Callable[[], float]] = {}
+    peers = []
+    with tempfile.TemporaryDirectory() as folder:
+        for threads in THREADS:
+            env = gymnasium.make_vec("uwsim/PipelineFollowing-v1", MEMBERS, threads=threads, camera="front").unwrapped
+            env.reset(seed=0)
+            env.step(np.zeros(env.action_space.shape, np.float32))
+            cases[f"pictures, threads = {threads}"] = pictures(env.episodes.batch)
+            if threads == THREADS[0] and (program := camera["bare_rays_program"]()) is not None:
+                file = Path(folder) / "rays"
+                rays = write_rays(file, env.episodes.batch)
+                for count in THREADS:
+                    peers.append(camera["BareEmbree"]([str(program), str(file), str(count), "quads"]))
+                    cases[f"Embree alone, threads = {count}"] = peers[-1]
+            cases[f"environment steps, threads = {threads}"] = steps(env)
+        if not peers:
+            console.print("skipping Embree alone: embree_bare_rays is not installed with the package (run tools/setup)")
+        per_round = [{name: measure() for name, measure in cases.items()} for _ in range(rounds + 1)][1:]
+        for peer in peers:
+            peer.close()
+    figures = {name: statistics.median(turn[name] for turn in per_round) for name in cases}
+    ratios = compared(per_round)
+    if peers:
+        console.print(f"{MEMBERS} pictures of {SIDE} x {SIDE} pixels: {rays:,} rays")
+    console.print(_table(figures, ratios))
+    if json_file is not None:
+        json_file.write_text(json.dumps({"seconds": figures, "ratios": ratios}, indent=2) + "\n", encoding="utf-8")
+
+
+def pictures(batch: Batch) -> Callable[[], float]:
+    """Return a function that renders a picture of each member and returns the seconds of wall time."""
+    return lambda: timed(lambda: batch.capture("front", EFFECTS, size=(SIDE, SIDE)))
+
+
+def steps(env: Any) -> Callable[[], float]:
+    """Return a function that takes an environment step in each member and returns the seconds of wall time."""
+    actions = np.zeros(env.action_space.shape, np.float32)
+    return lambda: timed(lambda: env.step(actions))
+
+
+def timed(call: Callable[[], object]) -> float:
+    """Return the seconds of wall time that a call takes."""
+    begun = time.perf_counter()
+    call()
+    return time.perf_counter() - begun
+
+
+def write_rays(file: Path, batch: Batch) -> int:
+    """Write the world's surface and the ray packets of all members' pictures for the peer; return the rays' number."""
+    packets, first_eye = [], None
+    for k in range(batch.n):
+        own, eye = batch.aboard(k).rov.cameras["front"].resized(SIDE, SIDE).record_rays(EFFECTS)
+        first_eye = eye if first_eye is None else first_eye
+        packets.append(np.frombuffer(own, PACKET).copy())
+        packets[-1]["origin"] += (eye - first_eye).astype(np.float32)[:, None]
+    vertices, triangles, _ = batch.world.surface_mesh()
+    every = np.concatenate(packets)
+    with file.open("wb") as out:
+        np.array([len(vertices), len(triangles), len(every)], np.uint64).tofile(out)
+        (vertices - first_eye).astype(np.float32).tofile(out)
+        triangles.astype(np.uint32).tofile(out)
+        every.tofile(out)
+    return int(np.count_nonzero(every["active"]))
+
+
+def compared(per_round: list[dict[str, float]]) -> dict[str, float]:
+    """Return medians of the per-round ratios."""
+
+    def ratio(one: str, other: str) -> float:
+        return statistics.median(turn[one] / turn[other] for turn in per_round)
+
+    ratios = {}
+    for threads in THREADS:
+        if (peer := f"Embree alone, threads = {threads}") in per_round[0]:
+            ratios[f"pictures / Embree alone, threads = {threads}"] = ratio(f"pictures, threads = {threads}", peer)
+    for case in ("pictures", "Embree alone", "environment steps"):
+        if f"{case}, threads = 1" in per_round[0]:
+            ratios[f"{case}, two threads over one"] = ratio(f"{case}, threads = 1", f"{case}, threads = 2")
+    return ratios
+
+
+def _table(figures: dict[str, float], ratios: dict[str, float]) -> Table:
+    table = Table("case", "us a member", "members/s", "goal", title="medians, wall time")
+    for name, seconds in figures.items():
+        rate = MEMBERS / seconds
+        goal = f"{GOAL:,.0f}: {'met' if rate >= GOAL else 'missed'}" if name == "environment steps, threads = 2" else ""
+        table.add_row(name, f"{1e6 * seconds / MEMBERS:.0f}", f"{rate:,.0f}", goal)
+    for name, ratio in ratios.items():
+        table.add_row(name, f"{ratio:.2f}", "", "")
+    return table
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench batch_camera")
