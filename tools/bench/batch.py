@@ -1,7 +1,8 @@
 """The cost of a step per batch member relative to a single simulator, by batch size and threads; memory per member.
 
 The cases alternate in each round, and medians are reported. Vehicles are in open water; random efforts change every
-10 steps. Members with faults or a failsafe, and pings, are compared with plain members on one thread by processor time.
+10 steps. What two threads gain is compared with what this machine gains from two batches of half the size, each on a
+thread of its own, which never wait for each other. Members with faults or a failsafe, and pings, are compared with plain members on one thread by processor time.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import gc
 import json
 import statistics
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated
 
@@ -29,6 +31,7 @@ console = Console()
 HELD_STEPS = 10
 START_M = (-60.0, -28.0, -10.0)  # in the middle of the lake's water
 PAGE_KB = 4
+MANY = 256
 FEW = 32  # members with faults or a failsafe
 PROGRAMS_S = 5.0
 CONTROLLED, PERIODS = 256, 100
@@ -54,7 +57,7 @@ def main(
     """Measure all cases alternately and print medians."""
     lone = Simulator(scenario, threads=1)
     lone.rov.place(START_M)
-    cases = [(n, threads) for n in (1, 16, 256) for threads in (1, 2) if n >= threads]
+    cases = [(n, threads) for n in (1, 16, MANY) for threads in (1, 2) if n >= threads]
     batches = {case: placed(scenario, *case) for case in cases}
     per_round = [
         {"lone": loop_s(lone, steps), **{case: batch_s(batch, steps) for case, batch in batches.items()}}
@@ -70,13 +73,14 @@ def main(
         table.add_row(name, f"{rate:,.0f}", f"{ratio:.2f}")
     figures["member_kb"] = member_kb(scenario)
     console.print(table)
+    figures |= two_threads(batches[MANY, 1], batches[MANY, 2], rounds, steps)
     figures |= programs(scenario, rounds) | pings(scenario, rounds) | control(scenario, rounds)
     console.print(f"a member of 256, its sensors read once: {figures['member_kb']:.0f} kB of resident memory")
     if json_file is not None:
         json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
 
 
-def placed(scenario: str, n: int, threads: int) -> Batch:
+def placed(scenario: str | Scenario, n: int, threads: int) -> Batch:
     """Return a batch in open water."""
     batch = Batch(scenario, n=n, threads=threads)
     batch.place(START_M)
@@ -105,6 +109,22 @@ def batch_s(batch: Batch, steps: int) -> float:
         batch.step(HELD_STEPS, effort)
         batch.observe()
     return (time.perf_counter() - begin) / (calls * HELD_STEPS * batch.n)
+
+
+def two_threads(one: Batch, two: Batch, rounds: int, steps: int) -> dict[str, float]:
+    """Return how much faster two threads are than one, and how much faster they could be on this machine, wall time."""
+    halves = [placed(one.scenario, MANY // 2, 1) for _ in range(2)]
+    gains, limits = [], []
+    with ThreadPoolExecutor(2) as pool:
+        for _ in range(2 * rounds):
+            gains.append(batch_s(one, steps) / batch_s(two, steps))
+            alone_s = batch_s(halves[0], steps)
+            limits.append(2 * alone_s / max(pool.map(batch_s, halves, (steps, steps))))
+    gain, limit = statistics.median(gains), statistics.median(limits)
+    share = statistics.median(gain / limit for gain, limit in zip(gains, limits, strict=True))
+    console.print(f"n = {MANY}: two threads over one {gain:.2f}; two batches of half the size, apart {limit:.2f}")
+    console.print(f"share of what this machine gains {share:.2f}")
+    return {"two_threads/one": gain, "two_batches/one": limit, "two_threads/two_batches": share}
 
 
 def programs(scenario: str, rounds: int) -> dict[str, float]:

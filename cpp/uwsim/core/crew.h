@@ -32,7 +32,7 @@ class Crew {
   struct Task {
     const std::function<void(std::size_t)>& job;
     std::size_t threads;
-    std::size_t begun = 1;  // job(0) has begun
+    std::size_t begun = 1;                 // job(0) has begun
     std::atomic<std::size_t> running = 0;  // without job(0)
   };
 

@@ -6,6 +6,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "uwsim/core/crew.h"
 
@@ -14,29 +15,41 @@ namespace uwsim {
 /// The number of threads that this machine can run concurrently, at least 1.
 inline int usable_threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
-/// Calls job(part, worker) for each part in [0, parts), on up to `threads` threads, each of which takes the next part
-/// when it has finished one. Workers are numbered from 0, which is the calling thread. Returns when all parts are done.
-/// An exception stops the other threads after their current part; the first one is rethrown.
+/// Calls job(part, worker) for each part in [0, parts), on up to `threads` threads. Each takes the parts of a share of
+/// its own, in order, and then those that the others have left. A loop that is repeated over the same items thus finds
+/// most of them in the cache of the core that used them last. Workers are numbered from 0, which is the calling thread.
+/// Returns when all parts are done. An exception stops the other threads after their current part; the first one is
+/// rethrown.
 template <typename Job>
 void parallel_parts(std::size_t parts, int threads, const Job& job) {
+  const std::size_t workers = std::clamp<std::size_t>(parts, 1, static_cast<std::size_t>(std::max(threads, 1)));
+  if (workers == 1) {
+    for (std::size_t part = 0; part < parts; ++part) job(part, std::size_t{0});
+    return;
+  }
+  struct alignas(64) Share {  // in a cache line of its own
+    std::atomic<std::size_t> next;
+    std::size_t end;
+  };
+  std::vector<Share> shares(workers);
+  for (std::size_t k = 0; k < workers; ++k) {
+    shares[k].next = k * parts / workers;
+    shares[k].end = (k + 1) * parts / workers;
+  }
   std::mutex mutex;
   std::exception_ptr error;
-  std::atomic<std::size_t> next{0};
-  const auto run = [&](std::size_t worker) {
+  Crew::shared().work(workers, [&](std::size_t worker) {
     try {
-      for (std::size_t part = next++; part < parts; part = next++) job(part, worker);
+      for (std::size_t k = 0; k < workers; ++k) {
+        Share& share = shares[(worker + k) % workers];
+        for (std::size_t part = share.next++; part < share.end; part = share.next++) job(part, worker);
+      }
     } catch (...) {
-      next = parts;
+      for (Share& share : shares) share.next = share.end;
       const std::scoped_lock lock(mutex);
       if (!error) error = std::current_exception();
     }
-  };
-  const std::size_t workers = std::clamp<std::size_t>(parts, 1, static_cast<std::size_t>(std::max(threads, 1)));
-  if (workers == 1) {
-    run(0);
-  } else {
-    Crew::shared().work(workers, run);
-  }
+  });
   if (error) std::rethrow_exception(error);
 }
 
@@ -51,9 +64,9 @@ void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t le
                  [&](std::size_t part, std::size_t) { work(part * count / parts, (part + 1) * count / parts); });
 }
 
-/// For items whose costs differ: each thread takes the next `batch` items when it has finished its previous batch.
-/// Calls work(first, last, worker); workers are numbered from 0, so that each can have its own scratch memory. An
-/// exception stops the other threads after their current batch.
+/// For items whose costs differ: a thread takes `batch` items at a time (see parallel_parts). Calls
+/// work(first, last, worker); workers are numbered from 0, so that each can have its own scratch memory. An exception
+/// stops the other threads after their current batch.
 template <typename Work>
 void parallel_batches(std::size_t count, std::size_t batch, int threads, Work&& work) {
   parallel_parts((count + batch - 1) / batch, threads, [&](std::size_t part, std::size_t worker) {

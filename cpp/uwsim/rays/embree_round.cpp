@@ -46,6 +46,23 @@ class CallbackRays {
     return first_hit(shape, origin_world_m(k), direction_world(k), near_m(k), far_m(k));
   }
 
+  /// Calls visit(ray, hit) for each valid ray that meets the shape.
+  template <typename Visit>
+  void meet_all(const RoundShape& shape, const int* valid, const Visit& visit) const {
+    ExactRays converted;
+    // Lanes are only in order in a full packet.
+    if (n_ == kPacketRays && exact_ == nullptr) convert(converted);
+    const ExactRays& rays = exact_ != nullptr ? *exact_ : converted;
+    if (n_ == kPacketRays && shape.is_open()) return meet_wall(shape, valid, rays, visit);
+    std::array<std::int32_t, kPacketRays> left;
+    std::copy_n(valid, n_, left.data());
+    if (n_ == kPacketRays) discard_misses(shape, rays, left);
+    for (unsigned k = 0; k < n_; ++k) {
+      if (left[k] == 0) continue;
+      if (const auto hit = meet(shape, k)) visit(k, *hit);
+    }
+  }
+
   /// Passes the hit, computed in double, to the code that started the cast.
   void keep(unsigned k, const ShapeHit& hit) const {
     if (detail_.round_hits == nullptr) return;
@@ -56,21 +73,49 @@ class CallbackRays {
     detail_.round_hits->normal_z[lane] = hit.normal_world.z();
   }
 
-  /// Copies `valid` to `left`, without the rays that certainly miss the shape. Only does so for a full packet, because
-  /// lanes are not in order otherwise.
-  void discard_misses(const RoundShape& shape, const int* valid, std::int32_t* left) const {
-    std::copy_n(valid, n_, left);
-    if (n_ != kPacketRays) return;
-    ExactRays converted;
-    if (exact_ == nullptr) convert(converted);
+ private:
+  /// Removes the rays that certainly miss the shape.
+  static void discard_misses(const RoundShape& shape, const ExactRays& rays,
+                             std::array<std::int32_t, kPacketRays>& left) {
     std::array<std::int32_t, kPacketRays> passes;
-    static const RayKernels& kernels = ray_kernels();
-    kernels.may_meet_round(lanes_of(exact_ != nullptr ? *exact_ : converted), shape.ends[0].point_world_m.data(),
-                           shape.axis.data(), shape.radius_m, passes.data());
+    kernels().may_meet_round(lanes_of(rays), shape.ends[0].point_world_m.data(), shape.axis.data(), shape.radius_m,
+                             passes.data());
     for (std::size_t k = 0; k < kPacketRays; ++k) left[k] &= passes[k];
   }
 
- private:
+  template <typename Visit>
+  void meet_wall(const RoundShape& shape, const int* valid, const ExactRays& rays, const Visit& visit) const {
+    ExactRays::Lanes near, far;
+    for (unsigned k = 0; k < kPacketRays; ++k) near[k] = near_m(k), far[k] = far_m(k);
+    LaneRays lanes = lanes_of(rays);
+    lanes.far_m = far.data();
+    const auto& [one, other] = shape.ends;
+    const LaneWall wall{shape.axis.data(),
+                        {one.point_world_m.data(), other.point_world_m.data()},
+                        {one.outward.data(), other.outward.data()},
+                        shape.radius_m,
+                        kSeam_m,
+                        kAlongAxis};
+    ExactHits hits;
+    std::array<std::int32_t, kPacketRays> met;
+    kernels().meet_wall(
+        lanes, near.data(), wall,
+        {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
+    for (unsigned k = 0; k < kPacketRays; ++k) {
+      if (valid[k] == 0 || met[k] == kMisses) continue;
+      if (met[k] == kMeets) {
+        visit(k, ShapeHit{hits.distance_m[k], {hits.normal_x[k], hits.normal_y[k], hits.normal_z[k]}});
+      } else if (const auto hit = meet(shape, k)) {
+        visit(k, *hit);
+      }
+    }
+  }
+
+  static const RayKernels& kernels() {
+    static const RayKernels& chosen = ray_kernels();
+    return chosen;
+  }
+
   void convert(ExactRays& out) const {
     const Eigen::Vector3d& middle = detail_.surfaces->middle_m();
     for (unsigned k = 0; k < kPacketRays; ++k) {
@@ -104,34 +149,26 @@ void round_intersect(const RTCIntersectFunctionNArguments* args) {
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
   const CallbackRays callback(args->context, rays, args->N);
-  std::array<std::int32_t, kPacketRays> left;
-  callback.discard_misses(shape, args->valid, left.data());
-  for (unsigned k = 0; k < args->N; ++k) {
-    if (left[k] == 0) continue;
-    const auto hit = callback.meet(shape, k);
-    if (!hit) continue;
-    callback.keep(k, *hit);
-    RTCRayN_tfar(rays, args->N, k) = static_cast<float>(hit->distance_m - callback.start_m(k));
-    RTCHitN_Ng_x(hits, args->N, k) = static_cast<float>(hit->normal_world.x());
-    RTCHitN_Ng_y(hits, args->N, k) = static_cast<float>(hit->normal_world.y());
-    RTCHitN_Ng_z(hits, args->N, k) = static_cast<float>(hit->normal_world.z());
+  callback.meet_all(shape, args->valid, [&](unsigned k, const ShapeHit& hit) {
+    callback.keep(k, hit);
+    RTCRayN_tfar(rays, args->N, k) = static_cast<float>(hit.distance_m - callback.start_m(k));
+    RTCHitN_Ng_x(hits, args->N, k) = static_cast<float>(hit.normal_world.x());
+    RTCHitN_Ng_y(hits, args->N, k) = static_cast<float>(hit.normal_world.y());
+    RTCHitN_Ng_z(hits, args->N, k) = static_cast<float>(hit.normal_world.z());
     RTCHitN_u(hits, args->N, k) = RTCHitN_v(hits, args->N, k) = 0;
     RTCHitN_primID(hits, args->N, k) = args->primID;
     RTCHitN_geomID(hits, args->N, k) = args->geomID;
     RTCHitN_instID(hits, args->N, k, 0) = args->context->instID[0];
-  }
+  });
 }
 
 void round_occluded(const RTCOccludedFunctionNArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
   const RoundShape& shape = round.shapes[args->primID];
   const CallbackRays callback(args->context, args->ray, args->N);
-  std::array<std::int32_t, kPacketRays> left;
-  callback.discard_misses(shape, args->valid, left.data());
-  for (unsigned k = 0; k < args->N; ++k) {
-    if (left[k] == 0 || !callback.meet(shape, k)) continue;
+  callback.meet_all(shape, args->valid, [&](unsigned k, const ShapeHit&) {
     RTCRayN_tfar(args->ray, args->N, k) = -std::numeric_limits<float>::infinity();
-  }
+  });
 }
 
 }  // namespace

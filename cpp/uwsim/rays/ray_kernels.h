@@ -59,6 +59,15 @@ struct LaneHits {
   std::int32_t* met;
 };
 
+/// A piece of pipe between two planes; see RoundShape, whose members these are.
+struct LaneWall {
+  const double *axis, *points_m[2], *outwards[2];
+  double radius_m, seam_m, along_axis;
+};
+
+/// Whether a ray meets a wall. A ray along the axis has to be intersected otherwise.
+enum LaneMeeting : std::int32_t { kMisses = 0, kMeets = -1, kAlong = 1 };
+
 /// The loops over sixteen lanes, compiled for each instruction set. All versions produce the same bits.
 struct RayKernels {
   /// Whether every active ray starts within `distance_m` of the point along each axis.
@@ -72,6 +81,9 @@ struct RayKernels {
   /// and a unit direction; if the direction is zero, the shape is a sphere about the point.
   void (*may_meet_round)(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,
                          std::int32_t* passes);
+  /// Intersects rays with the wall of a piece of pipe from `near_m` to rays.far_m, in double, with the bits of
+  /// first_hit (world/round_shape.h). Sets met[k] to a LaneMeeting, and the other results where it is kMeets.
+  void (*meet_wall)(const LaneRays& rays, const double* near_m, const LaneWall& wall, const LaneHits& hits);
   /// Replaces Embree's quads in the geometries `near_solids` and `open` by triangles, two per quad. Sets `primitive`
   /// for every lane, and `on_terrain` and `triangle` of `terrain` for quads of open terrain. Returns which of the two
   /// geometries were hit: 1 for `near_solids`, 2 for `open`.

@@ -88,6 +88,42 @@ void may_meet_round(const LaneRays& rays, const double* point_m, const double* a
   }
 }
 
+void meet_wall(const LaneRays& rays, const double* near_m, const LaneWall& wall, const LaneHits& hits) {
+  const double ax = wall.axis[0], ay = wall.axis[1], az = wall.axis[2], radius = wall.radius_m, seam = wall.seam_m;
+  const double px = wall.points_m[0][0], py = wall.points_m[0][1], pz = wall.points_m[0][2];
+  const double qx = wall.points_m[1][0], qy = wall.points_m[1][1], qz = wall.points_m[1][2];
+  const double ux = wall.outwards[0][0], uy = wall.outwards[0][1], uz = wall.outwards[0][2];
+  const double vx = wall.outwards[1][0], vy = wall.outwards[1][1], vz = wall.outwards[1][2];
+  const double along_axis = wall.along_axis;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const double ox = rays.origin_x[k], oy = rays.origin_y[k], oz = rays.origin_z[k];
+    const double dx = rays.direction_x[k], dy = rays.direction_y[k], dz = rays.direction_z[k];
+    const double x = ox - px, y = oy - py, z = oz - pz;
+    const double along = ax * x + ay * y + az * z, gain = ax * dx + ay * dy + az * dz;
+    const double sx = x - along * ax, sy = y - along * ay, sz = z - along * az;  // distance from the axis
+    const double tx = dx - gain * ax, ty = dy - gain * ay, tz = dz - gain * az;
+    const double sine_squared = tx * tx + ty * ty + tz * tz;
+    const double closest = -(sx * tx + sy * ty + sz * tz) / sine_squared;
+    const double cx = sx + closest * tx, cy = sy + closest * ty, cz = sz + closest * tz;
+    const double half_chord = std::sqrt((radius * radius - (cx * cx + cy * cy + cz * cz)) / sine_squared);
+    const auto accepts = [&](double distance) {  // false for NaN
+      const double hx = ox + distance * dx, hy = oy + distance * dy, hz = oz + distance * dz;
+      return (distance >= near_m[k]) & (distance <= rays.far_m[k]) &
+             (ux * (hx - px) + uy * (hy - py) + uz * (hz - pz) <= seam) &
+             (vx * (hx - qx) + vy * (hy - qy) + vz * (hz - qz) <= seam);
+    };
+    const double first = closest - half_chord, second = closest + half_chord;
+    const bool meets_first = accepts(first), meets = meets_first | accepts(second);
+    const double distance = meets_first ? first : second;
+    hits.distance_m[k] = distance;
+    hits.normal_x[k] = (cx + (distance - closest) * tx) / radius;
+    hits.normal_y[k] = (cy + (distance - closest) * ty) / radius;
+    hits.normal_z[k] = (cz + (distance - closest) * tz) / radius;
+    hits.met[k] = sine_squared < along_axis ? kAlong : meets ? kMeets : kMisses;
+  }
+}
+
 int number_terrain(const LaneAnswers& answers, std::uint32_t near_solids, std::uint32_t open, std::uint32_t* primitive,
                    TerrainLanes& terrain) {
   std::int32_t any_near_solids = 0, any_open = 0;
@@ -201,6 +237,7 @@ constexpr RayKernels kKernels{.all_near = &all_near,
                               .find_low_starts = &find_low_starts,
                               .to_float = &to_float,
                               .may_meet_round = &may_meet_round,
+                              .meet_wall = &meet_wall,
                               .number_terrain = &number_terrain,
                               .complete_floats = &complete_floats,
                               .locate_heights = &locate_heights,

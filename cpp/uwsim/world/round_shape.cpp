@@ -8,11 +8,7 @@
 namespace uwsim {
 namespace {
 
-// Overlap of adjoining pieces, so that no ray slips between them.
-constexpr double kSeam_m = 1e-9;
 constexpr double kSharpestCosine = 0.1;  // cosine of half the angle of the sharpest bend
-// Squared sine of the angle to the axis; a ray at a smaller angle counts as parallel to the wall
-constexpr double kAlongAxis = 1e-24;
 
 void require_round(const Eigen::Vector3d& point, double radius_m, const char* path) {
   require(point.allFinite(), std::string(path) + ".points_m", point.transpose(), "must be finite");

@@ -8,6 +8,11 @@
 
 namespace uwsim {
 
+// Overlap of adjoining pieces, so that no ray slips between them.
+inline constexpr double kSeam_m = 1e-9;
+// Squared sine of the angle to the axis; a ray at a smaller angle counts as parallel to the wall
+inline constexpr double kAlongAxis = 1e-24;
+
 /// A sphere, or a straight piece of a round pipe between two planes. Ray hits are exact, without facets.
 struct RoundShape {
   /// The plane that bounds one end of a piece of pipe.
@@ -22,6 +27,8 @@ struct RoundShape {
   Eigen::Vector3d axis;     ///< unit, from the first end to the second; zero for a sphere
 
   bool is_sphere() const { return axis.isZero(0); }
+  /// Whether the wall is its only surface: a piece from the middle of a pipe.
+  bool is_open() const { return !is_sphere() && !ends[0].capped && !ends[1].capped; }
 };
 
 struct ShapeHit {

@@ -9,6 +9,8 @@
 #include "meshes.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
+#include "uwsim/rays/ray_kernels.h"
+#include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_scene.h"
 
 namespace uwsim {
@@ -155,6 +157,55 @@ TEST(RoundShape, FloatPacketsMeetRoundShapes) {
       EXPECT_NEAR(hits.distance_m[k], 5 * std::cos(turn) - std::sqrt(root), 1e-5) << k;
     }
   }
+}
+
+TEST(RoundShape, SixteenRaysMeetAWallWithTheBitsOfOneAtATime) {
+  const RandomStream random(7, "walls");
+  int met_count = 0, along_count = 0;
+  for (const RayKernels* kernels : {&baseline_ray_kernels(), &ray_kernels()}) {
+    for (std::uint64_t turn = 0; turn < 400; ++turn) {
+      const double radius = std::exp(random.normal(turn, 90));
+      std::vector<Eigen::Vector3d> line{100 * some_vector(random, turn, 91)};
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        line.push_back(line.back() +
+                       5 * radius * (Eigen::Vector3d(1, 0, 0) + 0.3 * some_vector(random, turn, 100 + 3 * k)));
+      }
+      const RoundShape piece = pipe(line, radius)[1];
+      ASSERT_TRUE(piece.is_open());
+      ExactRays rays;
+      ExactHits hits;
+      ExactRays::Lanes near_m;
+      std::array<std::int32_t, kPacketRays> met;
+      for (std::uint32_t k = 0; k < kPacketRays; ++k) {
+        const Eigen::Vector3d from = line[1] + 4 * radius * some_vector(random, turn, 200 + 8 * k);
+        const Eigen::Vector3d to = line[1] + radius * some_vector(random, turn, 204 + 8 * k);
+        set_ray(rays, k, from, k == 0 ? piece.axis : (to - from).normalized(), 20 * radius, true);
+        near_m[k] = k % 4 == 3 ? 3 * radius : 0;
+      }
+      const auto& [one, other] = piece.ends;
+      kernels->meet_wall(
+          lanes_of(rays), near_m.data(),
+          {piece.axis.data(),
+           {one.point_world_m.data(), other.point_world_m.data()},
+           {one.outward.data(), other.outward.data()},
+           radius,
+           kSeam_m,
+           kAlongAxis},
+          {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        const auto hit = first_hit(piece, origin_of(rays, k), direction_of(rays, k), near_m[k], rays.far_m[k]);
+        along_count += met[k] == kAlong;
+        if (met[k] == kAlong) continue;
+        ASSERT_EQ(met[k] == kMeets, hit.has_value()) << turn << " " << k;
+        if (!hit) continue;
+        ++met_count;
+        EXPECT_EQ(hits.distance_m[k], hit->distance_m) << turn << " " << k;
+        EXPECT_EQ(normal_of(hits, k), hit->normal_world) << turn << " " << k;
+      }
+    }
+  }
+  EXPECT_GT(met_count, 1000);
+  EXPECT_GT(along_count, 100);
 }
 
 TEST(RoundShape, InvalidShapesAreRefused) {

@@ -50,11 +50,9 @@ UWSIM_LANES DaylightAtDepth daylight_at_depth(const View& view, Float depth) {
 /// Daylight that `length` of water scatters into a ray, attenuated on its way to the eye, in closed form. Daylight
 /// varies as exp(-K depth) along the ray, so the backscatter is J / k (1 - exp(-k length)) with k = c - K
 /// sin(elevation); it saturates, at J / c for a level ray. Split into the part due to the sun's beam, which shafts
-/// modulate, and the rest.
-UWSIM_LANES void daylight_backscatter(const View& view, Vector origin, Vector direction, Float length, Vector& diffuse,
-                                      Vector& beam) {
-  const Float depth = view.surface_z - (origin.z + view.camera_z);
-  const DaylightAtDepth day = daylight_at_depth(view, depth);
+/// modulate, and the rest. `day`: where the ray starts.
+UWSIM_LANES void daylight_backscatter(const View& view, const DaylightAtDepth& day, Vector direction, Float length,
+                                      Vector& diffuse, Vector& beam) {
   const Vector c = broadcast(view.c), kd = broadcast(view.kd), kb = broadcast(view.kb);
   const auto gain_over = [&](Float c1, Float k1) {
     const Float rate = max(c1 - k1 * direction.z, 0.05f * c1 + 1e-6f);

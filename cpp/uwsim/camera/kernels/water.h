@@ -9,6 +9,18 @@ namespace {
 constexpr float kFarthest_m = 2e4f;
 constexpr float kNegligible = 1e-3f;  // throughput below which a path is not continued
 
+/// Daylight where the segments start, which the block keeps.
+UWSIM_LANES DaylightAtDepth daylight_at_start(const View& view, Vector origin, Block& block) {
+  const Float depth = view.surface_z - (origin.z + view.camera_z);
+  if (any(depth != load(block.day_depth.at))) {
+    const DaylightAtDepth day = daylight_at_depth(view, depth);
+    store(block.day_depth.at, depth);
+    store(block.day_total, day.total);
+    store(block.day_beam, day.beam);
+  }
+  return {load(block.day_total), load(block.day_beam)};
+}
+
 /// Ends each ray's segment at its hit or at the surface, adds the backscatter of the water along it, and attenuates the
 /// light from beyond.
 void apply_water(const View& view, Block& block) {
@@ -37,7 +49,7 @@ void apply_water(const View& view, Block& block) {
     throughput = select(in_water, throughput, before);
     if (view.has_backscatter) {
       Vector diffuse, beam;
-      daylight_backscatter(view, origin, direction, end, diffuse, beam);
+      daylight_backscatter(view, daylight_at_start(view, origin, block), direction, end, diffuse, beam);
       light = select(in_water, light + before * diffuse, light);
       const Vector sunlit = select(in_water, load(block.sun_backscatter) + before * beam, load(block.sun_backscatter));
       store(block.sun_backscatter, sunlit);
