@@ -12,7 +12,7 @@ constexpr float kNegligible = 1e-3f;  // throughput below which a path is not co
 /// Daylight where the segments start, which the block keeps.
 UWSIM_LANES DaylightAtDepth daylight_at_start(const View& view, Vector origin, Block& block) {
   const Float depth = view.surface_z - (origin.z + view.camera_z);
-  if (any(depth != load(block.day_depth.at))) {
+  if (any(~(depth == load(block.day_depth.at)))) {
     const DaylightAtDepth day = daylight_at_depth(view, depth);
     store(block.day_depth.at, depth);
     store(block.day_total, day.total);
