@@ -42,14 +42,14 @@ struct Block {
   BlockVectors sun_backscatter;  ///< the sun beam's part of the backscatter, which shafts modulate
   BlockVectors veil;             ///< radiance scattered by the water on the first segment; for forward scattering
   BlockFloats first_reach;       ///< of the first segment
-  // Daylight at the segments' starts. Most start at the camera, so the next block's are usually as deep.
-  BlockFloats day_depth{{__builtin_nanf("")}};  ///< as if it were that of no block, at first
-  BlockVectors day_total, day_beam;
   // The light under test, which is added only if the path's shadow ray is not blocked:
   BlockVectors unshadowed;  ///< radiance that it adds unless blocked
   BlockVectors to_light;
   BlockFloats light_distance;
   BlockMask needs_shadow_ray;  ///< lanes where that light matters
+  // Daylight at the segments' starts. Most start at the camera, so the next block's are usually as deep.
+  BlockFloats day_depth{{__builtin_nanf("")}};  ///< as if it were that of no block, at first
+  BlockVectors day_total, day_beam;
 };
 
 }  // namespace uwsim::camera

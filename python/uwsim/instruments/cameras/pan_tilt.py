@@ -33,6 +33,8 @@ class PanTiltHead:
     def angles_rad(self, time_ns: int) -> Angles:
         """Return pan, positive to port, and tilt, positive down, at a given time."""
         since_ns, start, aim = self._motion
+        if start == aim:
+            return aim
         reach = self._rate_rad_s * max(time_ns - since_ns, 0) * 1e-9
         pan, tilt = (a + min(max(b - a, -reach), reach) for a, b in zip(start, aim, strict=True))
         return pan, tilt
