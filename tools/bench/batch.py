@@ -2,7 +2,8 @@
 
 The cases alternate in each round, and medians are reported. Vehicles are in open water; random efforts change every
 10 steps. What two threads gain is compared with what this machine gains from two batches of half the size, each on a
-thread of its own, which never wait for each other. Members with faults or a failsafe, and pings, are compared with plain members on one thread by processor time.
+thread of its own, which never wait for each other. Members with faults or a failsafe, and pings, are compared with
+plain members on one thread by processor time.
 """
 
 from __future__ import annotations

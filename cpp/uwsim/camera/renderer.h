@@ -22,7 +22,7 @@ namespace uwsim {
 Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request,
                RenderCost* cost = nullptr);
 
-/// What one of several pictures shows; without a scene, it is black.
+/// One of several pictures; without a scene, it is black.
 struct PictureJob {
   const CameraScene* scene = nullptr;
   const Camera* camera = nullptr;

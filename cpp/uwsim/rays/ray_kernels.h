@@ -65,7 +65,7 @@ struct LaneWall {
   double radius_m, seam_m, along_axis;
 };
 
-/// Whether a ray meets a wall. A ray along the axis has to be intersected otherwise.
+/// The result of intersecting a ray with a wall. A ray along the axis is left to the caller.
 enum LaneMeeting : std::int32_t { kMisses = 0, kMeets = -1, kAlong = 1 };
 
 /// The loops over sixteen lanes, compiled for each instruction set. All versions produce the same bits.

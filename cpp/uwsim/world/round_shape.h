@@ -27,7 +27,7 @@ struct RoundShape {
   Eigen::Vector3d axis;     ///< unit, from the first end to the second; zero for a sphere
 
   bool is_sphere() const { return axis.isZero(0); }
-  /// Whether the wall is its only surface: a piece from the middle of a pipe.
+  /// True for a piece from the middle of a pipe, whose wall is its only surface.
   bool is_open() const { return !is_sphere() && !ends[0].capped && !ends[1].capped; }
 };
 

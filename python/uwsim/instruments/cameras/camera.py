@@ -237,9 +237,7 @@ class Camera(Sealed):
 
         return capture
 
-    def record_rays(
-        self, effects: Collection[str] = EFFECTS, *, geometry_only: bool = False
-    ) -> tuple[bytes, Floats]:
+    def record_rays(self, effects: Collection[str] = EFFECTS, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
         """Return the ray packets that are cast to render a picture, and their origin (3,), for benchmarks."""
         picture, _, pose = self._render(list(effects), 1, None, geometry_only=geometry_only, record=True)
         return picture.packets, pose[:3, 3]
