@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -32,23 +31,6 @@ class SignalsBlocked {
   sigset_t before_;
 };
 
-using Clock = std::chrono::steady_clock;
-
-/// Waits without sleeping until holds() does, at most for a sixteenth of the time since `begun`.
-template <typename Condition>
-void look_out(Clock::time_point begun, const Condition& holds) {
-  constexpr int kShare = 16, kLooksPerTime = 16;
-  Clock::time_point now = Clock::now();
-  for (const Clock::time_point end = now + (now - begun) / kShare; now < end; now = Clock::now()) {
-    for (int look = 0; look < kLooksPerTime; ++look) {
-      if (holds()) return;
-#ifdef __x86_64__
-      __builtin_ia32_pause();
-#endif
-    }
-  }
-}
-
 }  // namespace
 
 /// The crew is never destroyed, since its threads wait in it until the process ends.
@@ -68,18 +50,11 @@ void Crew::work(std::size_t threads, const std::function<void(std::size_t)>& job
     const std::scoped_lock lock(mutex_);
     add_threads(threads - 1);
     tasks_.push_back(&task);
-    open_ = tasks_.size();
   }
   for (std::size_t k = 1; k < threads; ++k) has_task_.notify_one();
-  const Clock::time_point begun = Clock::now();
   job(0);
   std::unique_lock lock(mutex_);
   std::erase(tasks_, &task);
-  open_ = tasks_.size();
-  if (task.running == 0) return;
-  lock.unlock();
-  look_out(begun, [&] { return task.running == 0; });
-  lock.lock();
   has_ended_.wait(lock, [&] { return task.running == 0; });
 }
 
@@ -102,18 +77,13 @@ void Crew::wait_for_tasks() {
     Task& task = *tasks_.front();
     const std::size_t worker = task.begun++;
     if (task.begun == task.threads) tasks_.pop_front();
-    open_ = tasks_.size();
     ++task.running;
     --idle_;
     lock.unlock();
-    const Clock::time_point begun = Clock::now();
     task.job(worker);
     lock.lock();
     ++idle_;
     if (--task.running == 0) has_ended_.notify_all();
-    lock.unlock();
-    look_out(begun, [&] { return open_ > 0; });
-    lock.lock();
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -11,9 +10,6 @@ namespace uwsim {
 
 /// Threads that wait for work. Starting a thread for each parallel loop takes 20 us, and on a busy machine a new thread
 /// begins only after the running ones have had their turns, while its creator waits for it to end.
-///
-/// Waking a thread takes 5 to 100 us, most of it on idle virtual processors. A thread that has finished its work
-/// therefore looks out for more before it sleeps, for a sixteenth of the time that the work took.
 ///
 /// The threads live until the process ends, and receive no signals. A forked child starts with a crew of its own.
 class Crew {
@@ -32,8 +28,7 @@ class Crew {
   struct Task {
     const std::function<void(std::size_t)>& job;
     std::size_t threads;
-    std::size_t begun = 1;                 // job(0) has begun
-    std::atomic<std::size_t> running = 0;  // without job(0)
+    std::size_t begun = 1, running = 0;  // job(0) has begun, and is not counted as running
   };
 
   explicit Crew(int generation) : generation_(generation) {}
@@ -44,7 +39,6 @@ class Crew {
   std::mutex mutex_;
   std::condition_variable has_task_, has_ended_;
   std::deque<Task*> tasks_;
-  std::atomic<std::size_t> open_ = 0;  // the number of tasks_, for threads that do not hold the mutex
   std::size_t size_ = 0, idle_ = 0;
 };
 
