@@ -6,11 +6,13 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest.mock import patch
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.rosbridge import server
 from uwsim.operator.station import Site, Station
 from uwsim.operator.station.flights import Bounds
 
@@ -24,7 +26,8 @@ def chromium() -> Iterator[Browser]:
     assert CHROMIUM.exists(), "run tools/setup --dev"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=[SOFTWARE_GL])
-        yield browser
+        with patch.object(server, "PONG_S", 10 * WAIT_S):  # a browser may stand still for longer than the usual limit
+            yield browser
         browser.close()
 
 
@@ -50,10 +53,16 @@ class Desk:
         page.goto(self.url + path)
         return page
 
-    def fly(self, **options: object) -> Page:
-        """Open the page of a running simulator; the page takes control if there is no pilot yet."""
+    def fly(self, is_patient: bool = True, **options: object) -> Page:
+        """Open the page of a running simulator; the page takes control if there is no pilot yet.
+
+        is_patient: the page does not take a silence of the server, which may last seconds on a busy machine, for a lost
+        network, in which it releases all keys.
+        """
         page = self.open(**options)
         page.wait_for_selector("#station:not([hidden])")
+        if is_patient:
+            page.evaluate("() => { setInterval(() => { station.station.bridge.heardMs = performance.now(); }, 100); }")
         when(page, "station.telemetry.message && station.station.state.pilot")
         return page
 
@@ -75,10 +84,10 @@ def desk(
     keep_flights: of `Station`. choice: further arguments of `Station.start`.
     """
     station = Station(offered=scenario or "pool", folder=folder, keep_flights=keep_flights)
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
+    with RosbridgeServer(None, guests=[station], site=Site(station)) as serving, station.serving(serving.show):
         if scenario:
             station.start({"scenario": scenario, "seed": 7, **choice})
-        here = Desk(browser, station, server)
+        here = Desk(browser, station, serving)
         yield here
         for context in list(browser.contexts):
             context.close()
@@ -90,6 +99,11 @@ def until(condition: Callable[[], object], what: str) -> None:
     while not condition():
         assert time.monotonic() < end, f"waited in vain for {what}"
         time.sleep(0.02)
+
+
+def shows(page: Page, selector: str, text: str) -> None:
+    """Wait until an element of a page contains a text: it may follow from a later message than one just received."""
+    until(lambda: text in page.inner_text(selector), f"{text!r} in {selector}")
 
 
 def when(page: Page, expression: str) -> None:

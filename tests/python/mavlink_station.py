@@ -22,7 +22,8 @@ from uwsim.live import LiveSimulator
 from uwsim.scenario import load, load_vehicle
 
 AUTOPILOT, CAMERA = 1, 100
-TRIES = 5
+TRIES = 30
+PATIENCE_S = 60.0  # generous because the machine may be busy
 
 
 class Station:
@@ -61,7 +62,9 @@ class Station:
         self.heard.append(message)
         return message
 
-    def receive(self, kind: str, wanted: Callable[[Any], bool] = lambda message: True, limit_s: float = 20.0) -> Any:
+    def receive(
+        self, kind: str, wanted: Callable[[Any], bool] = lambda message: True, limit_s: float = PATIENCE_S
+    ) -> Any:
         """Return the next message of a kind that fits."""
         end = time.monotonic() + limit_s
         while time.monotonic() < end:
@@ -95,7 +98,7 @@ class Station:
         """Request a message by REQUEST_MESSAGE; return it, which must follow its acknowledgement at once."""
         number = getattr(dialect, f"MAVLINK_MSG_ID_{kind}")
         result = self.command(dialect.MAV_CMD_REQUEST_MESSAGE, number, value, component=component)
-        return result or self.receive(kind, lambda message: message.get_srcComponent() == component, 2.0)
+        return result or self.receive(kind, lambda message: message.get_srcComponent() == component)
 
     def mode(self, mode: int) -> int:
         """Change the mode; return the result."""
@@ -138,7 +141,7 @@ def interval(station: Station, number: int, interval_us: float) -> int:
     return station.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, interval_us)
 
 
-def until(condition: Callable[[], object], limit_s: float = 10.0) -> None:
+def until(condition: Callable[[], object], limit_s: float = PATIENCE_S) -> None:
     end = time.monotonic() + limit_s
     while not condition():
         assert time.monotonic() < end, "not in time"

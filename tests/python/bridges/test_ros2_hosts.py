@@ -95,7 +95,7 @@ def test_clients_of_both_dds_middlewares_call_services_of_another_host(hosts):
     domain, (ours, theirs) = free_domain(), hosts
     with serving(ours, domain):
         with client(theirs, "dds", domain) as said:
-            assert said.communicate(timeout=60)[0] == "True\n"
+            assert said.communicate(timeout=240)[0] == "True\n"
         if BINARY.is_file():
             words, on = ("at", THEIRS, "call", "dock", "std_srvs::srv::dds_::Trigger", "2"), netns(theirs)
             with fast_dds_peer(domain, *words, on=on) as other:
@@ -107,4 +107,4 @@ def test_a_client_of_zenoh_calls_services_of_another_host_through_its_router(hos
     """The router is on the client's host. Takes 5 s: two processes load a simulator and Zenoh."""
     domain, (ours, theirs) = free_domain(), hosts
     with client(theirs, "zenoh", domain) as said, serving(ours, domain, "--rmw", "zenoh", "--ros-peer", THEIRS):
-        assert said.communicate(timeout=60)[0] == "True\n"
+        assert said.communicate(timeout=240)[0] == "True\n"

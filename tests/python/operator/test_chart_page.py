@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import uwsim
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from test_station_page import judge
 
 DRAWN = [(-3.0, 3.0), (2.0, 3.0), (2.0, -3.0)]
@@ -39,7 +39,7 @@ def test_a_plan_is_drawn_saved_and_flown(here, page, tmp_path: Path):
     page.click("text=Measure")
     click(page, DRAWN[0])
     click(page, DRAWN[1])
-    until(lambda: "5.0 m, 090°" in page.inner_text(".view.is-large .scene-note"), "the measured length")
+    shows(page, ".view.is-large .scene-note", "5.0 m, 090°")
     page.click("text=Waypoint")
     for place in DRAWN:
         click(page, place)
@@ -61,7 +61,7 @@ def test_a_plan_is_drawn_saved_and_flown(here, page, tmp_path: Path):
     judge(page, "chart")
     page.screenshot(path=tmp_path / "chart.png")
     when(page, "station.chart.state?.is_flying === false")
-    assert "all waypoints are reached" in page.inner_text(".view.is-large .scene-note")
+    shows(page, ".view.is-large .scene-note", "all waypoints are reached")
     position = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
     assert np.linalg.norm(position - drawn[-1]) < 1.0  # by its own estimate
     page.screenshot(path=tmp_path / "flown.png")
@@ -82,7 +82,7 @@ def test_a_key_takes_over_and_another_page_may_not_fly(here, page):
     page.locator("body").click(position={"x": 700, "y": 5})
     page.keyboard.down("s")
     when(page, "station.chart.state?.is_flying === false")
-    assert "the pilot has taken over" in page.inner_text(".view.is-large .scene-note")
+    shows(page, ".view.is-large .scene-note", "the pilot has taken over")
     until(lambda: here.effort("surge") == -0.5, "the pilot's effort")
     page.keyboard.up("s")
     until(lambda: not here.rov.effort.any(), "rest")

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from pathlib import Path
 
 import cv2
@@ -56,21 +57,29 @@ def snapshot(page):
     return picture.size, json.loads(picture.text["uwsim"]), picture.text
 
 
+def record_pictures(page) -> None:
+    """Wait until seven pictures with different times have been recorded."""
+    for _ in range(7):
+        before = page.evaluate("String(station.recorder.shown[0])")
+        when(page, f"String(station.recorder.shown[0]) !== {json.dumps(before)}")
+
+
 def test_a_comment_stands_in_the_video_from_when_it_is_set(here, page, tmp_path: Path):
     saved = []
     page.on("download", lambda one: saved.append(one))
     page.click("#record")
-    page.wait_for_timeout(700)
+    record_pictures(page)
     page.keyboard.press("Backquote")
     page.keyboard.type("Weld 12, süd")
     page.keyboard.press("Enter")
     when(page, "station.recorder.shown[2] === 'Weld 12, süd'")
     assert page.evaluate("document.activeElement === document.body")  # the keys drive again
-    page.wait_for_timeout(700)
+    record_pictures(page)
     lines = page.evaluate("station.recorder.shown")
-    message = page.evaluate("({depth: station.telemetry.message.depth, at: [...station.telemetry.message.position]})")
     assert lines[0].startswith("pool · rov · front · 0:")
-    assert f"Depth {message['depth']:.1f} m" in lines[1] and f"East {message['at'][0]:.1f} m" in lines[1]
+    burnt_m = [float(re.search(rf"{name} (-?[\d.]+) m", lines[1])[1]) for name in ("Depth", "East")]
+    there_m = here.station.present().live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
+    np.testing.assert_allclose(burnt_m, [-there_m[2], there_m[0]], atol=0.3)
     page.click("#record")
     until(lambda: page.evaluate("1") and len(saved) == 2, "the video and its table")
     path = next(each.path() for each in saved if each.suggested_filename.endswith((".webm", ".mp4")))
@@ -111,25 +120,28 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
     page.click("body", position={"x": 700, "y": 5})
     page.keyboard.press("m")
     when(page, "station.inspection.notes.length === 2")
+    until(lambda: page.locator(".notes li").count() == 2, "two notes in the list")
     items = page.locator(".notes li").all_inner_texts()
     assert "2. Debris" in items[0] and "1. Defect: Crack <b>in</b> the weld" in items[1]
     first = page.evaluate("station.inspection.notes[0]")
     np.testing.assert_allclose(first["position_m"], [2.0, 1.0, -2.0], atol=0.5)
     assert (here.station.folder / first["picture"]).is_file()
-    assert page.evaluate("station.scene.marks.count") == 2
+    when(page, "station.scene.marks.count === 2")
     judge(page, "inspection")
     page.screenshot(path=tmp_path / "panel.png")
     page.evaluate("station.views.enlarge('chart')")
     when(page, "station.chart.frame.scale > 5")
     x, y = page.evaluate("station.chart.frame.at(station.inspection.notes[0].position_m)")
-    page.wait_for_timeout(200)
+
+    def pin():
+        return page.evaluate(
+            """([x, y]) => { const canvas = station.chart.canvas, ratio = canvas.width / canvas.clientWidth;
+            return [...canvas.getContext('2d').getImageData((x + 5) * ratio, (y - 14) * ratio, 1, 1).data]; }""",
+            [x, y],
+        )
+
+    until(lambda: np.abs(np.subtract(pin()[:3], [255, 122, 102])).max() < 30, "the colour of defects")
     page.screenshot(path=tmp_path / "chart.png")
-    pin = page.evaluate(
-        """([x, y]) => { const canvas = station.chart.canvas, ratio = canvas.width / canvas.clientWidth;
-        return [...canvas.getContext('2d').getImageData((x + 5) * ratio, (y - 14) * ratio, 1, 1).data]; }""",
-        [x, y],
-    )
-    assert np.abs(np.subtract(pin[:3], [255, 122, 102])).max() < 30  # the colour of defects
     with page.expect_download() as loaded:
         page.click("[aria-label='Notes as .csv']")
     rows = list(csv.DictReader(Path(loaded.value.path()).read_text().splitlines()))
@@ -139,6 +151,6 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
 def test_a_watcher_sees_notes_and_writes_none(here, page):
     watcher = here.fly()
     when(watcher, "station.inspection.notes.length === 2")
-    assert watcher.input_value("#comment") == "Weld 12, süd"
+    until(lambda: watcher.input_value("#comment") == "Weld 12, süd", "the comment")
     assert watcher.is_disabled("#comment") and watcher.is_disabled("#add-note")
     watcher.context.close()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from test_station_page import judge
 
 
@@ -34,7 +34,8 @@ def test_the_inspector_finds_changes_and_resets_parameters(running):
     box.fill("-1")
     box.press("Enter")  # is refused, and the field returns to the value that holds
     when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '40'")
-    assert "must be in" in page.inner_text("#toast") and own[name] == 40.0
+    shows(page, "#toast", "must be in")
+    assert own[name] == 40.0
     page.locator(f"[aria-label='{name}, slider']").press("ArrowRight")
     until(lambda: 40.0 < own[name] < 41.0, "the slider")
     page.click(f"[aria-label='Reset {name}']")

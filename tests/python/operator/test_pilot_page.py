@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from test_station_page import judge
 
 
@@ -127,7 +127,7 @@ def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_chan
     when(page, "station.telemetry.message.collision_warning === false")
     assert page.get_attribute("#lamp-collision", "data-on") == "alarm"
     page.click("#alarm-log summary")
-    assert "Collision" in page.inner_text("#alarm-log")
+    shows(page, "#alarm-log", "Collision")
     page.keyboard.press("Escape")
     page.click("text=feet")
     page.click("text=night")

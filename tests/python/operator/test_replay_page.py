@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from flown import fly
 from test_station_page import judge
 from uwsim.operator.station.flights import Bounds
@@ -50,7 +50,8 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         page.click("#flights li button")
         page.wait_for_selector("#timeline:not([hidden])")
         when(page, "station.station.isPilot && station.telemetry.message")
-        assert "set the time" in page.inner_text("#lease") and page.is_hidden("#all-stop") and page.is_hidden("#dock")
+        shows(page, "#lease", "set the time")
+        assert page.is_hidden("#all-stop") and page.is_hidden("#dock")
         live, replay = here.station.present().live, here.station.present().replay
         until(lambda: live.paused and live.tick == replay.timeline.end_tick, "the end")
         end = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()

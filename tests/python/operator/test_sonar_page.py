@@ -85,16 +85,15 @@ def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page, tmp
     before = brightness(page, name)
     for _ in range(3):
         page.click(".view.is-large button[aria-label='More gain']")
-    assert brightness(page, name) > 1.2 * before
+    until(lambda: brightness(page, name) > 1.2 * before, "a brighter picture")
     page.select_option(".view.is-large select[aria-label=Palette]", "grey")
-    page.wait_for_timeout(100)
-    colours = page.evaluate(f"""() => {{
+    colours = f"""(() => {{
       const {{ canvas, shown }} = station.views.sonarOf('{name}');
       const ratio = canvas.width / canvas.clientWidth;
       const [x, y] = shown.at(shown.shown_m * 0.55, 0.07);
       return [...canvas.getContext('2d').getImageData(x * ratio, y * ratio, 1, 1).data];
-    }}""")
-    assert colours[0] == colours[1] == colours[2]
+    }})()"""
+    until(lambda: len(set(page.evaluate(colours)[:3])) == 1, "a grey picture")
     page.click(".view.is-large button:text-is('Freeze')")
     kept = brightness(page, name)
     here.station.present().live.command("place", vehicle="rov", position_world_m=[5.0, 5.0, -1.0]).result()
@@ -112,7 +111,7 @@ def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page, tmp
 @pytest.mark.parametrize("name", ["side_scan", "profiler", "fan"])
 def test_all_sonars_have_ranges_and_a_cursor(page, name, tmp_path: Path):
     page.evaluate("(name) => station.views.enlarge(name)", name)
-    page.wait_for_timeout(1500)
+    when(page, f"station.views.largeView.picture.drawn > 1 && station.views.sonarOf('{name}')?.shown !== null")
     box = page.locator(".view.is-large canvas").first.bounding_box()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
     until(lambda: "starboard" in page.inner_text(".view.is-large .sonar-reading"), "a reading")

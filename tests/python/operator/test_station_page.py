@@ -10,7 +10,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from relay import Relay
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
@@ -128,17 +128,22 @@ def test_one_flies_and_hands_over(running, tmp_path):
     first = running.fly()
     when(first, "station.station.isPilot")
     second = running.fly()
-    assert "flies" in second.inner_text("#lease")
-    second.keyboard.down("w")
-    second.wait_for_selector("#hint:not([hidden])")
-    assert "flies" in second.inner_text("#hint")
+    shows(second, "#lease", "flies")
+
+    def explains():  # for 1.5 s after the key, which a busy machine may exceed before the text is read
+        second.keyboard.up("w")
+        second.keyboard.down("w")
+        return "flies" in second.inner_text("#hint")
+
+    until(explains, "why the key moves nothing")
     second.wait_for_timeout(400)
     assert running.effort("surge") == 0.0  # viewers cannot control the vehicle
     second.keyboard.up("w")
 
     first.keyboard.down("w")
     until(lambda: running.effort("surge") == 0.5, "the pilot's effort")
-    assert "Docked" in first.inner_text("#hint") and "(R)" in first.inner_text("#hint")
+    shows(first, "#hint", "Docked")
+    shows(first, "#hint", "(R)")
     when(first, "station.telemetry.message.efforts[0] === 0.5")
     shown = first.locator(".bars").first.locator("output").all_inner_texts()
     assert set(shown) == {"0"}  # the thrusters are off
@@ -165,8 +170,8 @@ def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkey
     assert second.is_hidden("#banner")
     monkeypatch.setattr(running.station.node, "silence_s", lambda client: 4.0)  # as if her network had failed
     second.wait_for_selector("#banner:not([hidden])")
-    assert re.search(r"has been silent for 4 s: efforts are zero", second.inner_text("#banner"))
-    assert "take over" in second.inner_text("#lease")
+    shows(second, "#banner", "has been silent for 4 s: efforts are zero")
+    shows(second, "#lease", "take over")
     assert first.is_hidden("#banner")
     second.click("#lease")
     when(second, "station.station.isPilot")
@@ -177,7 +182,7 @@ def test_a_pilot_whose_network_freezes_sees_it_and_may_take_the_controls_back(ru
     port = int(running.url.rpartition(":")[2])
     with Relay(port) as relay:
         direct, running.url = running.url, relay.url
-        page = running.fly()
+        page = running.fly(is_patient=False)
         when(page, "station.station.isPilot")
         page.evaluate("() => { AudioContext.prototype.createOscillator = () => { window.beeped = true; throw 0; }; }")
         page.keyboard.down("w")
@@ -185,7 +190,7 @@ def test_a_pilot_whose_network_freezes_sees_it_and_may_take_the_controls_back(ru
         relay.is_frozen = True
         page.wait_for_selector("#banner:not([hidden])")
         until(lambda: re.search(r"Nothing has arrived for [2-9] s", page.inner_text("#banner")), "the seconds")
-        assert page.inner_text("#lease") == "Controls lost"
+        shows(page, "#lease", "Controls lost")
         assert not page.evaluate("station.station.isPilot || station.pilot.isHeld")
         page.wait_for_selector(".panel .is-stale dd")
         when(page, "getComputedStyle(document.querySelector('#views')).filter === 'grayscale(1)' && window.beeped")
@@ -196,7 +201,7 @@ def test_a_pilot_whose_network_freezes_sees_it_and_may_take_the_controls_back(ru
         until(lambda: not running.station.lease.pilot, "the lost connection")
         relay.is_frozen = False
         page.wait_for_selector("#offer:not([hidden])")
-        assert "You had the controls" in page.inner_text("#offer")
+        shows(page, "#offer", "You had the controls")
         running.url = direct
         assert "lost the connection" in running.open().wait_for_selector("#lease:has-text('take')").inner_text()
         page.click("#offer >> text=Take them back")
@@ -315,7 +320,7 @@ def test_buttons_act_and_values_grey(running, tmp_path):
     when(page, "station.scene.controls.target.distanceTo(station.scene.vessels.get('rov').group.position) < 1")
     page.evaluate("station.station.bridge.close()")
     when(page, "document.querySelector('.panel .is-stale dd')")
-    assert "trying again" in page.inner_text("#banner")
+    shows(page, "#banner", "trying again")
 
 
 def test_a_rosbridge_without_a_station_can_be_flown(browser, tmp_path):
@@ -357,14 +362,14 @@ def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(brows
         page.click("#take-back")
         until(lambda: here.rov.failsafe.state == "", "the end of the failsafe")
         when(page, "document.querySelector('#take-back').hidden")
-        assert "water inside" in page.inner_text("#failsafe")  # the leak is still there
+        shows(page, "#failsafe", "water inside")  # the leak is still there
         assert not here.complaints
 
 
 def test_foreign_pages_and_names_are_refused(running):
     host, port = running.url.removeprefix("http://").split(":")
     for headers in ({"Host": "evil.example"}, {"Host": f"127.0.0.1.evil.example:{port}"}):
-        link = http.client.HTTPConnection(host, int(port), timeout=10)
+        link = http.client.HTTPConnection(host, int(port), timeout=60)
         link.request("GET", "/", headers=headers)
         assert link.getresponse().status == 403
         link.close()
@@ -373,7 +378,7 @@ def test_foreign_pages_and_names_are_refused(running):
     assert refused.value.response.status_code == 403
     with connect(f"ws://{host}:{port}/", origin=None) as program:  # non-browser clients send no Origin
         program.send(json.dumps({"op": "call_service", "service": "/station/join", "id": "1", "args": {"name": "p"}}))
-        assert json.loads(program.recv(timeout=10))["values"]["success"]
+        assert json.loads(program.recv(timeout=60))["values"]["success"]
 
 
 def test_scripts_are_files_of_the_page(running):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from test_station_page import judge
 
 ROOT = Path(__file__).parents[3]
@@ -57,7 +57,8 @@ def test_a_german_browser_gets_german_and_the_menu_changes_it(tmp_path):
         page = here.fly(locale="de-DE", viewport={"width": 1440, "height": 900})
         when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
         assert page.evaluate("document.documentElement.lang") == "de"
-        assert page.inner_text("#dock") == "Lösen" and page.inner_text("#lease") == "Sie steuern"
+        shows(page, "#dock", "Lösen")
+        shows(page, "#lease", "Sie steuern")
         assert "undefined" not in page.inner_text("body")
         judge(page, "the German page")
         page.screenshot(path=tmp_path / "german.png")
@@ -67,7 +68,8 @@ def test_a_german_browser_gets_german_and_the_menu_changes_it(tmp_path):
         page.screenshot(path=tmp_path / "menu.png")
         page.click("#menu-dialog >> text=English")
         page.wait_for_selector("html[lang=en] #station:not([hidden])")
-        assert page.inner_text("#dock") == "Release" and not here.station.present().live.paused
+        shows(page, "#dock", "Release")
+        assert not here.station.present().live.paused
         page.reload()
         page.wait_for_selector("#station:not([hidden])")
         assert page.evaluate("document.documentElement.lang") == "en"

@@ -5,7 +5,7 @@ import json
 import pytest
 from websockets.sync.client import connect
 
-from browser import chromium, desk, until, when
+from browser import chromium, desk, shows, until, when
 from uwsim.bridges import RosbridgeServer
 
 
@@ -39,7 +39,7 @@ def test_address_and_port_on_the_start_screen_join_the_users_rosbridge(browser, 
 
         fill(page, "localhost", users.port)
         page.wait_for_selector("#station:not([hidden])")
-        assert f"ROS localhost:{users.port}" in page.inner_text("#rosbridge")
+        shows(page, "#rosbridge", f"ROS localhost:{users.port}")
         with connect(users.url) as node:  # the user's, which knows nothing of the page
             say = lambda **operation: node.send(json.dumps(operation))  # noqa: E731
             say(op="subscribe", topic="/depthArray", type="std_msgs/String")
