@@ -62,6 +62,7 @@ def record_pictures(page) -> None:
     for _ in range(7):
         before = page.evaluate("String(station.recorder.shown[0])")
         when(page, f"String(station.recorder.shown[0]) !== {json.dumps(before)}")
+    page.wait_for_timeout(700)  # until the encoder has them, too
 
 
 def test_a_comment_stands_in_the_video_from_when_it_is_set(here, page, tmp_path: Path):

@@ -111,7 +111,7 @@ def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page, tmp
 @pytest.mark.parametrize("name", ["side_scan", "profiler", "fan"])
 def test_all_sonars_have_ranges_and_a_cursor(page, name, tmp_path: Path):
     page.evaluate("(name) => station.views.enlarge(name)", name)
-    when(page, f"station.views.largeView.picture.drawn > 1 && station.views.sonarOf('{name}')?.shown !== null")
+    page.wait_for_timeout(1500)
     box = page.locator(".view.is-large canvas").first.bounding_box()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
     until(lambda: "starboard" in page.inner_text(".view.is-large .sonar-reading"), "a reading")
