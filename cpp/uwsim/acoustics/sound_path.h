@@ -24,14 +24,8 @@ class SoundPath {
  public:
   /// `profile` must outlive this object. dip_rad: below the horizontal.
   SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad);
-  /// As above, for a caller that already has the cosine and the sine of the dip.
-  SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double cosine, double sine);
 
   const SoundState& state() const { return state_; }
-  /// Curvature of the arc ahead [1/m]; positive bends down.
-  double curvature_1_m() const { return curvature_1_m_; }
-  /// Speed of sound at the present point [m/s].
-  double speed_m_s() const { return layer().at(state_.depth_m); }
 
   /// A section of the arc within one layer.
   struct Step {
@@ -45,24 +39,19 @@ class SoundPath {
   bool advance(const Step& step);
   /// The point `length_m` ahead on this layer's arc.
   SoundState ahead(double length_m) const;
-  /// Cosine and sine of the dip at a point of this layer's arc.
-  struct Direction {
-    double cosine, sine;
-  };
-  Direction direction_at(const SoundState& state) const;
   /// The distance along this layer's arc that sound travels in `time_s`.
   double length_after(double time_s) const;
 
  private:
-  const SoundLayer& layer() const { return profile_->layers()[layer_]; }
-  double to_boundary_m() const;
+  template <typename Arc>
+  Arc arc() const;  // of sound_arc.h
   void enter(std::size_t layer);
 
   const SoundSpeedProfile* profile_;
   std::size_t layer_ = 0;
-  double snell_s_m_;  ///< cos(dip) / c
-  double curvature_1_m_ = 0;
-  double cosine_, sine_;  ///< of the dip
+  double snell_s_m_;          ///< cos(dip) / c
+  double curvature_1_m_ = 0;  ///< positive bends down
+  double cosine_, sine_;      ///< of the dip
   SoundState state_;
 };
 

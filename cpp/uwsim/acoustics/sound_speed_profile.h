@@ -31,6 +31,11 @@ class SoundSpeedProfile {
   const std::vector<SoundLayer>& layers() const { return layers_; }
   /// Index of the layer that contains a depth; at a boundary, the index of the lower layer.
   std::size_t layer_at(double depth_m) const;
+  /// Index of the layer that a ray enters at a depth; this only differs at a boundary.
+  std::size_t layer_ahead(double depth_m, bool rises) const {
+    const std::size_t layer = layer_at(depth_m);
+    return rises && layer > 0 && depth_m == layers_[layer].top_m ? layer - 1 : layer;
+  }
   double at(double depth_m) const { return layers_[layer_at(depth_m)].at(depth_m); }
   /// Largest |dc/dz| [1/s]; 0 if all rays are straight.
   double steepest_1_s() const { return steepest_1_s_; }

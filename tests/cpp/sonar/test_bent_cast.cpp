@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -14,6 +15,8 @@
 #include "meshes.h"
 #include "sonar/imaging_pool.h"
 #include "uwsim/acoustics/sound_path.h"
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/sonar/bent_kernels.h"
 #include "uwsim/sonar/water_sound.h"
 #include "uwsim/world/sea_water.h"
 
@@ -125,6 +128,70 @@ TEST(BentCast, InHomogeneousWaterItIsAStraightCastOfOneChord) {
   EXPECT_NEAR(hit.length_m, 20 / std::sin(0.4), 2e-4);
   EXPECT_NEAR(hit.time_s, 20 / std::sin(0.4) / 1500, 2e-7);
   EXPECT_EQ(cast_one(scene, even, {0, 0, -10}, direction, 0.02).label, kNothing) << "not within the time";
+}
+
+/// Eight rays from a depth, and their next chords.
+struct EightRays {
+  BentRays rays{};
+  alignas(64) float rows[7][kBentTogether] = {};
+  alignas(64) std::int32_t active[kBentTogether] = {};
+  PathHits placed{};
+
+  EightRays(const SoundSpeedProfile& profile, double depth_m) {
+    for (std::size_t k = 0; k < kBentTogether; ++k) {
+      const double dip_rad = -1.5 + 0.42 * static_cast<double>(k), c = profile.at(depth_m);
+      const std::size_t number = profile.layer_ahead(depth_m, dip_rad < 0);
+      const SoundLayer& layer = profile.layers()[number];
+      ArcRows& arc = rays.end;
+      rays.level_x[k] = 1;
+      rays.layer[k] = static_cast<std::int32_t>(number);
+      arc.depth_m[k] = depth_m, arc.dip_rad[k] = dip_rad;
+      arc.cosine[k] = std::cos(dip_rad), arc.sine[k] = std::sin(dip_rad);
+      arc.snell_s_m[k] = arc.cosine[k] / c, arc.curvature_1_m[k] = -arc.snell_s_m[k] * layer.gradient_1_s;
+      arc.top_m[k] = layer.top_m, arc.bottom_m[k] = layer.bottom_m, arc.reference_m[k] = layer.reference_m;
+      arc.speed_m_s[k] = layer.speed_m_s, arc.gradient_1_s[k] = layer.gradient_1_s;
+    }
+  }
+
+  /// Traces a chord, with a hit a third along it.
+  void trace(const BentKernels& kernels, const SoundSpeedProfile& profile, double depth_m) {
+    kernels.next_chords(profile.layers().data(), depth_m, 0.5, rays,
+                        {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], active});
+    alignas(64) float distance_m[kBentTogether], zero[kBentTogether] = {}, one[kBentTogether];
+    for (std::size_t k = 0; k < kBentTogether; ++k) distance_m[k] = rows[6][k] / 3, one[k] = 1;
+    kernels.place_hits(rays, depth_m, {distance_m, zero, zero, one, active}, placed);
+  }
+};
+
+TEST(BentKernels, AllInstructionSetsGiveTheSameBits) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> speed(1450, 1550);
+  std::vector<double> depths, speeds;
+  for (int level = 0; level < 40; ++level) depths.push_back(5.0 * level), speeds.push_back(speed(random));
+  const SoundSpeedProfile profile(depths, speeds);
+  const auto expect_same = [&](const BentKernels& kernels, double depth_m) {
+    EightRays one(profile, depth_m), other(profile, depth_m);
+    int chords = 0;
+    for (; chords < 500 && !std::ranges::all_of(one.rays.done, [](std::int32_t done) { return done != 0; }); ++chords) {
+      one.trace(baseline_bent_kernels(), profile, depth_m);
+      other.trace(kernels, profile, depth_m);
+      ASSERT_EQ(std::memcmp(one.rows, other.rows, sizeof one.rows), 0) << chords;
+      ASSERT_EQ(std::memcmp(one.active, other.active, sizeof one.active), 0) << chords;
+      for (std::size_t k = 0; k < kBentTogether; ++k) {
+        if (one.active[k] == 0) continue;
+        EXPECT_EQ(one.placed.time_s[k], other.placed.time_s[k]);
+        EXPECT_EQ(one.placed.x[k], other.placed.x[k]);
+        EXPECT_EQ(one.placed.z[k], other.placed.z[k]);
+        EXPECT_EQ(one.placed.arrival_z[k], other.placed.arrival_z[k]);
+        one.rays.done[k] |= one.rays.surfaces[k], other.rays.done[k] |= other.rays.surfaces[k];
+      }
+    }
+    EXPECT_GT(chords, 10);
+  };
+  for (const double depth_m : {3.0, 20.0, 150.0}) {
+    if (processor_has(InstructionSet::avx2)) expect_same(avx2_bent_kernels(), depth_m);
+    if (processor_has(InstructionSet::avx512)) expect_same(avx512_bent_kernels(), depth_m);
+  }
 }
 
 TEST(WaterSound, TheProfileFollowsTheWaterBetweenItsLevelsAndBelowThem) {

@@ -1,0 +1,7 @@
+#include "uwsim/sonar/bent_kernels_impl.h"
+
+namespace uwsim {
+
+const BentKernels& avx2_bent_kernels() { return kKernels; }
+
+}  // namespace uwsim
