@@ -24,6 +24,14 @@ py::typing::Dict<py::str, py::float_> task_seconds(const PictureArrays& picture)
   return tasks;
 }
 
+/// Moves an image's values into a NumPy array of the given shape without copying them.
+template <typename T>
+py::array_t<T> move_out(ImageBuffer<T>&& values, std::vector<py::ssize_t> shape) {
+  auto* owner = new ImageBuffer<T>(std::move(values));
+  const py::capsule free(owner, [](void* p) { delete static_cast<ImageBuffer<T>*>(p); });
+  return py::array_t<T>(std::move(shape), owner->data(), free);
+}
+
 }  // namespace
 
 PictureArrays::PictureArrays(Picture&& picture, const RenderCost& render_cost, const RayRecord& record)

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kParticleCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
+constexpr double kSwirl_m = 0.03;  // more than particles swirl
 constexpr double kAlbedo = 0.5;
 constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, in radians times metres
 constexpr double kGeneration_s = 4;         // each particle is visible for two of these intervals and brightest halfway
@@ -97,6 +98,8 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
     const std::uint64_t more = mixed(bits);
     if (unit_of(bits, 3) >= chance) continue;
     const Eigen::Vector3d in_cell(unit_of(bits, 0), unit_of(bits, 1), unit_of(bits, 2));
+    const Eigen::Vector3d about = (cell.cast<double>().matrix() + in_cell) * kParticleCell_m - lattice_eye;
+    if (about.norm() > kReach_m + kSwirl_m || optical_from_world.row(2).dot(about) < kNearest_m - kSwirl_m) continue;
     const double turn = request.time_s * (0.3 + 0.4 * unit_of(more, 0)) + 2 * std::numbers::pi * unit_of(more, 1);
     const Eigen::Vector3d swirl = 0.02 * Eigen::Vector3d(std::sin(turn), std::cos(turn), std::sin(1.3 * turn));
     const Eigen::Vector3d at = (cell.cast<double>().matrix() + in_cell) * kParticleCell_m + swirl - lattice_eye;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <mutex>
+#include <new>
+#include <vector>
 
 #include "uwsim/core/fork_safe_mutex.h"
 

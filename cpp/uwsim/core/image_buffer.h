@@ -1,10 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <memory>
-#include <new>
+#include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace uwsim {
 
@@ -13,33 +12,58 @@ namespace uwsim {
 void* acquire_buffer(std::size_t bytes);
 void release_buffer(void* memory, std::size_t bytes) noexcept;
 
-/// An allocator that leaves new elements uninitialised, since every pixel is written anyway.
+/// The values of an image. A vector would take time to destroy them one by one, though there is nothing to do.
 template <typename T>
-struct ImageBufferAllocator {
+class ImageBuffer {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+ public:
   using value_type = T;
 
-  ImageBufferAllocator() = default;
-  template <typename U>
-  ImageBufferAllocator(const ImageBufferAllocator<U>&) noexcept {
-  }  // NOLINT(google-explicit-constructor): as std::allocator
-
-  T* allocate(std::size_t count) { return static_cast<T*>(acquire_buffer(count * sizeof(T))); }
-  void deallocate(T* memory, std::size_t count) noexcept { release_buffer(memory, count * sizeof(T)); }
-
-  template <typename U>
-  void construct(U* at) noexcept {
-    ::new (static_cast<void*>(at)) U;
+  ImageBuffer() = default;
+  explicit ImageBuffer(std::size_t count) { resize(count); }
+  ImageBuffer(ImageBuffer&& other) noexcept { swap(other); }
+  ImageBuffer& operator=(ImageBuffer&& other) noexcept {
+    ImageBuffer(std::move(other)).swap(*this);
+    return *this;
   }
-  template <typename U, typename... Values>
-  void construct(U* at, Values&&... values) {
-    ::new (static_cast<void*>(at)) U(std::forward<Values>(values)...);
+  ~ImageBuffer() {
+    if (values_ != nullptr) release_buffer(values_, size_ * sizeof(T));
   }
 
-  bool operator==(const ImageBufferAllocator&) const { return true; }
+  /// Leaves the values uninitialised, since every pixel is written anyway; those of another size are lost.
+  void resize(std::size_t count) {
+    if (count == size_) return;
+    ImageBuffer other;
+    if (count > 0) other.values_ = static_cast<T*>(acquire_buffer(count * sizeof(T)));
+    other.size_ = count;
+    swap(other);
+  }
+  void assign(std::size_t count, const T& value) {
+    resize(count);
+    std::fill_n(values_, count, value);
+  }
+  void swap(ImageBuffer& other) noexcept {
+    std::swap(values_, other.values_);
+    std::swap(size_, other.size_);
+  }
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return values_; }
+  const T* data() const { return values_; }
+  T* begin() { return values_; }
+  T* end() { return values_ + size_; }
+  const T* begin() const { return values_; }
+  const T* end() const { return values_ + size_; }
+  T& operator[](std::size_t k) { return values_[k]; }
+  const T& operator[](std::size_t k) const { return values_[k]; }
+
+  bool operator==(const ImageBuffer& other) const { return std::equal(begin(), end(), other.begin(), other.end()); }
+
+ private:
+  T* values_ = nullptr;
+  std::size_t size_ = 0;
 };
-
-/// The values of an image; resize() leaves new ones uninitialised.
-template <typename T>
-using ImageBuffer = std::vector<T, ImageBufferAllocator<T>>;
 
 }  // namespace uwsim

@@ -32,6 +32,9 @@ struct CastContext {
 /// Without AVX-512, Embree splits packets and reads idle lanes as well; Debian's build aborts the process if an idle
 /// lane is not finite.
 void make_idle_lanes_finite(const std::int32_t* active, RTCRay16& rays) {
+  std::int32_t all = -1;
+  for (std::size_t k = 0; k < kPacketRays; ++k) all &= active[k];
+  if (all == -1) return;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const bool idle = active[k] == 0;
     rays.org_x[k] = idle ? 0.0f : rays.org_x[k];

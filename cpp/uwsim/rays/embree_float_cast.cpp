@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "uwsim/rays/ray_kernels.h"
@@ -11,26 +12,14 @@
 namespace uwsim {
 namespace {
 
-/// Each loop covers only one or two rows, so that compilers turn it into wide moves.
 void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
           const double* starts_m, RTCRay16& out) {
+  static_assert(offsetof(RayPacket, direction_z) == 5 * sizeof(RayPacket::Lanes));
+  static_assert(offsetof(RTCRay16, tnear) == 3 * sizeof(RayPacket::Lanes) && sizeof(out) == 12 * sizeof(out.org_x));
+  static const RayKernels& kernels = ray_kernels();
   const Eigen::Vector3d shift = anchor_world_m - surfaces.middle_m();
   const Eigen::Vector3f near = shift.cast<float>();
-  const auto shifted = [](const RayPacket::Lanes& from, float by, float* to) {
-    for (std::size_t k = 0; k < kPacketRays; ++k) to[k] = by + from[k];
-  };
-  shifted(rays.origin_x, near.x(), out.org_x);
-  shifted(rays.origin_y, near.y(), out.org_y);
-  shifted(rays.origin_z, near.z(), out.org_z);
-  std::ranges::copy(rays.direction_x, out.dir_x);
-  std::ranges::copy(rays.direction_y, out.dir_y);
-  std::ranges::copy(rays.direction_z, out.dir_z);
-  std::ranges::copy(rays.near_m, out.tnear);
-  std::ranges::copy(rays.far_m, out.tfar);
-  std::ranges::fill(out.time, 0.0f);
-  std::ranges::fill(out.mask, ~0u);
-  std::ranges::fill(out.flags, 0u);
-  for (std::size_t k = 0; k < kPacketRays; ++k) out.id[k] = static_cast<unsigned>(k);
+  kernels.fill_packet(rays.origin_x.data(), rays.near_m.data(), rays.far_m.data(), near.data(), out.org_x);
   for (std::size_t k = 0; starts_m != nullptr && k < kPacketRays; ++k) {
     out.org_x[k] = static_cast<float>(shift.x() + rays.origin_x[k] + starts_m[k] * rays.direction_x[k]);
     out.org_y[k] = static_cast<float>(shift.y() + rays.origin_y[k] + starts_m[k] * rays.direction_y[k]);

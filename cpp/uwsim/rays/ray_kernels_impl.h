@@ -43,6 +43,30 @@ void to_float(const LaneRays& rays, const double* middle_m, double setback_m, co
   }
 }
 
+void fill_packet(const float* rays, const float* near_m, const float* far_m, const float* shift, float* packet) {
+  enum Row { kOrigin = 0, kNear = 3, kDirection = 4, kTime = 7, kFar = 8, kMask = 9, kId = 10, kFlags = 11 };
+  auto* const words = reinterpret_cast<std::uint32_t*>(packet);
+  const float x = shift[0], y = shift[1], z = shift[2];
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    packet[kOrigin * kLanes + k] = x + rays[k];
+    packet[(kOrigin + 1) * kLanes + k] = y + rays[kLanes + k];
+    packet[(kOrigin + 2) * kLanes + k] = z + rays[2 * kLanes + k];
+    packet[kNear * kLanes + k] = near_m[k];
+    packet[kDirection * kLanes + k] = rays[3 * kLanes + k];
+    packet[(kDirection + 1) * kLanes + k] = rays[4 * kLanes + k];
+    packet[(kDirection + 2) * kLanes + k] = rays[5 * kLanes + k];
+    packet[kTime * kLanes + k] = 0;
+    packet[kFar * kLanes + k] = far_m[k];
+  }
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    words[kMask * kLanes + k] = ~0u;
+    words[kId * kLanes + k] = static_cast<std::uint32_t>(k);
+    words[kFlags * kLanes + k] = 0;
+  }
+}
+
 /// Whether the point is over the block and higher than all corners of the cell there by the clearance.
 bool starts_high(const TerrainBlock& block, double x_m, double y_m, double z_m) {
   const double u = (x_m - block.origin_x) * block.cells_per_m - block.first_column;
@@ -236,6 +260,7 @@ bool label_terrain(const std::uint32_t* geometry, std::uint32_t open, const std:
 constexpr RayKernels kKernels{.all_near = &all_near,
                               .find_low_starts = &find_low_starts,
                               .to_float = &to_float,
+                              .fill_packet = &fill_packet,
                               .may_meet_round = &may_meet_round,
                               .meet_wall = &meet_wall,
                               .number_terrain = &number_terrain,
