@@ -1,4 +1,4 @@
-"""A picture of the packaged forward-looking imaging sonar on the lake, compared with bare Embree casting the same rays.
+"""The packaged forward-looking imaging sonar on the lake, compared with bare Embree casting the same rays.
 
 The cases alternate within one run, so that other load on the machine affects them equally; results are medians over the
 rounds, and ratios are computed per round. Each picture is taken from a new position along a line. The native peer casts

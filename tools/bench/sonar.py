@@ -74,7 +74,7 @@ class Heads:
         return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], directions.shape), directions
 
     def first_again(self) -> Heads:
-        """Return as many poses, all equal to the first, so that the terrain stays in the processor's caches."""
+        """Return the same number of poses, all equal to the first, so that the terrain stays in the caches."""
         poses = ("positions_world_m", "orientations_xyzw", "world_from_body", "world_from_sonar")
         return replace(
             self, **{name: np.repeat(getattr(self, name)[:1], len(self.positions_world_m), 0) for name in poses}

@@ -151,8 +151,8 @@ class Pictures:
     def read(self, sim: Simulator, name: str, camera: Camera, part: Part | None = None) -> Picture | None:
         """Return the picture from the last period, or None if none was due.
 
-        part: a part that the picture must have. A part that has never been read before is missing. It is then made now
-        if the steps may wait; otherwise None is returned.
+        part: a part that the picture must have. If no one has read this part before, the last picture lacks it. A
+        picture with it is then taken now if the simulator may wait for it; otherwise None is returned.
         """
         slot = _slot(sim)
         if part is not None:

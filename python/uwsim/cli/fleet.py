@@ -43,8 +43,8 @@ def fleet(
 
     Each tile is surveyed by a separate vehicle, and the whole map is scored. A worker builds only its tile's part of
     the terrain, so the area may exceed the memory of one process. The bytes of the map do not depend on the number of
-    workers or the order in which tiles are finished. Ctrl-C and kills lose only the tiles in progress: --resume flies
-    the rest. Exits with 1 if a tile failed.
+    workers or the order in which tiles are finished. If the fleet is interrupted or
+    killed, only the tiles in progress are lost: --resume flies the rest. Exits with 1 if a tile failed.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.fleet import run_fleet

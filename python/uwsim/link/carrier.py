@@ -286,7 +286,7 @@ class Carrier:
 
 
 def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | None) -> list[Channel]:
-    """Return the channels without those that would cross the link but are not selected."""
+    """Return the channels that do not cross the link, and those of the others whose names `only` selects."""
     setup, ends = sim.scenario.link, None if only is None else tuple(only)
     if ends is None or setup is None or "carries" in setup.model_fields_set:
         return list(channels)

@@ -1,4 +1,4 @@
-"""aim_to: a step that turns a sonar's head or a camera and waits until it points there."""
+"""aim_to: a step that turns a sonar's head or a camera and waits until it points in the requested direction."""
 
 from __future__ import annotations
 

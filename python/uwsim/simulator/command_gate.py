@@ -80,9 +80,9 @@ class CommandGate:
     """Filters every command that moves a vehicle before it reaches the actuators.
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
-    move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; programs that command
-    periodically stop when this changes. changed: called when all stop is set or released. note: logs a note.
-    autopilot: the program that steers the vehicle step by step, if any.
+    move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; a program that issues
+    periodic commands ends when this number changes. changed: called when all stop is set or released. note:
+    logs a note. autopilot: the program that steers the vehicle step by step, if any.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:

@@ -39,7 +39,7 @@ class Lens:
 
     @cached_property
     def rectified(self) -> Lens:
-        """The pinhole with the projection matrix of `info`: without distortion and without a port."""
+        """An ideal pinhole camera with the projection matrix of `info`: no distortion, no port."""
         angle_rad = 2.0 * np.arctan(0.5 * self.mount.width / self.info.p[0, 0])
         pinhole = {"field_of_view_deg": float(np.degrees(angle_rad)), "distortion": (0.0,) * 5, "port": None}
         return Lens(self.name, self.mount.model_copy(update=pinhole))

@@ -42,7 +42,10 @@ def surface(pilot: Controller, began: Beginning, figures: Failsafe, time_s: floa
 
 
 def ascent(height_m: float, rate_m_s: float, since_s: float) -> tuple[float, float]:
-    """Return the height gained since_s into an ascent, and the rate at that time: constant until near the end."""
+    """Return the height gained [m] and the rate [m/s] after `since_s` seconds of an ascent of height_m.
+
+    The rate is constant until the vehicle slows down near the end.
+    """
     fastest_m_s = min(rate_m_s, math.sqrt(2.0 * SLOWING_M_S2 * height_m))
     if fastest_m_s <= 0.0:
         return 0.0, 0.0

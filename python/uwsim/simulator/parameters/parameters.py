@@ -99,7 +99,7 @@ class Parameters(Mapping[str, Any]):
         return dict(self._changes)
 
     def __getitem__(self, name: str) -> Any:
-        """Return a value, or all values of a group. Raises UnknownParameterError, a KeyError and ValueError."""
+        """Return a value, or all values of a group. Raises UnknownParameterError (a KeyError and a ValueError)."""
         if name in self._switches:
             return self._switches[name].on
         return plain(self._node(name).value)

@@ -172,7 +172,7 @@ def _number(name: str, value: Any, type_name: str) -> float:
 
 
 def _strengths_by_label(sim: Place, model: Acoustics) -> tuple[list[float], list[_core.BottomMaterial]]:
-    """Return each surface's strength: the model's for that surface or its class, or else its material's.
+    """Return each surface's strength, from the model (by surface or class) or otherwise from its material.
 
     Also return each surface's material, which scatters by angle only if the model has no strength for the surface.
     """
