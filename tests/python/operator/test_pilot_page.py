@@ -67,7 +67,7 @@ def test_a_gamepad_drives_when_it_is_known_and_has_been_centred(here, page, tmp_
     when(page, "document.querySelector('#toast').textContent.includes('layout is unknown')")
     assert not here.rov.effort.any()
     page.evaluate(PAD, {"mapping": "standard", "id": "usual"})
-    when(page, "document.querySelector('#toast').textContent.includes('let go of its sticks')")
+    when(page, "document.querySelector('#toast').textContent.includes('release its sticks')")
     assert not here.rov.effort.any()
     axes(0, 0, 0, 0)
     when(page, "station.pilot.gamepads.stateOf(window.pad) === 'armed'")

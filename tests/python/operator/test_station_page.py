@@ -133,7 +133,7 @@ def test_one_flies_and_hands_over(running, tmp_path):
     def explains():  # for 1.5 s after the key, which a busy machine may exceed before the text is read
         second.keyboard.up("w")
         second.keyboard.down("w")
-        return "flies" in second.inner_text("#hint")
+        return "is flying" in second.inner_text("#hint")
 
     until(explains, "why the key moves nothing")
     second.wait_for_timeout(400)

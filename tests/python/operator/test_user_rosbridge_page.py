@@ -35,7 +35,7 @@ def test_address_and_port_on_the_start_screen_join_the_users_rosbridge(browser, 
         fill(page, "127.0.0.1", port)
         refused(page, f"ws://127.0.0.1:{port}: connection refused: no server listens there")
         fill(page, "ws://127.0.0.1", here.url.rpartition(":")[2])  # its own address
-        refused(page, "a station of uwsim listens there")
+        refused(page, "this is a uwsim station")
 
         fill(page, "localhost", users.port)
         page.wait_for_selector("#station:not([hidden])")
