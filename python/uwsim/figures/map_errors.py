@@ -51,7 +51,7 @@ def draw_map_errors(path: Path, score: MapScore, area_world_m: NDArray[np.float6
         add_colour_bar(figure, axes, limits, ERRORS, name)
     else:
         east_m, north_m = (low + size / 2.0).tolist()
-        axes.text(east_m, north_m, "no seabed to judge", ha="center", va="center", fontsize=14, color=FAINT_INK)
+        axes.text(east_m, north_m, "no seabed to evaluate", ha="center", va="center", fontsize=14, color=FAINT_INK)
     axes.add_patch(Polygon(area_world_m, closed=True, fill=False, edgecolor=INK, linewidth=1.0, linestyle=(0, (5, 3))))
     _draw_voxels(axes, score)
     add_legend(axes, 3)

@@ -108,7 +108,7 @@ def flight_figures(folder: Path, flown: FlightRecord, world: _core.World | None)
         return []
     errors = {name: _errors_m(samples) for name, samples in flown.samples.items()}
     errors = {name: error for name, error in errors.items() if error.max(initial=0.0) > MOVED_M}
-    figures = [ReportFigure(folder / "track.png", "Where it went", "From the circle to the square.")]
+    figures = [ReportFigure(folder / "track.png", "Track", "The start is a circle, the end a square.")]
     tracks = {name: samples.path_world_m for name, samples in flown.samples.items()}
     estimates = {name: flown.samples[name].estimated_path_world_m for name in errors}
     closed = {name: path.path_world_m for name, path in flown.closed.items()}
@@ -117,8 +117,8 @@ def flight_figures(folder: Path, flown: FlightRecord, world: _core.World | None)
     for name, samples in flown.samples.items():
         figures += _vehicle_figures(folder, samples, f" of {name}" if several else "", f"_{name}" if several else "")
     if errors:
-        text = "How far the vehicle was from its estimated place"
-        text += ", and from its place once loops were closed." if flown.closed else "."
+        text = "Distance of the estimated position from the true one"
+        text += ", also after loop closure." if flown.closed else "."
         figures.append(ReportFigure(folder / "estimate.png", "Estimate against truth", text))
         curves = {name: (flown.samples[name]["time_s"], error) for name, error in errors.items()}
         for name, path in flown.closed.items():
@@ -134,12 +134,12 @@ def _errors_m(samples: Samples) -> NDArray[np.float64]:
 def _vehicle_figures(folder: Path, samples: Samples, of: str, tag: str) -> list[ReportFigure]:
     z_m = samples["z_m"]
     depth = ReportFigure(
-        folder / f"depth{tag}.png", f"Depth and altitude{of}", "Its height, and that of what lies below it."
+        folder / f"depth{tag}.png", f"Depth and altitude{of}", "Heights of the vehicle and of the bed below it."
     )
     draw_depth(depth.path, samples["time_s"], z_m, z_m - samples["altitude_m"], samples["collision_warning"] > 0)
     power = ReportFigure(
         folder / f"power{tag}.png", f"Commands and battery{of}",
-        "Each command, from -1 to 1, and what is left of the battery.",
+        "Commands, from -1 to 1, and the remaining battery charge.",
     )  # fmt: skip
     draw_power(power.path, samples["time_s"], samples.commands, samples.command_names, samples["battery_percent"])
     return [depth, power]
