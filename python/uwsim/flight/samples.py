@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -113,11 +111,10 @@ class Samples:
 
     def write(self, path: Path) -> None:
         """Write a CSV file. Raises OSError."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([name.replace(" ", "_") for name in self.names])
-        writer.writerows([f"{value:.6g}" for value in row] for row in self.values.tolist())
-        write_atomically(path, text.getvalue().encode())
+        header = ",".join(name.replace(" ", "_") for name in self.names)
+        row = ",".join(["%.6g"] * len(self.names))
+        lines = [header, *(row % tuple(values) for values in self.values.tolist())]
+        write_atomically(path, ("\n".join(lines) + "\n").encode())
 
 
 class Sampler:
