@@ -53,7 +53,7 @@ def main(
                 rays = write_rays(file, env.episodes.batch)
                 for count in THREADS:
                     peers.append(camera["BareEmbree"]([str(program), str(file), str(count), "quads"]))
-                    cases[f"Embree alone, threads = {count}"] = peers[-1]
+                    cases[f"Embree alone, threads = {count}"] = wall_time(peers[-1])
             cases[f"environment steps, threads = {threads}"] = steps(env)
         if not peers:
             console.print("skipping Embree alone: embree_bare_rays is not installed with the package (run tools/setup)")
@@ -78,6 +78,11 @@ def steps(env: Any) -> Callable[[], float]:
     """Return a function that takes an environment step in each member and returns the seconds of wall time."""
     actions = np.zeros(env.action_space.shape, np.float32)
     return lambda: timed(lambda: env.step(actions))
+
+
+def wall_time(peer: Any) -> Callable[[], float]:
+    """Return a function that makes the peer cast its rays once and returns the seconds of wall time."""
+    return lambda: peer.times_s()[0]
 
 
 def timed(call: Callable[[], object]) -> float:
