@@ -3,7 +3,6 @@
 #include <pcl/common/transforms.h>
 #include <pcl/console/print.h>
 #include <pcl/filters/crop_box.h>
-#include <pcl/filters/experimental/functor_filter.h>
 #include <pcl/filters/passthrough.h>
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
@@ -33,21 +32,45 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 Cloud::Ptr to_cloud(std::span<const float> points_m) {
   require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
-  auto cloud = pcl::make_shared<Cloud>();
-  cloud->reserve(points_m.size() / 3);
-  for (std::size_t i = 0; i < points_m.size(); i += 3) {
-    cloud->emplace_back(points_m[i], points_m[i + 1], points_m[i + 2]);
-    cloud->is_dense = cloud->is_dense && pcl::isFinite(cloud->back());
+  auto cloud = pcl::make_shared<Cloud>(static_cast<std::uint32_t>(points_m.size() / 3), 1);
+  const float* from = points_m.data();
+  for (pcl::PointXYZ& p : *cloud) {
+    p = {from[0], from[1], from[2]};
+    from += 3;
   }
+  cloud->is_dense = std::ranges::all_of(points_m, [](float value) { return std::isfinite(value); });
   return cloud;
 }
 
 std::vector<float> to_points(const Cloud& cloud) {
-  std::vector<float> points_m;
-  points_m.reserve(3 * cloud.size());
-  for (const pcl::PointXYZ& p : cloud) points_m.insert(points_m.end(), {p.x, p.y, p.z});
+  std::vector<float> points_m(3 * cloud.size());
+  float* to = points_m.data();
+  for (const pcl::PointXYZ& p : cloud) {
+    to[0] = p.x, to[1] = p.y, to[2] = p.z;
+    to += 3;
+  }
   return points_m;
 }
+
+/// The cosines and sines of a scan's beams. All scans of a sonar have the same beams, so the thread's last are kept:
+/// computing them takes most of the time of a conversion.
+struct BeamTable {
+  double angle_min_rad = 0, angle_increment_rad = 0;
+  std::vector<Eigen::Vector2d> directions;
+
+  static const BeamTable& of(const ScanGeometry& geometry, std::size_t beams) {
+    thread_local BeamTable table;
+    if (table.directions.size() != beams || table.angle_min_rad != geometry.angle_min_rad ||
+        table.angle_increment_rad != geometry.angle_increment_rad) {
+      table = {geometry.angle_min_rad, geometry.angle_increment_rad, {}};
+      for (std::size_t beam = 0; beam < beams; ++beam) {
+        const double angle_rad = geometry.angle_min_rad + static_cast<double>(beam) * geometry.angle_increment_rad;
+        table.directions.emplace_back(std::cos(angle_rad), std::sin(angle_rad));
+      }
+    }
+    return table;
+  }
+};
 
 /// The finite points, with shift_m subtracted.
 Cloud::Ptr to_finite_cloud(std::span<const float> points_m, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
@@ -141,16 +164,16 @@ std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeo
   require(geometry.range_min_m >= 0, "scan.range_min", geometry.range_min_m, "must be at least 0 m");
   require(geometry.range_max_m > geometry.range_min_m, "scan.range_max", geometry.range_max_m,
           "must be greater than range_min");
-  Cloud cloud;
-  cloud.reserve(ranges_m.size());
+  const BeamTable& table = BeamTable::of(geometry, ranges_m.size());
+  std::vector<float> points_m;
+  points_m.reserve(3 * ranges_m.size());
   for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
     const double range_m = ranges_m[beam];
     if (!(range_m >= geometry.range_min_m && range_m < geometry.range_max_m)) continue;
-    const double angle_rad = geometry.angle_min_rad + static_cast<double>(beam) * geometry.angle_increment_rad;
-    cloud.emplace_back(static_cast<float>(range_m * std::cos(angle_rad)),
-                       static_cast<float>(range_m * std::sin(angle_rad)), 0.0f);
+    const Eigen::Vector2f point_m = (range_m * table.directions[beam]).cast<float>();
+    points_m.insert(points_m.end(), {point_m.x(), point_m.y(), 0.0f});
   }
-  return to_points(cloud);
+  return points_m;
 }
 
 std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source) {
@@ -165,15 +188,15 @@ std::vector<float> transform_points(std::span<const float> points_source_m, cons
 std::vector<float> filter_range(std::span<const float> points_m, double min_m, double max_m) {
   require(min_m >= 0, "min_m", min_m, "must be at least 0 m");
   require(max_m >= min_m, "max_m", max_m, "must be at least min_m");
-  if (points_m.empty()) return {};
-  pcl::experimental::FunctionFilter<pcl::PointXYZ> filter([=](const Cloud& cloud, pcl::index_t index) {
-    const double distance_m = cloud[static_cast<std::size_t>(index)].getVector3fMap().cast<double>().norm();
-    return distance_m >= min_m && distance_m <= max_m;
-  });
-  filter.setInputCloud(to_cloud(points_m));
-  Cloud kept;
-  filter.filter(kept);
-  return to_points(kept);
+  require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
+  std::vector<float> kept_m;
+  kept_m.reserve(points_m.size());
+  for (std::size_t i = 0; i < points_m.size(); i += 3) {
+    const double distance_m = Eigen::Vector3d(points_m[i], points_m[i + 1], points_m[i + 2]).norm();
+    if (!(distance_m >= min_m && distance_m <= max_m)) continue;
+    kept_m.insert(kept_m.end(), {points_m[i], points_m[i + 1], points_m[i + 2]});
+  }
+  return kept_m;
 }
 
 std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vector3d& box_min_m,

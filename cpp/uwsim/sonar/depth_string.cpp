@@ -15,17 +15,18 @@ constexpr char kSeparator = 'a';
 /// A float32 in G7 format takes up to 13 characters including its separator; other writers may use more digits, up to
 /// this limit.
 constexpr std::size_t kLettersMax = 32;
+constexpr std::size_t kWrittenMax = 16;
 constexpr std::size_t kBeamsMax = 1'000'000;
 
 constexpr int kDigits = 7;
 constexpr double kMinPlain = 1e-4, kMaxPlain = 1e6;
 constexpr std::array<double, kDigits + 4> kTens = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10};
 
-/// Like append_any_g7, for values in [kMinPlain, kMaxPlain). Four times as fast. A float32 has 24 significant bits, and
+/// Like write_any_g7, for values in [kMinPlain, kMaxPlain). Four times as fast. A float32 has 24 significant bits, and
 /// 10^10 = 2^10 5^10 has another 24. Their product is therefore exact in a double, and so is the sum after one half has
 /// been added for rounding.
-void append_plain_g7(std::string& out, float value) {
-  int exponent = -4;  // of the first digit
+char* write_plain_g7(char* out, float value) {
+  int exponent = value < 1 ? -4 : 0;  // of the first digit
   while (value >= (exponent < -1 ? 1 / kTens[static_cast<std::size_t>(-exponent - 1)]
                                  : kTens[static_cast<std::size_t>(exponent + 1)]))
     ++exponent;
@@ -35,37 +36,40 @@ void append_plain_g7(std::string& out, float value) {
     ++exponent;
   }
   char text[kDigits];
-  for (int k = kDigits - 1; k >= 0; --k, digits /= 10) text[k] = static_cast<char>('0' + digits % 10);
+  std::uint32_t high = digits / 10'000, low = digits % 10'000;  // two chains of divisions, which run in parallel
+  for (int k = 2; k >= 0; --k, high /= 10) text[k] = static_cast<char>('0' + high % 10);
+  for (int k = kDigits - 1; k >= 3; --k, low /= 10) text[k] = static_cast<char>('0' + low % 10);
   int count = kDigits;
   while (count > 1 && count > exponent + 1 && text[count - 1] == '0') --count;
   if (exponent < 0) {
-    out.append("0.").append(static_cast<std::size_t>(-exponent - 1), '0').append(text, static_cast<std::size_t>(count));
-    return;
+    *out++ = '0';
+    *out++ = '.';
+    out = std::fill_n(out, -exponent - 1, '0');
+    return std::copy_n(text, count, out);
   }
-  const auto whole = static_cast<std::size_t>(exponent + 1), all = static_cast<std::size_t>(count);
-  out.append(text, whole);
-  if (all > whole) out.append(1, '.').append(text + whole, all - whole);
+  const int whole = exponent + 1;
+  out = std::copy_n(text, whole, out);
+  if (count == whole) return out;
+  *out++ = '.';
+  return std::copy(text + whole, text + count, out);
 }
 
-/// Appends a non-negative number in C#'s format. C's %.7g follows the same rules except for the capital E and for ties,
+/// Writes a non-negative number in C#'s format. C's %.7g follows the same rules except for the capital E and for ties,
 /// which it rounds to even. Using the next larger double breaks ties away from zero; the increment is far below the
 /// seventh digit.
-void append_any_g7(std::string& out, float value) {
+char* write_any_g7(char* out, float value) {
   double nudged = value;
   if (value != 0) nudged = std::nextafter(nudged, std::numeric_limits<double>::infinity());
-  char text[16];
-  char* end = std::to_chars(text, text + sizeof text, std::abs(nudged), std::chars_format::general, 7).ptr;
-  std::replace(text, end, 'e', 'E');
-  out.append(text, end);
+  char* end = std::to_chars(out, out + kWrittenMax, std::abs(nudged), std::chars_format::general, 7).ptr;
+  std::replace(out, end, 'e', 'E');
+  return end;
 }
 
-void append_g7(std::string& out, float value) {
-  if (value >= kMinPlain && value < kMaxPlain) {
-    append_plain_g7(out, value);
-  } else {
-    append_any_g7(out, value);
-  }
+char* write_g7(char* out, float value) {
+  return value >= kMinPlain && value < kMaxPlain ? write_plain_g7(out, value) : write_any_g7(out, value);
 }
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 [[noreturn]] void refuse(std::size_t beam, std::string_view text, const std::string& rule) {
   std::string quoted = "'";
@@ -74,10 +78,30 @@ void append_g7(std::string& out, float value) {
   throw InvalidValue("depth_string[" + std::to_string(beam) + "] = " + quoted + ": " + rule);
 }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// Parses up to seven digits with a point among them, as almost all ranges are written, into `value`; returns whether
+/// the text is of this form. The digits and the power of ten are exact in float32, so their quotient is rounded once
+/// and equals the result of from_chars.
+bool parse_plain(std::string_view text, float& value) {
+  if (text.size() < 3 || text.size() > kDigits + 1 || !is_digit(text.front()) || !is_digit(text.back())) return false;
+  std::uint32_t digits = 0;
+  std::size_t point = 0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (is_digit(text[k])) {
+      digits = 10 * digits + static_cast<std::uint32_t>(text[k] - '0');
+    } else if (text[k] == '.' && point == 0) {
+      point = k;
+    } else {
+      return false;
+    }
+  }
+  if (point == 0) return false;
+  value = static_cast<float>(digits) / static_cast<float>(kTens[text.size() - 1 - point]);
+  return true;
+}
 
 float parse_range(std::string_view text, std::size_t beam) {
   float value = 0;
+  if (parse_plain(text, value)) return value;
   // Check for digits at both ends, because from_chars also accepts "inf", ".5", "5." and "-1".
   const bool plain = !text.empty() && is_digit(text.front()) && is_digit(text.back());
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -93,17 +117,18 @@ float parse_range(std::string_view text, std::size_t beam) {
 std::string encode_depth_string(std::span<const float> ranges_m, double range_max_m) {
   require(range_max_m > 0 && range_max_m <= std::numeric_limits<float>::max(), "sonar.range_max_m", range_max_m,
           "must be positive and fit a float32");
-  std::string text;
-  text.reserve(9 * ranges_m.size());
+  std::string text(kWrittenMax * ranges_m.size(), '\0');
+  char* out = text.data();
   for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
     const float range_m = ranges_m[beam];
     if (!(range_m >= 0 && (range_m <= range_max_m || std::isinf(range_m)))) {
       require(false, "ranges_m[" + std::to_string(beam) + "]", range_m,
-              "must be in [0, " + printed(range_max_m) + "] m, or infinity for a beam without echo");
+              "must be in [0, " + printed(range_max_m) + "] m, or inf for a beam without echo");
     }
-    append_g7(text, std::isinf(range_m) ? static_cast<float>(range_max_m) : range_m);
-    text += kSeparator;
+    out = write_g7(out, std::isinf(range_m) ? static_cast<float>(range_max_m) : range_m);
+    *out++ = kSeparator;
   }
+  text.resize(static_cast<std::size_t>(out - text.data()));
   return text;
 }
 

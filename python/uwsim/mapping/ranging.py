@@ -71,7 +71,7 @@ def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel =
     ranges_m: (beams,) float32 in [0, range_max_m of the model], or inf, which is written as range_max_m.
     """
     variant = _variant(model)
-    return _core.encode_depth_string(_ranges(ranges_m, variant), variant.range_max_m)
+    return _core.encode_depth_string(_beams(ranges_m, variant), variant.range_max_m)
 
 
 def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDArray[np.float32]:
@@ -209,7 +209,8 @@ def _variant(model: int | _core.MultibeamModel) -> _core.MultibeamModel:
     raise ValueError(f"sonar.model = {model!r}: must be one of {', '.join(map(str, MODELS))}")
 
 
-def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.float32]:
+def _beams(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.floating | np.integer]:
+    """Return ranges as an array with one number for each beam. Raises ValueError."""
     ranges = np.asarray(ranges_m)
     is_accepted = ranges.dtype in (np.float32, np.float64) or (
         not isinstance(ranges_m, np.ndarray) and ranges.dtype.kind in "iu"
@@ -220,6 +221,11 @@ def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.fl
         raise ValueError(
             f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number or variant.name}"
         )
+    return ranges
+
+
+def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.float32]:
+    ranges = _beams(ranges_m, variant)
     (too_far,) = (np.isfinite(ranges) & (ranges > variant.range_max_m)).nonzero()
     if len(too_far):
         beam = int(too_far[0])

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <random>
 
@@ -98,6 +99,17 @@ TEST(DepthString, ReadsBackWithinHalfOfTheSeventhDigit) {
 TEST(DepthString, ABeamWithoutEchoIsWrittenAsTheMaximumRangeAndReadAsInfinite) {
   EXPECT_EQ(encode_depth_string(std::vector<float>{kInf, 1.5f}, 55), "55a1.5a");
   EXPECT_EQ(decode_depth_string("55a1.5a", 2, 54.9), (std::vector<float>{kInf, 1.5f}));
+}
+
+TEST(DepthString, ReadsDecimalsAsTheCLibraryDoes) {
+  std::mt19937 random(2);
+  const auto up_to = [&](unsigned most) { return std::uniform_int_distribution<unsigned>(0, most)(random); };
+  for (int k = 0; k < 20'000; ++k) {
+    std::string text(1 + up_to(5), '0');
+    for (char& letter : text) letter = static_cast<char>('0' + up_to(9));
+    if (up_to(3) > 0) text += '.' + std::to_string(up_to(up_to(1) ? 99'999'999 : 999));
+    EXPECT_EQ(decode_depth_string(text + 'a', 1, kFloatMax).front(), std::strtof(text.c_str(), nullptr)) << text;
+  }
 }
 
 TEST(DepthString, TheLimitItselfIsNoEcho) {
