@@ -11,12 +11,13 @@ the median of several consecutive brick insertions, each into a new map.
 from __future__ import annotations
 
 import json
+import os
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -102,11 +103,19 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 5,
     memory: Annotated[bool, typer.Option(help="Also measure peak memory: minutes with stock OctoMap.")] = True,
     only: Annotated[str, typer.Option(help="Only this workload: A, B or D.")] = "",
+    peer: Annotated[
+        list[Path] | None,
+        typer.Option(help="A program with octomap_insert's usage that inserts with another library; may be repeated."),
+    ] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases alternately and print medians."""
     if only not in ("", *WORKLOADS):
         raise ValueError(f"--only {only}: must be one of {', '.join(WORKLOADS)}")
+    peers = {program.name: program.resolve() for program in peer or ()}
+    for program in peers.values():
+        if not os.access(program, os.X_OK) or not program.is_file():
+            raise ValueError(f"--peer {program}: must be a program")
     chosen = {name: work for name, work in WORKLOADS.items() if only in ("", name)}
     seabed = Seabed()
     figures: dict[str, Any] = {}
@@ -114,7 +123,7 @@ def main(
         for name, work in chosen.items():
             for resolution_m, pings in work.pings.items():
                 scans = seabed.scans(work, pings)
-                cases = make_cases(scans, resolution_m, Path(folder))
+                cases = make_cases(scans, resolution_m, Path(folder), peers)
                 figures[f"{name} {resolution_m:g}"] = measure(f"{name} {resolution_m:g}", cases, rounds)
     console.print(_table(figures))
     if memory and "A" in chosen:
@@ -158,20 +167,22 @@ class Cost:
 Case = Callable[[], Cost]
 
 
-def make_cases(scans: Scans, resolution_m: float, folder: Path) -> dict[str, Case]:
-    """Return the cases available on this machine, by name."""
+def make_cases(scans: Scans, resolution_m: float, folder: Path, peers: Mapping[str, Path]) -> dict[str, Case]:
+    """Return the cases available on this machine, by name. peers: further programs."""
 
     def bricks(instruction_set: str = "best", threads: int = 1, batch: int = BATCH) -> Case:
         return lambda: median([insert(scans, resolution_m, batch, threads, instruction_set) for _ in range(REPEATS)])
 
     cases: dict[str, Case] = {}
+    path = folder / "scans.bin"
+    scans.write(path)
     if (program := octomap_program()) is not None:
-        path = folder / "scans.bin"
-        scans.write(path)
         for mode in ("eager", "lazy"):
             cases[f"stock_{mode}"] = lambda mode=mode: native(program, path, resolution_m, scans.range_m, mode)
     else:
         console.print("stock OctoMap left out: octomap_insert is not installed beside the package (run tools/setup)")
+    for name, own in peers.items():
+        cases[name] = lambda own=own: native(own, path, resolution_m, scans.range_m, "eager")
     if (peer := pyoctomap_peer(scans, resolution_m)) is not None:
         cases["pyoctomap"] = peer
     cases["bricks_1"] = bricks()
@@ -248,7 +259,7 @@ def octomap_program() -> Path | None:
 
 
 def native(program: Path, path: Path, resolution_m: float, range_m: float, mode: str) -> Cost:
-    """Insert with stock OctoMap in a separate process."""
+    """Insert with stock OctoMap, or a peer, in a separate process."""
     command = [program, path, str(resolution_m), str(range_m), mode]
     processor_s, wall_s = map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
     return Cost(1e3 * processor_s, 1e3 * wall_s)
@@ -328,7 +339,8 @@ def _table(figures: dict[str, dict[str, float]]) -> Table:
     }
     for name, row in figures.items():
         goals = {"bricks_1": GOALS[name][0], "bricks_2": GOALS[name][1], "portable": PORTABLE_GOAL}
-        for case, label in labels.items():
+        timed = [key.removesuffix("_ms") for key in row if key.endswith("_ms")]
+        for case, label in (labels | {case: case for case in timed if case not in labels}).items():
             if f"{case}_ms" in row:
                 ratio = row.get(f"{case}_ratio")
                 goal = _goal(ratio, goals.get(case))
