@@ -45,7 +45,7 @@ class Named(dict[str, T]):
 
 def require_names(what: str, names: Iterable[str], known: Iterable[str]) -> None:
     """Raise ValueError unless `names` and `known` contain the same names, in any order."""
-    told, expected = sorted(names), sorted(known)
-    if told != expected:
+    given, expected = sorted(names), sorted(known)
+    if given != expected:
         rule = f"must have {', '.join(expected) or 'none'}"
-        raise ValueError(f"state.{what}: has {', '.join(told) or 'none':.200}: {rule}")
+        raise ValueError(f"state.{what}: has {', '.join(given) or 'none':.200}: {rule}")

@@ -164,13 +164,13 @@ def imaging_channels(source: Source, sim: Simulator, pictures: Pictures) -> list
             Channel(
                 f"{topic}/image", "marine_acoustic_msgs/msg/ProjectedSonarImage", "out",
                 "levels [dB re 1 uPa] by beam and range", rate_hz=view.rate_hz, frame_id=frame_id, over_link=True,
-                priority=PING, packing="", late=True, read=_said(look, frame_id, _levels(sonar)),
+                priority=PING, packing="", late=True, read=_message_of(look, frame_id, _levels(sonar)),
             ),
             Channel(
                 f"{topic}/picture/compressed", "sensor_msgs/msg/CompressedImage", "out",
                 "a picture of its echoes as JPEG", rate_hz=view.rate_hz, frame_id=frame_id, over_link=True,
                 priority=PICTURE, packing="thumbnail", late=True, pieced=not isinstance(sonar.model, ForwardLooking),
-                read=_said(look, frame_id, _picture),
+                read=_message_of(look, frame_id, _picture),
             ),
         ]  # fmt: skip
     return found
@@ -197,7 +197,7 @@ def _reader(source: Source, name: str, view: View, pictures: Pictures) -> Callab
     return read
 
 
-def _said(
+def _message_of(
     look: Callable[[Simulator], Look | None], frame_id: str, write: Callable[[Look, str], Any]
 ) -> Callable[[Simulator], Any]:
     def read(sim: Simulator) -> Any:

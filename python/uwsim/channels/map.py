@@ -37,7 +37,7 @@ class _Late:
         self._period_ns = period_ns
         self._newest_ns = -1
         self._begun: tuple[int, Future[Any]] | None = None  # the result begun at the latest ping, if any
-        self._said: tuple[int, Future[Any]] | None = None  # the result to publish at the latest ping
+        self._due: tuple[int, Future[Any]] | None = None  # the result to publish at the latest ping
 
     def at_ping(self, stamp_ns: int, interval_ns: int, begin: Callable[[], Future[Any]]) -> None:
         """Register a ping; further calls for the same ping do nothing."""
@@ -46,14 +46,14 @@ class _Late:
         is_first = self._newest_ns < 0 or stamp_ns < self._newest_ns
         is_due = is_first or stamp_ns // self._period_ns != (stamp_ns - interval_ns) // self._period_ns
         self._newest_ns = stamp_ns
-        self._said = self._begun
+        self._due = self._begun
         self._begun = (stamp_ns, begin()) if is_due else None
-        self._said = self._begun if is_first else self._said
+        self._due = self._begun if is_first else self._due
 
     @property
-    def said(self) -> tuple[int, Any] | None:
+    def due(self) -> tuple[int, Any] | None:
         """The stamp and result now due, or None; waits for the result."""
-        return None if self._said is None else (self._said[0], self._said[1].result())
+        return None if self._due is None else (self._due[0], self._due[1].result())
 
 
 class PingMap:
@@ -108,17 +108,17 @@ class PingMap:
         """Insert the latest ping. Return the map of the previous reading once a second, otherwise None."""
         self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
-        said = self._whole.said
-        return None if said is None else self._message(*said)
+        due = self._whole.due
+        return None if due is None else self._message(*due)
 
     def read_changes(self, sim: Simulator) -> Any:
         """Insert the latest ping. Return the changes up to the previous reading, if any, four times a second."""
         self.keep_up(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
-        said = self._news.said
-        if said is None or not len(said[1].cells):
+        due = self._news.due
+        if due is None or not len(due[1].cells):
             return None
-        return self._changes_message(said[0], (said[1], None))[0]
+        return self._changes_message(due[0], (due[1], None))[0]
 
     def go_on_from(self, path: Path) -> None:
         """Continue from a map in a file. Must be called before the first ping. Raises ValueError or OSError."""

@@ -110,8 +110,8 @@ class Table:
         found = station_picture(self.pictures, sim, self.frame_prefix)
         for source in self.sources:
             pings, steering = self.pings.get(source.name), self.steering[source.name]
-            said = published_channels(source, sim, pings, self.pictures, steering)
-            found += self._vehicles(source, [c for c in said if self.truth or not c.name.endswith(TRUE_TOPICS)])
+            tree = published_channels(source, sim, pings, self.pictures, steering)
+            found += self._vehicles(source, [c for c in tree if self.truth or not c.name.endswith(TRUE_TOPICS)])
         return found
 
     def _standard(self, sim: Simulator) -> list[Channel]:

@@ -131,22 +131,22 @@ class Bridges:
         origin: the world's origin in odom, as for a Table. namespace: part of the nodes' names. access: the access
         settings from `uwsim.cli.access`.
         """
-        said = []
+        started = []
         if self._ros1:
             from uwsim.bridges.ros1 import Ros1Node
 
             first = stack.enter_context(Ros1Node(live, channels, services, feed=feed, namespace=namespace))
-            said.append(f"ROS 1 at {first.master}")
+            started.append(f"ROS 1 at {first.master}")
         if self._ros2 is not None:
             from uwsim.bridges.ros2 import Ros2Node
 
             node = stack.enter_context(
                 Ros2Node(live, channels, services, self._ros2, feed=feed, namespace=namespace, actions=actions)
             )
-            said.append(f"ROS 2 {node.settings}")
+            started.append(f"ROS 2 {node.settings}")
         if self._foxglove_port is not None:
             from uwsim.bridges.foxglove import FoxgloveServer
 
             app = FoxgloveServer(live, channels, services, port=self._foxglove_port, feed=feed, origin=origin, **access)
-            said.append(f"Foxglove at {stack.enter_context(app).url}")
-        return said
+            started.append(f"Foxglove at {stack.enter_context(app).url}")
+        return started

@@ -54,6 +54,6 @@ def nodes(
     if name != "all":
         run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"), floats)
         return
-    said = f"{', '.join(NODES)} at {url}; Ctrl-C ends them"
-    if not run_all(url, out, patience, lambda: typer.echo(said), floats):
+    notice = f"{', '.join(NODES)} at {url}; Ctrl-C ends them"
+    if not run_all(url, out, patience, lambda: typer.echo(notice), floats):
         raise typer.Exit(FAILED)

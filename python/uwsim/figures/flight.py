@@ -72,11 +72,11 @@ def draw_track(
             name.replace("_", " "), points[0], xytext=(7, 6), textcoords="offset points", color="white", fontsize=8,
             path_effects=[withStroke(linewidth=2.4, foreground=INK)],
         )  # fmt: skip
-    said = set[str]()
+    labelled = set[str]()
     for symbol, colour, text, x, y in marks:
-        label = text if text not in said else None
+        label = text if text not in labelled else None
         axes.plot(x, y, symbol, color=colour, markersize=8, markeredgewidth=2.0, label=label, path_effects=outline)
-        said.add(text)
+        labelled.add(text)
     axes.set_xlim(west, east)
     axes.set_ylim(south, north)
     add_legend(axes, 2)

@@ -29,14 +29,14 @@ class Distortion:
     def check(self, fields: Mapping[str, tuple[int, str]]) -> None:
         """Raise ValueError unless the distortion fits readings with these fields, given as width and unit by name."""
         widths = {name: width for name, (width, _) in fields.items()}
-        if self.stuck is not None and {name: len(told) for name, told in self.stuck.items()} != widths:
+        if self.stuck is not None and {name: len(held) for name, held in self.stuck.items()} != widths:
             raise ValueError(f"stuck = {', '.join(self.stuck):.80}: must be values of {', '.join(widths)}")
         if self.field is not None and self.field not in widths:
             raise ValueError(f"field = {self.field!r:.40}: must be one of {', '.join(widths)}")
 
     def of(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the distorted values by quantity. Values are numbers, arrays (width,) or rows (n, width)."""
-        return {name: self._told(name, value) for name, value in values.items()}
+        return {name: self._distorted(name, value) for name, value in values.items()}
 
     def of_rows(self, readings: Any, fields: Mapping[str, tuple[int, str]]) -> Any:
         """Return the distorted readings (n, width), in which the columns of all fields lie side by side."""
@@ -44,8 +44,8 @@ class Distortion:
         columns = dict(zip(fields, np.split(readings, starts, axis=1), strict=True))
         return np.hstack(list(self.of(columns).values()))
 
-    def _told(self, name: str, value: Any) -> Any:
+    def _distorted(self, name: str, value: Any) -> Any:
         if self.stuck is not None:
-            told = self.stuck[name]
-            return np.array(np.broadcast_to(told, np.shape(value))) if np.ndim(value) else told[0]
+            held = self.stuck[name]
+            return np.array(np.broadcast_to(held, np.shape(value))) if np.ndim(value) else held[0]
         return value + self.bias if self.field in (None, name) else value

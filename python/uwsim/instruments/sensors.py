@@ -83,7 +83,7 @@ class Sensor(Sealed, Generic[R]):
     ) -> None:
         self._step_s = step_s
         self._source = SampleSource(
-            lambda: self._told(*simulation.take_samples(vehicle, index)),
+            lambda: self._distorted(*simulation.take_samples(vehicle, index)),
             lambda from_ns: simulation.watch_sensor(vehicle, index, from_ns),
         )
         self._simulation = simulation
@@ -119,7 +119,7 @@ class Sensor(Sealed, Generic[R]):
         """Repeat the current reading from now on. Faults call this."""
         self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
 
-    def _told(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
+    def _distorted(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
         """Return samples as the sensor reports them: distorted by a fault, or invalid while the sensor is off."""
         if self._distortion is not None:
             readings = self._distortion.of_rows(readings, self._fields)

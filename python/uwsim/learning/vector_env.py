@@ -112,11 +112,11 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
             raise ValueError(f"step: members {members} have ended: reset(options={{'reset_mask': mask}}) them first")
         outcome = self.episodes.step(actions, anew if anew.any() else None)  # only happens in NEXT_STEP
         observation, terminated, truncated = outcome.observation, outcome.terminated, outcome.truncated
-        info = told(outcome.figures, ~anew)
+        info = masked(outcome.figures, ~anew)
         self._ended = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._ended.any():
-            info = {**told(outcome.figures, ~self._ended), "final_obs": parts(observation, self._ended)}
-            info |= {"_final_obs": self._ended, "final_info": told(outcome.figures, self._ended)}
+            info = {**masked(outcome.figures, ~self._ended), "final_obs": parts(observation, self._ended)}
+            info |= {"_final_obs": self._ended, "final_info": masked(outcome.figures, self._ended)}
             info["_final_info"] = self._ended.copy()
             begun, self._ended = self._ended, np.zeros(self.num_envs, np.bool_)
             observation = self.episodes.begin(begun)
@@ -145,7 +145,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         return tuple(self.episodes.render(k, self.view) for k in range(self.num_envs))
 
 
-def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
+def masked(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
     """Return values in the format of Gymnasium's vector info, each with a mask (n,) of the members that have it."""
     if not mask.any():
         return {}

@@ -38,34 +38,34 @@ class MapAshore(PingMap):
         super().__init__(source, pings)
         self._carried, self._network, self._looked_for = carried, network, looked_for
         self._is_slow = network.modem.kind == "modem"
-        self._looked_ns = self._told_ns = 0
+        self._looked_ns = self._published_ns = 0
         self._is_new = self._has_changed = False
-        self._whole_said: tuple[int, Any] = (-1, None)
-        self._changes_said: tuple[int, Any] = (-1, None)
+        self._last_whole: tuple[int, Any] = (-1, None)
+        self._last_changes: tuple[int, Any] = (-1, None)
 
     def read(self, sim: Simulator) -> Any:
         """Return the map if new pings have arrived, at most once a second; otherwise None.
 
         Readers at the same simulated time get the same map.
         """
-        if self._whole_said[0] != sim.time_ns:
-            self._whole_said = sim.time_ns, self._new_map(sim)
-        return self._whole_said[1]
+        if self._last_whole[0] != sim.time_ns:
+            self._last_whole = sim.time_ns, self._new_map(sim)
+        return self._last_whole[1]
 
     def read_changes(self, sim: Simulator) -> Any:
         """Return the changes made by the pings that have arrived since the last call, or None.
 
         Readers at the same simulated time get the same changes.
         """
-        if self._changes_said[0] != sim.time_ns:
-            self._changes_said = sim.time_ns, self._new_changes(sim)
-        return self._changes_said[1]
+        if self._last_changes[0] != sim.time_ns:
+            self._last_changes = sim.time_ns, self._new_changes(sim)
+        return self._last_changes[1]
 
     def _new_map(self, sim: Simulator) -> Any:
         self.keep_up(sim)
-        if not self._is_new or (self._is_slow and sim.time_ns < self._told_ns + PUBLISH_NS):
+        if not self._is_new or (self._is_slow and sim.time_ns < self._published_ns + PUBLISH_NS):
             return None
-        self._is_new, self._told_ns = False, sim.time_ns
+        self._is_new, self._published_ns = False, sim.time_ns
         if not self._is_slow:
             return super().read(sim)
         return self._message(self._newest_ns, self._worker.submit(binary, self._map).result())
@@ -85,7 +85,7 @@ class MapAshore(PingMap):
         if self._looked_for is not None:
             self._looked_for(self._carried.channel.name, sim)  # a cable carries only the channels that are read
         if sim.time_ns < self._looked_ns:
-            self._map, self._looked_ns, self._told_ns = None, 0, 0
+            self._map, self._looked_ns, self._published_ns = None, 0, 0
         for message in arrived(self._network, self._carried, self._looked_ns):
             if self._map is None:
                 self._map = empty_map(sim.scenario)

@@ -212,16 +212,16 @@ class Carrier:
             sim.agenda.add(turn, Rank.DELIVERY, turn.act, jump=turn.jump)
 
     def _made_rates(self, sim: Simulator) -> dict[str, float]:
-        said = [one for one in self._carried.values() if one.channel.direction == "out"]
+        outgoing = [one for one in self._carried.values() if one.channel.direction == "out"]
         modem = self._network.modem
         if modem.kind != "modem":
-            return {one.channel.name: one.channel.rate_hz or ONCE_HZ for one in said}
+            return {one.channel.name: one.channel.rate_hz or ONCE_HZ for one in outgoing}
         access, nodes = self._setup.access or modem.access, len(self._network.nodes)
-        sizes = {one.channel.name: _size(one, sim) for one in said}
-        times = {one.channel.name: 1 + self._repeats(one.channel.name) for one in said}
+        sizes = {one.channel.name: _size(one, sim) for one in outgoing}
+        times = {one.channel.name: 1 + self._repeats(one.channel.name) for one in outgoing}
         rates: dict[str, float] = {}
         for vehicle in sim.vehicles:
-            own = [one for one in said if one.vehicle == vehicle]
+            own = [one for one in outgoing if one.vehicle == vehicle]
             taken = ranging_share(sim, vehicle, modem, access, nodes)
             shared_by = sharers(self._setup.relays, vehicle, sim.vehicles)
             rates |= send_rates(own, sizes, modem, access, nodes, times=times, taken=taken, shared_by=shared_by)

@@ -23,14 +23,16 @@ def glance(path: Path) -> tuple[Start, End]:
     with path.open("rb") as file:
         try:
             reader = SeekingReader(file, record_size_limit=RECORD_BYTES_MAX)
-            said = {each.name: each.metadata for each in reader.iter_metadata()}
+            metadata = {each.name: each.metadata for each in reader.iter_metadata()}
         except _UNREADABLE:
             raise ValueError(f"recording '{path}': is cut off, or is no recording") from None
-    if START not in said or END not in said:
+    if START not in metadata or END not in metadata:
         raise ValueError(f"recording '{path}': was not written by uwsim")
-    if said[START].get("version", VERSION) != VERSION:
-        raise ValueError(f"recording '{path}': has version {said[START]['version']:.20}: this uwsim reads {VERSION}")
+    if metadata[START].get("version", VERSION) != VERSION:
+        raise ValueError(
+            f"recording '{path}': has version {metadata[START]['version']:.20}: this uwsim reads {VERSION}"
+        )
     try:
-        return checked(Start, said[START]), checked(End, said[END])
+        return checked(Start, metadata[START]), checked(End, metadata[END])
     except ValueError as error:
         raise ValueError(f"recording '{path}': {error}") from None

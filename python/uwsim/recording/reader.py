@@ -69,17 +69,17 @@ class Recording:
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': ROS 1 bags cannot be read; record to .mcap instead")
         contents = _read_contents(self.path)
-        said = contents.metadata
-        if START not in said:
+        metadata = contents.metadata
+        if START not in metadata:
             raise ValueError(f"recording '{path}': was not written by uwsim, or is still empty")
-        self._require_our_version(said[START])
+        self._require_our_version(metadata[START])
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
         self._appended: dict[str, list[bytes]] = {}
         self._counts, self._chunks = contents.counts, contents.chunks
         try:
-            self.start = checked(Start, said[START])
-            self.end = checked(End, said[END]) if END in said and contents.is_whole else None
+            self.start = checked(Start, metadata[START])
+            self.end = checked(End, metadata[END]) if END in metadata and contents.is_whole else None
         except ValueError as error:
             raise ValueError(f"recording '{path}': {error}") from None
         self._require_our_types()

@@ -105,20 +105,22 @@ class Recorder:
     def _chosen(self, topics: Sequence[str] | None, without: Sequence[str]) -> list[Channel]:
         given = self._table.channels
         self._through_link = is_seen(self._sim, given)
-        said = [channel for channel in given if channel.direction == "out"]
+        outgoing = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
             if self._is_light and topics is None:
-                said = [channel for channel in said if not _is_heavy(channel)]
-            said += [ping_channel(pings) for pings in self._table.pings.values()]
+                outgoing = [channel for channel in outgoing if not _is_heavy(channel)]
+            outgoing += [ping_channel(pings) for pings in self._table.pings.values()]
         elif topics is None:
-            said = [channel for channel in said if not self._follows(channel)]
-        names = [channel.name for channel in said] + [channel.name for channel in given if channel.direction == "in"]
+            outgoing = [channel for channel in outgoing if not self._follows(channel)]
+        names = [channel.name for channel in outgoing] + [
+            channel.name for channel in given if channel.direction == "in"
+        ]
         for pattern in (*(topics or ()), *without):
             if not fnmatch.filter(names, pattern.removeprefix("/")):
                 raise ValueError(
                     f"recording: topic '{pattern}': no channel has that name; there are {', '.join(names)}"
                 )
-        return [channel for channel in said if self._is_chosen(channel)]
+        return [channel for channel in outgoing if self._is_chosen(channel)]
 
     def _follows(self, channel: Channel) -> bool:
         """Return whether a survey channel can be derived from the pings or (like pictures) from a replay."""

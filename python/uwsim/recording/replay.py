@@ -122,7 +122,7 @@ def give(sim: Simulator, table: Table | None, command: Command) -> None:
 
 
 class _Replay:
-    """A replay in progress. _said: replayed messages not yet compared."""
+    """A replay in progress. _replayed: replayed messages not yet compared."""
 
     def __init__(self, recording: Recording, threads: int | None, from_ns: int, on_time: OnTime | None) -> None:
         self._recording = recording
@@ -131,7 +131,7 @@ class _Replay:
         self._sim = sim = new_simulator(recording, threads)
         self.result = ReplayResult(sim)
         self._epoch = 0  # number of jumps in time so far
-        self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
+        self._replayed: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._is_survey = recording.start.kind == SURVEY
         start = recording.start
         self._table, known = offered_channels(recording, sim)
@@ -171,12 +171,12 @@ class _Replay:
 
     def _count_what_is_left(self) -> None:
         """Count the replayed messages after the last recorded message of each channel."""
-        for topic, said in self._said.items():
-            if said and not self._may_lack:
-                tick = said[0][1] // self._recording.step_ns
+        for topic, replayed in self._replayed.items():
+            if replayed and not self._may_lack:
+                tick = replayed[0][1] // self._recording.step_ns
                 self.result.difference = f"tick {tick}, /{topic}: the replay says what was not recorded"
                 return
-            self.result.left_out[topic] += len(said)
+            self.result.left_out[topic] += len(replayed)
         self.result.left_out = +self.result.left_out
 
     def _repeat(self, until_ns: int | None) -> bool:
@@ -218,7 +218,7 @@ class _Replay:
     def _take(self, channel: Channel, message: Any) -> None:
         data = bytes(encode(message))
         if self._sim.time_ns >= self._from_ns:
-            self._said[channel.name].append((self._epoch, self._sim.time_ns, data))
+            self._replayed[channel.name].append((self._epoch, self._sim.time_ns, data))
 
     def _compare(self, recorded: Recorded) -> None:
         topic, now = recorded.topic, (self._epoch, recorded.time_ns)
@@ -228,17 +228,17 @@ class _Replay:
                 self.result.difference = f"{where}: the replay sees another picture at the time of its stamp"
             self.result.messages[topic] += 1
             return
-        said = self._said[topic]
-        while said and said[0][:2] < now:
-            said.popleft()
+        replayed = self._replayed[topic]
+        while replayed and replayed[0][:2] < now:
+            replayed.popleft()
             self.result.left_out[topic] += 1
             if not self._may_lack:
                 self.result.difference = f"{where}: the replay says something at a time at which nothing was recorded"
                 return
-        if not said or said[0][:2] != now:
+        if not replayed or replayed[0][:2] != now:
             self.result.difference = f"{where}: the replay says nothing"
             return
-        self._compare_data(recorded, said.popleft()[2])
+        self._compare_data(recorded, replayed.popleft()[2])
 
     def _compare_data(self, recorded: Recorded, data: bytes) -> None:
         self.result.messages[recorded.topic] += 1

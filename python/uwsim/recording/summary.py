@@ -85,8 +85,8 @@ def _compare_counts(given: Statistics, contents: Contents) -> None:
         schema_count=len(contents.schemas),
     )
     for each in fields(Statistics):
-        name, told = each.name, getattr(given, each.name)
+        name, stated = each.name, getattr(given, each.name)
         if name == "channel_message_counts":
-            told = {channel: count for channel, count in told.items() if count}
-        if told != getattr(expected, name):
-            raise ValueError(f"its {name} is {told}, but {getattr(expected, name)} is there")
+            stated = {channel: count for channel, count in stated.items() if count}
+        if stated != getattr(expected, name):
+            raise ValueError(f"its {name} is {stated}, but {getattr(expected, name)} is there")

@@ -9,7 +9,7 @@ import pytest
 from foxglove_client import FoxgloveClient
 from ros2_tools import until
 from uwsim.bridges.foxglove import FoxgloveServer
-from uwsim.bridges.foxglove.places import told_places
+from uwsim.bridges.foxglove.places import received_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, _grid
 from uwsim.channels import Table, channels
 from uwsim.channels.cdr import schema
@@ -137,7 +137,9 @@ def test_over_a_link_a_track_is_what_the_vehicle_told():
         sim, told = live.simulator, []
         sim.rov.place((-60.0, -40.0, -12.0))
         with Carrier(live, Table(sim), only=("telemetry",)) as carrier:
-            leave = told_places(live, carrier.channels, Feed(live))(lambda now, time_ns: told.append((now, time_ns)))
+            leave = received_places(live, carrier.channels, Feed(live))(
+                lambda now, time_ns: told.append((now, time_ns))
+            )
             live.step(6000)
             arrived_s = [one.arrived_s for one in sim.link.received("station") if one.topic == "telemetry"]
             leave()

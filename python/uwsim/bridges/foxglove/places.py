@@ -36,7 +36,7 @@ def true_places(live: LiveSimulator) -> Callable[[Follow], Leave]:
     return listen
 
 
-def told_places(
+def received_places(
     live: LiveSimulator, channels: Sequence[Channel], feed: Readings, origin_m: Vector = ORIGIN_M
 ) -> Callable[[Follow], Leave]:
     """Return a function that starts forwarding positions from telemetry. origin_m: the world's origin in odom."""

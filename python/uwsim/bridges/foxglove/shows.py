@@ -7,7 +7,7 @@ from functools import partial
 
 from foxglove.messages import SceneUpdate
 
-from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, told_places, true_places
+from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, received_places, true_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
 from uwsim.channels.feed import Reading, Readings
@@ -166,7 +166,7 @@ def _shows_of_world(
 ) -> list[Show]:
     scenario, has_link = live.simulator.scenario, live.simulator.link is not None
     alone = len(scenario.vehicles) == 1
-    places = told_places(live, channels, feed, origin_m) if has_link else true_places(live)
+    places = received_places(live, channels, feed, origin_m) if has_link else true_places(live)
     frames = {entry.name: _body_frame("" if alone else f"{entry.name}/", channels) for entry in scenario.vehicles}
     return [
         StillShow("scene/lake", outgoing, send, live, lambda: lake(scenario)),

@@ -85,7 +85,7 @@ class MavlinkVehicle(Bridge):
         self.endpoint = self._wire.endpoint
         self._rare = RareLog(logging.getLogger("uwsim.mavlink"))
         self._parsers: dict[Peer, Any] = {}
-        self._events, self._texts, self._said = 0, 0, ""
+        self._events, self._texts, self._last_text = 0, 0, ""
         self._heartbeat_s = -math.inf
         self._readings: Subscription | None = None
         self._autopilot = autopilot = self._component(AUTOPILOT)
@@ -218,9 +218,9 @@ class MavlinkVehicle(Bridge):
             self.say(f"{event.name} {' '.join(f'{k}={v}' for k, v in event.values.items())}")
         self._events = len(events)
         news = state.failsafe or state.hold_note
-        if news and news != self._said:
+        if news and news != self._last_text:
             self.say(news)
-        self._said = news
+        self._last_text = news
 
     def _heartbeat(self) -> Any:
         state, mode, is_armed = self._craft.state, self._flight.mode, self._flight.is_armed

@@ -139,9 +139,9 @@ def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
             if begun_s >= due_s:
                 save()
                 due_s = time.monotonic() + max(SAVE_S, 9.0 * (time.monotonic() - begun_s))
-            said = default_message("std_msgs/msg/UInt32")
-            said.data = builder.inserted
-            progress(said)
+            count = default_message("std_msgs/msg/UInt32")
+            count.data = builder.inserted
+            progress(count)
 
     node.finish = save
     node.subscribe("tf", TF, partial(take, builder.add_transforms))

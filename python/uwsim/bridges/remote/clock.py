@@ -10,7 +10,7 @@ from uwsim.bridges.remote.frames import seconds
 
 CLOCK = "clock"
 STEP_S = 0.005  # for simulators that do not report their step
-TOLD_S = 0.02  # between successive odometry messages
+BEACON_S = 0.02  # between successive odometry messages
 PATIENCE_S = 20.0
 
 
@@ -23,16 +23,16 @@ class RemoteClock:
 
     def __init__(self, connection: RemoteConnection) -> None:
         self._connection = connection
-        self._is_told = CLOCK in connection.topics
+        self._has_clock = CLOCK in connection.topics
         self._wall_start_s = time.monotonic()
-        if self._is_told:
+        if self._has_clock:
             connection.newest(CLOCK)
         self._woken_s = self.time_s
 
     @property
     def time_s(self) -> float:
         """The time in seconds."""
-        if not self._is_told:
+        if not self._has_clock:
             return time.monotonic() - self._wall_start_s
         return seconds(self._connection.newest(CLOCK).clock)
 
@@ -42,7 +42,7 @@ class RemoteClock:
         due_s = self._woken_s + duration_s
         if due_s < now_s:
             due_s = now_s + duration_s
-        if self._is_told:
+        if self._has_clock:
             self._connection.wait_for(lambda: self.time_s >= due_s - 1e-9, None, "")
         else:
             time.sleep(max(due_s - now_s, 0.0))
@@ -53,7 +53,7 @@ class RemoteClock:
 class LockstepClock:
     """Pauses a remote simulator and steps it only while the mission waits. `close` resumes the simulator.
 
-    beacon: a topic with period TOLD_S, such as "odom". A wait ends when the latest message on this topic has the new
+    beacon: a topic with period BEACON_S, such as "odom". A wait ends when the latest message on this topic has the new
     time.
     """
 
@@ -78,9 +78,9 @@ class LockstepClock:
         steps = max(1, round(self._asked_s / self._step_s) - self._steps)
         self._connection.call("simulation/step", steps=steps)
         self._steps += steps
-        told_s = TOLD_S * math.floor(self.time_s / TOLD_S + 1e-6)
+        beacon_s = BEACON_S * math.floor(self.time_s / BEACON_S + 1e-6)
         self._connection.wait_for(
-            lambda: seconds(self._connection.newest(self._beacon).header.stamp) >= told_s - 1e-6,
+            lambda: seconds(self._connection.newest(self._beacon).header.stamp) >= beacon_s - 1e-6,
             PATIENCE_S,
             f"nothing on topic '{self._beacon}'",
         )

@@ -160,8 +160,8 @@ class Ros2Node(Bridge):
             load_action_types(self.settings.distro)
         for action in actions:
             if self.settings.distro == "jazzy" or action.type not in ONLY_IN_JAZZY:
-                said = partial(self._say, WARN)
-                server = ActionServer(live, action, self.settings.distro, self._publisher, self._offer, said)
+                warn = partial(self._say, WARN)
+                server = ActionServer(live, action, self.settings.distro, self._publisher, self._offer, warn)
                 self._actions.append(server)
 
     def _offer(self, name: str, type_name: str, take: Callable[[Call], None]) -> None:

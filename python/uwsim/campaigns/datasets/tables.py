@@ -124,8 +124,8 @@ def _coco(
         number = record["frame"]
         name = Path(file_name(spec, kind, number)).name if kind in folders(spec) else f"{number:06d}.{spec.pictures}"
         pictures.append(({"id": number, "file_name": name, "width": width, "height": height}, record[annotations]))
-    told = {key: about[key] for key in ("uwsim", "scenario_name", "scenario_digest", "build", "seed")}
-    return _dumped(coco(told, studio.class_names, pictures))
+    origin = {key: about[key] for key in ("uwsim", "scenario_name", "scenario_digest", "build", "seed")}
+    return _dumped(coco(origin, studio.class_names, pictures))
 
 
 def _dumped(content: Any) -> str:

@@ -92,15 +92,15 @@ def _figures(folder: Path, spec: SweepSpec, rows: Rows, shown: list[str], of: st
 
 
 def _warnings(rows: Rows, count: int, missed: Mapping[str, int], spec: SweepSpec) -> list[str]:
-    told = []
+    notes = []
     if len(rows) < count:
-        told.append(f"{count - len(rows):,} of {count:,} runs are missing: uwsim sweep --resume flies them.")
+        notes.append(f"{count - len(rows):,} of {count:,} runs are missing: uwsim sweep --resume flies them.")
     if rows.failed:
-        told.append(f"{len(rows.failed):,} runs failed; see below.")
-    told += [f"{n:,} runs violate the limits on {metric}." for metric, n in missed.items() if n]
+        notes.append(f"{len(rows.failed):,} runs failed; see below.")
+    notes += [f"{n:,} runs violate the limits on {metric}." for metric, n in missed.items() if n]
     if spec.objective is None and spec.worst:
-        told.append("The sweep has no objective, so the worst runs cannot be determined.")
-    return told
+        notes.append("The sweep has no objective, so the worst runs cannot be determined.")
+    return notes
 
 
 def _highlights(rows: Rows, count: int) -> list[tuple[str, str]]:

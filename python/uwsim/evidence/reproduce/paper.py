@@ -23,24 +23,24 @@ from uwsim.simulator.simulator import Simulator
 TEMPLATE = Path(__file__).with_name("page.html.j2")
 
 
-def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None) -> list[Figure]:
+def reproduce_paper(out: Path, progress: Callable[[str], object] = lambda text: None) -> list[Figure]:
     """Write Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
 
-    said: called with a one-line message about each finished file. Pictures and values are the same in every run, except
-    for the rates in Fig. 10 and the screens, which come from a live simulator (see `screens`).
+    progress: called with a one-line message about each finished file. Pictures and values are the same in every run,
+    except for the rates in Fig. 10 and the screens, which come from a live simulator (see `screens`).
     """
     out.mkdir(parents=True, exist_ok=True)
     with alone_in(out):
-        return _make_all(out, said)
+        return _make_all(out, progress)
 
 
-def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
+def _make_all(out: Path, progress: Callable[[str], object]) -> list[Figure]:
     sim, began_s = Simulator(scenes.with_overview(load("paper"))), time.monotonic()
     figures: list[Figure] = []
 
     def add(figure: Figure) -> None:
         figures.append(figure)
-        said(f"{figure.name}.png  {figure.title}  ({time.monotonic() - began_s:.0f} s)")
+        progress(f"{figure.name}.png  {figure.title}  ({time.monotonic() - began_s:.0f} s)")
 
     with running_system.running(out / "nodes.bt") as (published, standard):
         trees = running_system.transforms(published), running_system.transforms(standard)
@@ -61,7 +61,7 @@ def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
     table = json.dumps([_plain(asdict(figure)) for figure in figures], indent=1, allow_nan=False)
     write_atomically(out / "figures.json", (table + "\n").encode())
     write_atomically(out / "index.html", _page(figures, out).encode())
-    said(f"index.html, figures.json, map.bt  ({time.monotonic() - began_s:.0f} s)")
+    progress(f"index.html, figures.json, map.bt  ({time.monotonic() - began_s:.0f} s)")
     return figures
 
 

@@ -53,14 +53,14 @@ class Client:
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
-        self.heard: list[dict[str, Any]] = []
+        self.messages: list[dict[str, Any]] = []
 
     def say(self, op: str, **fields: Any) -> None:
         """Send an operation."""
         self._connection.send(json.dumps({"op": op, **fields}))
 
     def ask(self, service: str, **args: Any) -> dict[str, Any]:
-        """Call a service and return its response; messages that arrive in the meantime are stored in `heard`."""
+        """Call a service and return its response; messages that arrive in the meantime are stored in `messages`."""
         self.say("call_service", service=service, args=args, id=service)
         deadline_s = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline_s:
@@ -68,7 +68,7 @@ class Client:
             if operation["op"] == "service_response":
                 values: dict[str, Any] = operation["values"]
                 return values
-            self.heard.append(operation)
+            self.messages.append(operation)
         raise TimeoutError(f"service '{service}': no answer")
 
 
@@ -98,7 +98,7 @@ def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
 
 def transforms(client: Client) -> list[Link]:
     """Let simulated time pass; return the transforms published on /tf and /tf_static."""
-    client.heard.clear()
+    client.messages.clear()
     for topic in ("/tf", "/tf_static"):
         client.say("subscribe", topic=topic, type="tf2_msgs/TFMessage", queue_length=1000)
     steps = round(LISTEN_S / 0.005)
@@ -107,7 +107,7 @@ def transforms(client: Client) -> list[Link]:
         time.sleep(0.02)  # lets the nodes, which are other processes, keep up
     counts: Counter[tuple[str, str]] = Counter()
     once: set[tuple[str, str]] = set()
-    for operation in client.heard:
+    for operation in client.messages:
         for stamped in operation["msg"]["transforms"]:
             link = stamped["header"]["frame_id"], stamped["child_frame_id"]
             counts[link] += 1
@@ -127,9 +127,9 @@ def connections(client: Client) -> list[Edge]:
     shown = {"simulator", *NODES}
     return [
         Edge(names[publisher], topic.strip("/"), names[subscriber])
-        for publisher, said in details.items()
-        for topic in said["publishing"]
-        for subscriber, heard in details.items()
-        if topic in heard["subscribing"] and topic.strip("/") not in QUIET
+        for publisher, writer in details.items()
+        for topic in writer["publishing"]
+        for subscriber, reader in details.items()
+        if topic in reader["subscribing"] and topic.strip("/") not in QUIET
         if names[publisher] in shown and names[subscriber] in shown and publisher != subscriber
     ]

@@ -34,7 +34,7 @@ def check_file(source: str | Path) -> CheckReport:
         document = read_yaml(path, shown_name(path))
     except ScenarioError as error:
         return CheckReport(str(source), error.mistakes)
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always", UserWarning)
         mistakes = _mistakes(document, path.resolve().parent)
         sim = None
@@ -47,7 +47,7 @@ def check_file(source: str | Path) -> CheckReport:
     if mistakes or sim is None:
         return CheckReport(document.name, tuple(mistakes))
     scene = measured_scene(sim)
-    notes = [str(each.message) for each in told if issubclass(each.category, UserWarning)]
+    notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
     notes += [left_out] if left_out else []
     return CheckReport(document.name, (), (*dict.fromkeys(notes), *surprises(sim, scene)), scene, sim)
 

@@ -69,14 +69,14 @@ def check_part(source: str | Path, kind: str) -> CheckReport:
 def _vehicle_report(name: str, path: Path) -> CheckReport:
     start = {"position_m": [0.0, 0.0, -100.0]}
     values = {**OPEN_WATER, "vehicles": [{"name": "vehicle", "model": str(path.resolve()), "start": start}]}
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always", UserWarning)
         try:
             sim = Simulator(validated(Scenario, values))
             figures, found = _measured(sim)
         except ScenarioError as error:
             return CheckReport(name, tuple(mistake.removeprefix("vehicles[0].model: ") for mistake in error.mistakes))
-    notes = [str(each.message) for each in told if issubclass(each.category, UserWarning)]
+    notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
     return CheckReport(name, (), (*dict.fromkeys(notes), *found), simulator=sim, vehicle=figures)
 
 

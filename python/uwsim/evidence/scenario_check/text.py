@@ -15,10 +15,10 @@ def report_lines(report: CheckReport) -> list[str]:
     """Return the lines for a file without mistakes: the number of warnings and a description of the contents."""
     count = len(report.warnings)
     lines = [f"{report.file}: ok" + (f", {count} warning{'s' if count > 1 else ''}" if count else "")]
-    told = [*_scene_lines(report.scene)] if report.scene else []
+    details = [*_scene_lines(report.scene)] if report.scene else []
     if report.vehicle is not None:
-        told += vehicle_lines(report.vehicle)
-    return lines + [f"  {line}" for line in told]
+        details += vehicle_lines(report.vehicle)
+    return lines + [f"  {line}" for line in details]
 
 
 def _scene_lines(scene: Scene) -> Iterator[str]:

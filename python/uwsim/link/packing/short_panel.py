@@ -47,7 +47,7 @@ def unpack(data: bytes, channel: Channel) -> Any:
     """Return the telemetry message; values that were not carried are nan or empty."""
     stamp, position, yaw, pitch, roll, flags, failsafe, lamps, count, *figures = HEAD.unpack(data)
     turn = Rotation.from_euler("ZYX", np.array([yaw, pitch, roll]) * TURN_RAD).as_quat()
-    told = {name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)}
+    states = {name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)}
     unknown = np.full(3, np.nan)
     return build.message(
         TELEMETRY,
@@ -61,7 +61,7 @@ def unpack(data: bytes, channel: Channel) -> Any:
         lamps=np.array([bool(lamps >> bit & 1) for bit in range(count)]),
         hold_targets=np.empty(0, np.float32),
         alarms=[ALL_STOPPED] if flags >> len(FLAGS) & 1 else [],
-        **told | {"is_truth": False},
+        **states | {"is_truth": False},
         **dict.fromkeys(("angular_speed", "pressure", "distance_to_station", "link_delay"), math.nan),
         **unpack_failsafe(failsafe),
         **{

@@ -91,10 +91,10 @@ class Arrivals:
     def panel(self, vehicle: str) -> Values:
         """Return a vehicle's newest panel. Raises ValueError if none has arrived."""
         panels = [name for name, owner in self._panels.items() if owner == vehicle]
-        said = [panel for name in panels if (panel := self._carrier.newest(name)) is not None]
-        if not said:
+        arrived = [panel for name in panels if (panel := self._carrier.newest(name)) is not None]
+        if not arrived:
             raise ValueError(f"no telemetry of '{vehicle}' has come over {self._carrier.modem} yet")
-        return dict(to_plain(said[0]))
+        return dict(to_plain(arrived[0]))
 
     def _reader(self, name: str, channel: str) -> Any:
         """Return a function that requests pictures from the vehicle while any page needs them, and reads the newest."""

@@ -157,15 +157,15 @@ class Helm:
 
 def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None, text: str = "") -> Future[Values]:
     """Return the service response once a command has taken effect: success, message (an error or text) and tick."""
-    said: Future[Values] = Future()
+    response: Future[Values] = Future()
 
-    def say(done: Future[Any]) -> None:  # on the simulator's thread, so the tick is that of the command
+    def respond(done: Future[Any]) -> None:  # on the simulator's thread, so the tick is that of the command
         error = None if done.cancelled() else done.exception()
         found = {"success": error is None, "message": text if error is None else str(error), "tick": live.tick}
-        said.set_result({**found, **(answer or {})})
+        response.set_result({**found, **(answer or {})})
 
-    future.add_done_callback(say)
-    return said
+    future.add_done_callback(respond)
+    return response
 
 
 def wants_stop(request: Values) -> bool:

@@ -78,13 +78,13 @@ class Instructor:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
         running = station.present()
         time_s = 1e-9 * running.live.time_ns
-        said = ACTIONS[action](self, station, running, arguments)
-        self._note(time_s, action, arguments, said)
+        outcome = ACTIONS[action](self, station, running, arguments)
+        self._note(time_s, action, arguments, outcome)
         station.tell()
-        return said
+        return outcome
 
-    def _note(self, time_s: float, action: str, arguments: Values, said: str) -> None:
-        entry = {"time_s": round(time_s, 3), "action": action, "args": arguments, "text": said}
+    def _note(self, time_s: float, action: str, arguments: Values, outcome: str) -> None:
+        entry = {"time_s": round(time_s, 3), "action": action, "args": arguments, "text": outcome}
         self.log = [*self.log[1 - LOG_SHOWN :], entry]
         self.folder.mkdir(parents=True, exist_ok=True)
         with (self.folder / LOG).open("a", encoding="utf-8") as file:

@@ -31,7 +31,7 @@ class Pulse:
         self._station = station
         self._stirred = threading.Event()
         self._is_changed = self._is_closing = False
-        self._told_s = -math.inf
+        self._sent_s = -math.inf
         self._thread = threading.Thread(target=self._run, name="uwsim-station", daemon=True)
 
     def start(self) -> None:
@@ -70,10 +70,10 @@ class Pulse:
 
     def _beat(self, running: Running | None, now_s: float) -> float:
         """Perform the actions that are due. Return the time [s] until the next one."""
-        if self._is_changed or now_s >= self._told_s + STATE_S:
-            self._is_changed, self._told_s = False, now_s
+        if self._is_changed or now_s >= self._sent_s + STATE_S:
+            self._is_changed, self._sent_s = False, now_s
             self._tell_state(running)
-        rests_s = [self._told_s + STATE_S - now_s]
+        rests_s = [self._sent_s + STATE_S - now_s]
         if running is not None:
             rests_s += [running.helm.beat(), running.views.beat(now_s)]
         return max(min(rests_s), 0.0)

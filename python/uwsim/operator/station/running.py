@@ -210,12 +210,14 @@ class Running:
         return [*self.views.topics(), *(self.arrivals.topics() if self.arrivals is not None else [])]
 
     def _camera_view(self, view: View) -> Values:
-        said = view.described()
+        described = view.described()
         if self.arrivals is None or view.name not in self.arrivals:
-            return said
-        aboard = {"aboard_topic": said["topic"], "aboard_small_topic": said["small_topic"]} if self.truth else {}
+            return described
+        aboard = (
+            {"aboard_topic": described["topic"], "aboard_small_topic": described["small_topic"]} if self.truth else {}
+        )
         topics = {"topic": f"/station/view/{view.name}", "small_topic": f"/station/small/{view.name}"}
-        return {**said, **topics, **aboard, **self.arrivals.describe(view.name)}
+        return {**described, **topics, **aboard, **self.arrivals.describe(view.name)}
 
     def _sonar_views(self) -> list[Values]:
         """Return the views of imaging sonars, which are ordinary channels paced by simulated time."""

@@ -39,7 +39,11 @@ class Services:
         """Return the services that the station offers."""
         return [
             GuestService(
-                f"station/{name}", call.ros_type, _said(getattr(self, f"_{name}")), call.description, call.is_brief
+                f"station/{name}",
+                call.ros_type,
+                _with_errors(getattr(self, f"_{name}")),
+                call.description,
+                call.is_brief,
             )
             for name, call in CALLS.items()
             if not (call.is_start_screen and self._station.is_fixed)
@@ -226,7 +230,7 @@ def _sent(running: Running) -> str:
     return "" if running.carrier is None else f"Sent over {running.carrier.modem}"
 
 
-def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
+def _with_errors(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
     """Wrap a service so that it reports errors in its response."""
 
     def answer(caller: str, request: Values) -> Any:

@@ -61,7 +61,7 @@ class TeleopApp(App[None]):
         self.flown = name
         self.gamepads = gamepads
         self.marks: list[str] = []
-        self._last_said = ""
+        self._last_text = ""
         self._was_stopped = False
         connection.say = self.tell
 
@@ -104,9 +104,9 @@ class TeleopApp(App[None]):
 
     def tell(self, text: str) -> None:
         """Show the pilot a line of text; may be called on any thread."""
-        if text == self._last_said:
+        if text == self._last_text:
             return
-        self._last_said = text
+        self._last_text = text
         line = Text(f"{time.strftime('%H:%M:%S')} {text}")
         try:
             self.call_later(lambda: self.query_one("#log", RichLog).write(line))
@@ -144,7 +144,7 @@ class TeleopApp(App[None]):
         elif character == MARK:
             self._mark()
         elif character == HELP:
-            self._last_said = ""
+            self._last_text = ""
             self.tell(HELP_TEXT)
         else:
             self.hands.press(character)
@@ -156,7 +156,7 @@ class TeleopApp(App[None]):
         self.marks.append(
             f"{readout.mission_s:.1f} s: {east:.2f}, {north:.2f}, {up:.2f} m, {readout.depth_m:.2f} m deep"
         )
-        self._last_said = ""
+        self._last_text = ""
         self.tell(f"mark {len(self.marks)}: {self.marks[-1]}")
 
     def _poll_gamepads(self) -> None:

@@ -51,7 +51,7 @@ class Connection:
         self._node: Node | None = None
         self._publish: Callable[[Any], None] = lambda message: None
         self._sending = threading.Lock()  # guards the node, and the last efforts and requests
-        self._efforts, self._tilt, self._said_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
+        self._efforts, self._tilt, self._published_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
         # time of the last request for all stop, until it is known to be set
         self._stop_asked_s: float | None = None
         self._stopping = threading.Event()
@@ -69,8 +69,8 @@ class Connection:
         """Set the efforts to zero, send them to the vehicle, and disconnect. May be called twice, on any thread."""
         self.hands.drop()
         with self._sending:
-            if self._node is not None and self._any_effort_said():
-                self._say_efforts(dict(ZERO), Function.TILT_HOLD)
+            if self._node is not None and self._any_effort_published():
+                self._publish_efforts(dict(ZERO), Function.TILT_HOLD)
             node, self._node = self._node, None
         self._stopping.set()
         if node is not None:
@@ -90,7 +90,7 @@ class Connection:
             if self._node is None:
                 self.say("not connected")
             else:
-                self._say_efforts(self._efforts, function)
+                self._publish_efforts(self._efforts, function)
 
     def call(self, service: str) -> None:
         """Call a service of the vehicle and show its response."""
@@ -235,20 +235,20 @@ class Connection:
                     continue
                 if self._stop_asked_s is not None and time.monotonic() - self._stop_asked_s >= STOP_AGAIN_S:
                     self._ask_to_stop()
-                due = self.hands.has_helm and time.monotonic() - self._said_s >= REPEAT_S
+                due = self.hands.has_helm and time.monotonic() - self._published_s >= REPEAT_S
                 if tilt != self._tilt:
-                    self._say_efforts(efforts, tilt)
+                    self._publish_efforts(efforts, tilt)
                 elif efforts != self._efforts or due:
-                    self._say_efforts(efforts, Function.NONE)
+                    self._publish_efforts(efforts, Function.NONE)
                 self._tilt = tilt
 
-    def _any_effort_said(self) -> bool:
+    def _any_effort_published(self) -> bool:
         return self._efforts != ZERO or self._tilt != Function.TILT_HOLD or self.hands.has_helm
 
-    def _say_efforts(self, efforts: dict[str, float], function: Function) -> None:
+    def _publish_efforts(self, efforts: dict[str, float], function: Function) -> None:
         """Publish efforts and a function."""
         message = key_message(efforts, function)
-        self._efforts, self._said_s = dict(efforts), time.monotonic()
+        self._efforts, self._published_s = dict(efforts), time.monotonic()
         self._guarded(lambda node: self._publish(message))
 
     def _guarded(self, act: Callable[[Node], object]) -> None:

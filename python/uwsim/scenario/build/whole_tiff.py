@@ -49,9 +49,9 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
         file.seek(directory.next)
         with caught_warnings() as issued:
             directory.load(file)
-        said = [str(warning.message) for warning in issued]
+        messages = [str(warning.message) for warning in issued]
         # A metadata warning only means surplus values.
-        if lost := [text for text in said if not text.startswith("Metadata Warning")]:
+        if lost := [text for text in messages if not text.startswith("Metadata Warning")]:
             raise ValueError(f"damaged tags: {lost[0]}")
         yield dict(directory)
 

@@ -34,10 +34,10 @@ def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]
     return list(zip(parts[::2], parts[1::2], strict=True))
 
 
-def _reason(code: int, said: str, cpu_s: int) -> str:
+def _reason(code: int, output: str, cpu_s: int) -> str:
     if code in (-signal.SIGXCPU, -signal.SIGKILL):
         return f"assimp had not read it after {cpu_s} s"
     if code < 0:
         return f"assimp crashed on it ({signal.Signals(-code).name})"
-    lines = said.strip().splitlines()
+    lines = output.strip().splitlines()
     return lines[-1] if lines else "assimp gave up"

@@ -285,7 +285,7 @@ class Water(Model):
 
     @model_validator(mode="before")
     @classmethod
-    def _is_told_once(cls, data: object) -> object:
+    def _is_given_once(cls, data: object) -> object:
         if isinstance(data, Mapping) and data.get("profile") is not None:
             for key in ONE_WATER:
                 if data.get(key) is not None:
