@@ -136,7 +136,7 @@ class FoxgloveServer(Bridge):
     # Called by sessions:
 
     @property
-    def heard(self) -> str:
+    def command_topics(self) -> str:
         """The command topics to which the server subscribes, listed as text for messages to the user."""
         return f"/{', /'.join(self.inputs)}" if self.inputs else "none"
 

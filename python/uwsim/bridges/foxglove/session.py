@@ -141,7 +141,7 @@ class Session:
         self.advertised[number] = None
         target = self._server.inputs.get(topic.lstrip("/"))
         if target is None:
-            raise ValueError(f"topic '{topic}': the simulator does not hear it; it hears {self._server.heard}")
+            raise ValueError(f"topic '{topic}': must be a command topic: {self._server.command_topics}")
         if encoding not in protocol.ENCODINGS:
             raise ValueError(f"topic '{topic}': encoding '{encoding}': must be one of {', '.join(protocol.ENCODINGS)}")
         if _full(kind) != target.type:
