@@ -481,6 +481,7 @@ class World:
 
     water: Water
     def __init__(self) -> None: ...
+    def __repr__(self) -> str: ...
     def add_solid(
         self,
         name: str,
@@ -663,6 +664,7 @@ class RayScene:
     Vehicles are included only in the scene returned by Simulation.scene_around.
     """
     def __init__(self, world: World) -> None: ...
+    def __repr__(self) -> str: ...
     def cast(
         self,
         origins_m: typing.Any,

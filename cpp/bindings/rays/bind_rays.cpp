@@ -251,6 +251,10 @@ void bind_rays(py::module_& m) {
            "Return, for each group, whether one of its points is visible from one of viewpoints_m (v, 3): within\n"
            "range_m, with no surface more than tolerance_m in front of it, (group_count,) bool. points_m: (n, 3);\n"
            "group_of_point: (n,), sorted. Raises ValueError.")
+      .def("__repr__",
+           [](const RayScene& scene) {
+             return std::string("<RayScene: surfaces ") + (scene.terrain() ? "with" : "without") + " terrain>";
+           })
       .def("distance_m", &distance, py::arg("points_m"),
            "Return the distances (n,) float64 from points (n, 3) to the nearest triangle, exact to double rounding.");
 

@@ -70,6 +70,15 @@ SurfaceMesh surface_mesh(const World& world, bool with_terrain) {
                         move_out(std::move(triangles), {triangle_rows, 3}), move_out(std::move(labels)));
 }
 
+std::string described(const World& world) {
+  std::string terrain = "no terrain";
+  if (world.terrain()) {
+    const Eigen::Vector2d size_m = world.terrain()->far_corner_m() - world.terrain()->origin_m();
+    terrain = "terrain of " + printed(size_m.x()) + " x " + printed(size_m.y()) + " m";
+  }
+  return "<World: " + terrain + ", " + std::to_string(world.solids().size()) + " solids>";
+}
+
 }  // namespace
 
 void bind_world(py::module_& m) {
@@ -155,6 +164,7 @@ void bind_world(py::module_& m) {
           "highest_m",
           [](const World& w) { return w.terrain() ? static_cast<double>(w.terrain()->highest_m()) : -HUGE_VAL; },
           "Height of the terrain's highest point; -inf without terrain.")
+      .def("__repr__", &described)
       .def("surface_mesh", &surface_mesh, py::arg("with_terrain") = true,
            "Return (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16) of the terrain,\n"
            "if requested, and of all solids.");

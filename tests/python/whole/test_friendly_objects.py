@@ -77,7 +77,7 @@ def test_a_physics_ping_travels() -> None:
 def test_nothing_prints_as_an_address(sim: uwsim.Simulator) -> None:
     rov = sim.rov
     things = [sim, sim.scenario, rov, rov.pose, rov.telemetry(), rov.sonar, rov.sonar.ping()]
-    things += [sim.events, sim.faults, sim.parameters, rov.control]
+    things += [sim.events, sim.faults, sim.parameters, rov.control, sim.world, sim.scene]
     things += [*rov.sensors.values(), *rov.cameras.values(), *rov.lamps.values(), rov.cameras["front"].capture()]
     for thing in things:
         assert " at 0x" not in repr(thing)
