@@ -45,7 +45,7 @@ class MapChanges:
     def forget(self, resolution_m: float) -> None:
         """Start over with an empty map; readers will get a snapshot."""
         with self._lock:
-            self._begin_anew(resolution_m)
+            self._restart(resolution_m)
 
     def note(self, changes: OccupancyChanges) -> Part:
         """Record the changes to the map since the last call, and return them as the fields of a message."""
@@ -57,10 +57,10 @@ class MapChanges:
         """Apply the changes in one message; a snapshot replaces the current state."""
         with self._lock:
             if part.snapshot or part.resolution != self._resolution_m:
-                self._begin_anew(part.resolution)
+                self._restart(part.resolution)
             self._add(part)
 
-    def _begin_anew(self, resolution_m: float) -> None:
+    def _restart(self, resolution_m: float) -> None:
         self._resolution_m = resolution_m
         self._sequence += 1
         self._oldest = self._sequence

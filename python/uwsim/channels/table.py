@@ -91,7 +91,7 @@ class Table:
     def __repr__(self) -> str:
         return f"<Table of {len(self.channels)} channels and {len(self.services)} services>"
 
-    def look_anew(self) -> None:
+    def refresh(self) -> None:
         """Discard the latest pings and pictures, so that a recording starts with new ones.
 
         Runs on the simulator's thread.

@@ -119,7 +119,7 @@ def main() -> NoReturn:
     except (ValueError, OSError, MemoryError, ImportError) as error:  # ImportError: no memory for a library
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
-        for mistake in getattr(error, "mistakes", None) or [_told(error)]:  # mistakes in a scenario file
+        for mistake in getattr(error, "mistakes", None) or [_message_of(error)]:  # mistakes in a scenario file
             _print_error(mistake)
         sys.exit(FAILED)
     except Exception as error:
@@ -134,7 +134,7 @@ def main() -> NoReturn:
     sys.exit(code if isinstance(code, int) else 0)
 
 
-def _told(error: Exception) -> str:
+def _message_of(error: Exception) -> str:
     if isinstance(error, MemoryError):
         return f"out of memory: {error}" if str(error) not in ("", "std::bad_alloc") else "out of memory"
     if isinstance(error, ImportError):

@@ -144,7 +144,7 @@ class Hold(GoalModel):
     for_s: Duration = 20.0
 
     @model_validator(mode="after")
-    def _keeps_something(self) -> Hold:
+    def _has_a_limit(self) -> Hold:
         if self.position_m is None and self.depth_m is None and self.heading_deg is None:
             raise broken("must have at least one of position_m, depth_m and heading_deg")
         return self

@@ -145,24 +145,24 @@ class Episodes:
         self._seeds = list(self.batch.seeds)
         return self.observe()
 
-    def step(self, actions: Any, anew: Flags | None = None) -> Outcome:
-        """Apply actions (n, axes) for one period; members in `anew` (n,) begin new episodes instead, without reward.
+    def step(self, actions: Any, restarting: Flags | None = None) -> Outcome:
+        """Apply actions (n, axes) for one period; members in `restarting` (n,) begin new episodes and get no reward.
 
         Raises ValueError for actions outside [-1, 1].
         """
         self.actions[...] = self._checked(actions)
         before = self.motion
         diverged = self._advance(checked_efforts(self.task, self.task.efforts(self.actions, before)), before.time_s)
-        if anew is not None:
-            self._restart(anew)
+        if restarting is not None:
+            self._restart(restarting)
         observation, verdict = self.observe(), self._judged()
         reward, terminated, figures = verdict.reward, verdict.terminated, dict(verdict.figures)
         truncated = self.motion.time_s > self.duration_s - 0.5 * self.period_s
         if diverged is not None:
             figures["diverged"] = diverged
             terminated = terminated | diverged
-        if anew is not None:
-            reward, terminated = np.where(anew, 0.0, reward), terminated & ~anew
+        if restarting is not None:
+            reward, terminated = np.where(restarting, 0.0, reward), terminated & ~restarting
         return Outcome(observation, reward, terminated, truncated, figures)
 
     def _judged(self) -> Verdict:

@@ -106,13 +106,13 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         """Apply actions (n, axes) for one period. Raises ValueError for actions outside [-1, 1]."""
         if not self._begun:
             raise ValueError("step: no episode has begun: reset() first")
-        anew = self._ended
-        if self.autoreset_mode == AutoresetMode.DISABLED and anew.any():
-            members = ", ".join(map(str, np.flatnonzero(anew)[:5].tolist()))
+        restarting = self._ended
+        if self.autoreset_mode == AutoresetMode.DISABLED and restarting.any():
+            members = ", ".join(map(str, np.flatnonzero(restarting)[:5].tolist()))
             raise ValueError(f"step: members {members} have ended: reset(options={{'reset_mask': mask}}) them first")
-        outcome = self.episodes.step(actions, anew if anew.any() else None)  # only happens in NEXT_STEP
+        outcome = self.episodes.step(actions, restarting if restarting.any() else None)  # only happens in NEXT_STEP
         observation, terminated, truncated = outcome.observation, outcome.terminated, outcome.truncated
-        info = masked(outcome.figures, ~anew)
+        info = masked(outcome.figures, ~restarting)
         self._ended = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._ended.any():
             info = {**masked(outcome.figures, ~self._ended), "final_obs": parts(observation, self._ended)}

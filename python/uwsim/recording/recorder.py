@@ -215,7 +215,7 @@ class Recorder:
         return function(self._sim)
 
     def _begin(self, sim: Simulator) -> None:
-        self._table.look_anew()  # a replay has no data from before the recording
+        self._table.refresh()  # a replay has no data from before the recording
         self._sink = self._new_sink(sim)
         self._descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
         for channel in (self._commands, *self._written, *self._channels):

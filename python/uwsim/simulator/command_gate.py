@@ -42,7 +42,7 @@ class FailsafeLike(Protocol):
     def has_control(self) -> bool:
         """Whether the failsafe is steering, so that commands have no effect."""
 
-    def heard(self) -> None:
+    def note_command(self) -> None:
         """Register a command."""
 
     def insist(self) -> None:
@@ -103,7 +103,7 @@ class CommandGate:
         """Set or release all stop. Raises ValueError unless `on` is a bool."""
         if not isinstance(on, bool | np.bool_):
             raise ValueError(f"all_stop.on = {on!r}: must be True or False")
-        self.hears()
+        self.note_command()
         was_on = self.all_stopped
         self.restore(all_stopped=bool(on))
         if was_on != self.all_stopped:
@@ -139,12 +139,12 @@ class CommandGate:
     def notice_autopilot(self) -> None:
         """Notify the failsafe of an autopilot's outputs."""
         if self.failsafe is not None:
-            self.failsafe.heard()
+            self.failsafe.note_command()
 
-    def hears(self) -> None:
+    def note_command(self) -> None:
         """Notify the failsafe of a command."""
         if self.failsafe is not None:
-            self.failsafe.heard()
+            self.failsafe.note_command()
 
     def end_holds(self, why: str) -> None:
         """End the holds, if any."""

@@ -140,7 +140,7 @@ class Simulator(SimulatorProperties):
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
             self.scenario, vehicles, events=self.events, journal=self.journal, agenda=self.agenda,
-            apply=lambda: self.parameters.lay_anew(), network=self._link, has_channels=self._has_channels,
+            apply=lambda: self.parameters.reapply(), network=self._link, has_channels=self._has_channels,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
         self._aboard = Aboard(self.faults)

@@ -74,7 +74,7 @@ class CommandedVehicle(Sealed, Placeable):
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
         if self.gate.autopilot and any(efforts):
             self.gate.require_no_autopilot(EFFORT)
-        self.gate.hears()
+        self.gate.note_command()
         self._simulation.set_effort(self._index, *efforts)
         if self._idle_axes:
             self._warn_of_idle(efforts)
@@ -102,7 +102,7 @@ class CommandedVehicle(Sealed, Placeable):
                 raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
             parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
         self.gate.require_no_autopilot("set_wrench")
-        self.gate.hears()
+        self.gate.note_command()
         self._simulation.set_wrench(self._index, np.array(parts))
         self.gate.yields(moves=any(parts))
         self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
@@ -112,7 +112,7 @@ class CommandedVehicle(Sealed, Placeable):
         known = [name for name, _ in self._simulation.thruster_commands(self._index)]
         pairs = numbers_by_name(commands, "thrusters", known)
         self.gate.require_no_autopilot("set_thrusters")
-        self.gate.hears()
+        self.gate.note_command()
         self._simulation.set_thrusters(self._index, pairs)
         self.gate.yields(moves=any(value for _, value in pairs))
         self._note("set_thrusters", commands=dict(pairs))
@@ -124,7 +124,7 @@ class CommandedVehicle(Sealed, Placeable):
         """
         known = [name for name, _ in self._simulation.fin_angles_rad(self._index)]
         pairs = numbers_by_name(angles_rad, "fins", known, "rad")
-        self.gate.hears()
+        self.gate.note_command()
         self._simulation.set_fins(self._index, pairs)
         self.gate.yields(moves=self.gate.is_driven or any(value for _, value in pairs))
         self._note("set_fins", angles_rad=dict(pairs))

@@ -59,7 +59,7 @@ class DatasetSpec(Model):
     vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
 
     @model_validator(mode="after")
-    def _says_nothing_without_effect(self) -> DatasetSpec:
+    def _has_no_ineffective_keys(self) -> DatasetSpec:
         if len(set(self.write)) < len(self.write):
             raise broken("must not contain duplicates", at=("write",), value=", ".join(self.write))
         if self.distance_m is not None and self.distance_m[0] > self.distance_m[1]:

@@ -121,7 +121,7 @@ class SweepSpec(Model):
         return self.mission is not None or "mission" in self.vary
 
     @model_validator(mode="after")
-    def _says_how_many(self) -> SweepSpec:
+    def _has_a_count(self) -> SweepSpec:
         if self.method == "grid":
             if self.samples is not None:
                 raise broken("has no effect on a grid, which contains all combinations", at=("samples",))
@@ -142,7 +142,7 @@ class SweepSpec(Model):
         return self
 
     @model_validator(mode="after")
-    def _says_nothing_without_effect(self) -> SweepSpec:
+    def _has_no_ineffective_keys(self) -> SweepSpec:
         if not self.flies_missions:
             for key in ("map", "time_limit_s", "arguments"):
                 if key in self.model_fields_set:

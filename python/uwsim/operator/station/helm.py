@@ -83,7 +83,7 @@ class Helm:
 
     def all_stop(self, request: Values, text: str = "") -> Future[Values]:
         """Set or release all stop according to request["on"]. text: the message of the response. Raises ValueError."""
-        vehicle, on = self._named(request), wants_stop(request)
+        vehicle, on = self._named(request), is_stop(request)
         require_link(self._live, vehicle, ALL_STOP)
         with self._lock:
             self._cruising.pop(vehicle, None)
@@ -168,7 +168,7 @@ def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = N
     return response
 
 
-def wants_stop(request: Values) -> bool:
+def is_stop(request: Values) -> bool:
     """Return True if all stop is to be set (the default), False if it is to be released. Raises ValueError."""
     on = request.get("on", True)
     if not isinstance(on, bool):

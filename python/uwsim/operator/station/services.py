@@ -15,7 +15,7 @@ from uwsim.channels.steering import require_link
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_flight, chosen_save
 from uwsim.operator.station.control import CONTROLS, NOT_OF_REPLAYS, OF_REPLAYS, new_path
-from uwsim.operator.station.helm import answered, wants_stop
+from uwsim.operator.station.helm import answered, is_stop
 from uwsim.operator.station.instructor import Instructor, parameters
 from uwsim.operator.station.plan import Plan, PlanFlight
 from uwsim.operator.station.running import Running
@@ -90,7 +90,7 @@ class Services:
         return running.helm.drive(request)
 
     def _all_stop(self, caller: str, request: Values) -> Future[Values]:
-        if not wants_stop(request):
+        if not is_stop(request):
             self._station.lease.require_pilot(caller)
         running = self._station.present()
         return running.helm.all_stop(request, _sent(running))

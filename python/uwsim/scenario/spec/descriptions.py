@@ -28,11 +28,11 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
     found = {key: words for key, words in EVERYWHERE.items() if key in model.model_fields}
     for base in reversed(model.__mro__):
         if issubclass(base, BaseModel):
-            found |= _said_by(base, frozenset(model.model_fields))
+            found |= _described_in(base, frozenset(model.model_fields))
     return found
 
 
-def _said_by(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
+def _described_in(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
     """Return the descriptions of these fields in a model's docstring; inherited fields may belong to another model."""
     text = inspect.getdoc(model) or ""
     found: dict[str, str] = {}

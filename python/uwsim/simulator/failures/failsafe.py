@@ -132,7 +132,7 @@ class Failsafe(Sealed):
         is_ended_by_commands = self._cause == SILENCE and self._link_silence_s is None
         return self._state in ("hold", "surface", "return") and not is_ended_by_commands
 
-    def heard(self) -> None:
+    def note_command(self) -> None:
         """Register a command, which ends a silence; with a link, only a command that arrived over the link does."""
         tick = self._heard_tick = self._tick()
         if self._cause == SILENCE and not self._is_silent(tick):

@@ -74,7 +74,7 @@ class Holds:
         names = [name for name in HOLDS if on.get(name)]
         self._require(names)
         if self._vehicle.failsafe is not None:
-            self._vehicle.failsafe.heard()
+            self._vehicle.failsafe.note_command()
         self.note = ""
         if not names:
             self._end_all("")

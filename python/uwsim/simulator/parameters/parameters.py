@@ -197,7 +197,7 @@ class Parameters(Mapping[str, Any]):
         with of_an_earlier_version():
             self._switch_to(dict(self._under_todays_name(name, value) for name, value in state.items()), {})
 
-    def lay_anew(self) -> None:
+    def reapply(self) -> None:
         """Apply the current overlay again."""
         self._switch_to(self._changes, {})
 
