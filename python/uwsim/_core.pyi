@@ -681,6 +681,11 @@ class RayScene:
         """
         Return the distances (n,) float64 from points (n, 3) to the nearest triangle, exact to double rounding.
         """
+    def prepare(self) -> None:
+        """
+        Build Embree's trees of the fixed surfaces, unless they exist. Without this call, the first ray builds them.
+        Raises ValueError if there is not enough memory.
+        """
     def seen_groups(
         self,
         viewpoints_m: typing.Any,

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "uwsim/core/built_when_used.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/infinity.h"
 #include "uwsim/core/parallel.h"
@@ -49,23 +50,24 @@ void keep_rays_that_may_hit_sooner(ReachedTile& next, const auto& distance_m, Pa
 
 }  // namespace
 
+/// The fixed surfaces. Building their trees takes most of the time for creating a simulator, so the first ray does it.
 struct RayScene::Fixed {
-  RayDevice device = make_ray_device();
-  std::vector<RayTile> tiles;
   World surfaces;  // without water
 
-  explicit Fixed(const World& world) : surfaces(world) {
-    surfaces.water = {};
-    for (TileContents& contents : cut_into_tiles(world))
-      tiles.emplace_back(device.get(), surfaces, std::move(contents));
+  explicit Fixed(const World& world) : surfaces(world) { surfaces.water = {}; }
+
+  const std::vector<RayTile>& tiles() const {
+    return trees_.get([this] { return Trees(surfaces); }).tiles;
   }
 
   /// The usual case: a single tile, and rays that need no shift to its box.
   const RayTile* only_tile(std::span<const ExactRays> rays) const {
+    const std::vector<RayTile>& tiles = this->tiles();
     return tiles.size() == 1 && tiles.front().is_near(rays) ? &tiles.front() : nullptr;
   }
 
   const RayTile* only_tile(const Eigen::Vector3d& anchor_world_m) const {
+    const std::vector<RayTile>& tiles = this->tiles();
     return tiles.size() == 1 && tiles.front().is_near(anchor_world_m) ? &tiles.front() : nullptr;
   }
 
@@ -77,7 +79,7 @@ struct RayScene::Fixed {
   void cast_through_tiles(const ExactRays& rays, ExactHits& hits) const {
     set_all_missed(hits);
     ExactRays left = rays;
-    for (ReachedTile& next : reached_tiles(tiles, rays)) {
+    for (ReachedTile& next : reached_tiles(tiles(), rays)) {
       keep_rays_that_may_hit_sooner(next, hits.distance_m, left);
       ExactHits part;
       next.tile->cast(left, next.start_m.data(), part);
@@ -92,7 +94,7 @@ struct RayScene::Fixed {
     hits = {};
     hits.distance_m.fill(std::numeric_limits<float>::infinity());
     RayPacket left = rays;
-    for (ReachedTile& next : reached_tiles(tiles, to_double(anchor_world_m, rays))) {
+    for (ReachedTile& next : reached_tiles(tiles(), to_double(anchor_world_m, rays))) {
       keep_rays_that_may_hit_sooner(next, hits.distance_m, left);
       HitPacket part;
       next.tile->cast(anchor_world_m, left, next.start_m.data(), part, order);
@@ -108,7 +110,7 @@ struct RayScene::Fixed {
     }
     blocked.fill(0);
     RayPacket left = rays;
-    for (ReachedTile& next : reached_tiles(tiles, to_double(anchor_world_m, rays))) {
+    for (ReachedTile& next : reached_tiles(tiles(), to_double(anchor_world_m, rays))) {
       for (std::size_t k = 0; k < kPacketRays; ++k) {
         left.active[k] = blocked[k] == 0 && next.start_m[k] < kInfinity ? -1 : 0;
         if (left.active[k] == 0) next.start_m[k] = 0;
@@ -121,6 +123,7 @@ struct RayScene::Fixed {
 
   /// The smaller of `nearest_m` and the distance to the nearest surface.
   double distance_to(const Eigen::Vector3d& point_world_m, double nearest_m) const {
+    const std::vector<RayTile>& tiles = this->tiles();
     if (tiles.size() == 1) return tiles.front().distance(point_world_m, nearest_m);
     std::vector<std::pair<double, const RayTile*>> by_distance;
     for (const RayTile& tile : tiles) by_distance.emplace_back(tile.box().exteriorDistance(point_world_m), &tile);
@@ -131,10 +134,23 @@ struct RayScene::Fixed {
     }
     return nearest_m;
   }
+
+ private:
+  struct Trees {
+    RayDevice device = make_ray_device();
+    std::vector<RayTile> tiles;
+
+    explicit Trees(const World& surfaces) {
+      for (TileContents& contents : cut_into_tiles(surfaces)) {
+        tiles.emplace_back(device.get(), surfaces, std::move(contents));
+      }
+    }
+  };
+
+  BuiltWhenUsed<Trees> trees_;
 };
 
-/// Scenes of worlds with the same surfaces share them, because building the trees takes most of the time for creating a
-/// simulator.
+/// Scenes of worlds with the same surfaces share them, and thereby their trees.
 RayScene::RayScene(const World& world) {
   // Never destroyed, because Embree's static objects may be destroyed before ours.
   static auto& made = *new RecentlyMade<Fixed>;
@@ -143,6 +159,8 @@ RayScene::RayScene(const World& world) {
       has_terrain, [&](const Fixed& known) { return have_same_surfaces(known.surfaces, world); },
       [&] { return std::make_shared<const Fixed>(world); });
 }
+
+void RayScene::prepare() const { fixed_->tiles(); }
 
 RayScene RayScene::with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden) const {
   RayScene scene = *this;

@@ -27,10 +27,16 @@ struct RayHit {
 /// are recomputed in double precision on the world's original triangles and shapes, so each is truly the first hit,
 /// anywhere in the world and however large the world is. Within about 0.1 degree of tangency, single-precision error
 /// may decide whether a ray grazes or misses. README.md explains the method and the size of the remaining errors.
-/// Thread-safe. Copies are cheap: they share the surfaces.
+/// Thread-safe. Copies are cheap: they share the surfaces. Embree's trees are built by `prepare` or, without it, by the
+/// first ray, so that a scene in which no ray is cast costs nothing.
 class RayScene {
  public:
   explicit RayScene(const World& world);
+
+  /// Builds the trees of the fixed surfaces, unless they exist: 0.4 s of processor time for two million triangles.
+  /// Callers that will cast rays call it before they start, so that a lack of memory is reported early and the first
+  /// ray takes no longer than the others. Throws InvalidValue if Embree cannot build them.
+  void prepare() const;
 
   /// Returns a scene with the same surfaces and these bodies (null for none) instead of the present ones. Each cast
   /// uses the bodies' poses at that time and ignores the body `hidden`, such as the vehicle that carries the sensor.

@@ -59,6 +59,8 @@ Batch::Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vec
     : world_(world), scene_(std::move(scene)), threads_(threads), specs_(std::move(members)), members_(specs_.size()) {
   require(threads_ >= 1 && threads_ <= 1024, "threads", threads_, "must be in [1, 1024]");
   require(!specs_.empty(), "n", specs_.size(), "must be at least 1");
+  require(scene_ != nullptr, "scene", "none", "must be a RayScene");
+  scene_->prepare();
   for (std::size_t k = 0; k < specs_.size(); ++k) all_.push_back(k);
   each(all_, threads_, [&](std::size_t member, std::size_t) { members_[member] = made(specs_[member]); });
 }

@@ -212,6 +212,7 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     request = saved.request
     mission = found_mission(request.mission, request.function, request.arguments)
     sim = request.new_simulator(threads)
+    sim.scene.prepare()
     plan, left_out = mission.planned(sim)
     mapping = None
     if saved.occupancy is not None:
@@ -266,7 +267,9 @@ def _simulator(scenario: str | Path | Scenario | Simulator, given: Mapping[str, 
             raise ValueError(f"{ignored[0]}: has no effect on an existing simulator")
         return scenario
     with screen.status(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
-        return Simulator(scenario, **given)
+        sim = Simulator(scenario, **given)
+        sim.scene.prepare()  # before anything is written, in case memory is short
+        return sim
 
 
 def _require_able(

@@ -57,6 +57,7 @@ class LiveSimulator:
         self, simulator: Simulator | str | Path | Scenario = "lake", *, speed: Speed = 1.0, paused: bool = False
     ) -> None:
         self.simulator = simulator if isinstance(simulator, Simulator) else Simulator(simulator)
+        self.simulator.scene.prepare()  # otherwise the first ray would make the clock late
         self.log = CommandLog(self.simulator.save_state(), self.simulator.tick)
         self.vehicles = {name: LiveVehicle(self, vehicle) for name, vehicle in self.simulator.vehicles.items()}
         self._pace = Pace(speed, self.simulator.step_s)

@@ -22,4 +22,4 @@ def make_world_ahead(scenario: str | Path) -> None:
 
 def _make(scenario: str) -> None:
     with suppress(ValueError, OSError, MemoryError):  # the Simulator raises the same error
-        _core.RayScene(build_world(load(scenario)))
+        _core.RayScene(build_world(load(scenario))).prepare()

@@ -15,11 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim import Batch, Simulator
+from uwsim import Batch, Simulator, _core
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
+from uwsim.scenario import build_world, load
 
 ORIGIN_M = np.zeros(3)
 
@@ -91,6 +92,17 @@ def test_a_child_forked_while_threads_work_has_an_error_or_works() -> None:
         told
     )
     assert told[4:] == ["done", "done"]
+
+
+def test_a_child_prepares_a_world_for_rays_that_its_parent_has_not() -> None:
+    Simulator("pool").scene.prepare()  # Embree's threads exist in the parent only
+    scene = _core.RayScene(build_world(load("reservoir")))
+
+    def hit() -> None:
+        assert np.isfinite(scene.cast([[0.0, 0.0, -1.0]], [[0.0, 0.0, -1.0]], 1000.0).ranges_m).all()
+
+    assert in_a_fork(hit) == "done"
+    hit()
 
 
 def test_eight_threads_share_a_simulator_and_a_map() -> None:
