@@ -36,14 +36,7 @@ float rounded_up(double value) {
 BroadPhase::BroadPhase(const World& world) {
   set_grid(world);
   if (levels_.empty()) return;
-  if (const auto& terrain = world.terrain()) {
-    // A vertex affects the height of the surface as far as its neighbours.
-    const Eigen::Vector3d around(terrain->spacing_m(), terrain->spacing_m(), 0);
-    for (std::size_t k = 0; k < terrain->heights_m().size(); ++k) {
-      const Eigen::Vector3d v = terrain->vertex(k);
-      raise_blocks(v - around, v + around);
-    }
-  }
+  if (const auto& terrain = world.terrain()) raise_blocks(*terrain);
   for (const auto& solid : world.solids()) {
     const Extent box = bounds(*solid);
     raise_blocks(box.low_m, box.high_m);
@@ -83,16 +76,51 @@ void BroadPhase::set_grid(const World& world) {
   levels_.push_back(std::move(finest));
 }
 
-/// The first and last block along x, then along y. First > last if the box is outside the grid.
+/// The first and last block that an interval meets, of the grid's `count`. First > last if it lies outside the grid.
+std::array<std::ptrdiff_t, 2> BroadPhase::blocks_along(double low_m, double high_m, double block_m,
+                                                       std::ptrdiff_t count) {
+  const auto index = [&](double along_m) {
+    return static_cast<std::ptrdiff_t>(std::clamp(std::floor(along_m / block_m), -1.0, static_cast<double>(count)));
+  };
+  return {std::max<std::ptrdiff_t>(index(low_m), 0), std::min(index(high_m), count - 1)};
+}
+
+/// The first and last block along x, then along y.
 std::array<std::ptrdiff_t, 4> BroadPhase::blocks_in(const Level& level, const Eigen::Vector2d& low_m,
                                                     const Eigen::Vector2d& high_m) const {
-  const auto index = [&](double along_m, std::ptrdiff_t count) {
-    return static_cast<std::ptrdiff_t>(
-        std::clamp(std::floor(along_m / level.block_m), -1.0, static_cast<double>(count)));
-  };
   const Eigen::Vector2d low = low_m - origin_m_, high = high_m - origin_m_;
-  return {std::max<std::ptrdiff_t>(index(low.x(), level.nx), 0), std::min(index(high.x(), level.nx), level.nx - 1),
-          std::max<std::ptrdiff_t>(index(low.y(), level.ny), 0), std::min(index(high.y(), level.ny), level.ny - 1)};
+  const auto [i0, i1] = blocks_along(low.x(), high.x(), level.block_m, level.nx);
+  const auto [j0, j1] = blocks_along(low.y(), high.y(), level.block_m, level.ny);
+  return {i0, i1, j0, j1};
+}
+
+/// Raises the blocks to the terrain: first along each row of vertices, then from each row to the blocks beside it.
+void BroadPhase::raise_blocks(const Heightfield& terrain) {
+  Level& level = levels_.front();
+  // A vertex affects the height of the surface as far as its neighbours.
+  const auto beside = [&](std::size_t vertex, int axis) {
+    const double at_m = terrain.vertex(vertex)(axis);
+    return blocks_along(at_m - terrain.spacing_m() - origin_m_(axis), at_m + terrain.spacing_m() - origin_m_(axis),
+                        level.block_m, axis == 0 ? level.nx : level.ny);
+  };
+  std::vector<std::array<std::ptrdiff_t, 2>> columns;
+  for (std::size_t i = 0; i < terrain.nx(); ++i) columns.push_back(beside(i, 0));
+  std::vector<float> row_m(static_cast<std::size_t>(level.nx));
+  for (std::size_t j = 0; j < terrain.ny(); ++j) {
+    std::ranges::fill(row_m, -std::numeric_limits<float>::infinity());
+    for (std::size_t i = 0; i < terrain.nx(); ++i) {
+      const float height_m = terrain.heights_m()[j * terrain.nx() + i];
+      for (std::ptrdiff_t k = columns[i][0]; k <= columns[i][1]; ++k) {
+        float& highest = row_m[static_cast<std::size_t>(k)];
+        highest = std::max(highest, height_m);
+      }
+    }
+    const auto [first, last] = beside(j * terrain.nx(), 1);
+    for (std::ptrdiff_t k = first; k <= last; ++k) {
+      float* const highest_m = &level.highest_m[static_cast<std::size_t>(k * level.nx)];
+      for (std::size_t i = 0; i < row_m.size(); ++i) highest_m[i] = std::max(highest_m[i], row_m[i]);
+    }
+  }
 }
 
 void BroadPhase::raise_blocks(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) {

@@ -30,7 +30,9 @@ class BroadPhase {
   };
 
   void set_grid(const World& world);
+  void raise_blocks(const Heightfield& terrain);
   void raise_blocks(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m);
+  static std::array<std::ptrdiff_t, 2> blocks_along(double low_m, double high_m, double block_m, std::ptrdiff_t count);
   std::array<std::ptrdiff_t, 4> blocks_in(const Level& level, const Eigen::Vector2d& low_m,
                                           const Eigen::Vector2d& high_m) const;
 

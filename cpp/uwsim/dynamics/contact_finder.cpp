@@ -94,7 +94,7 @@ struct FixedSurfaces {
   explicit FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) { world.water = {}; }
 };
 
-/// Shared by all finders in worlds with the same surfaces: those of the lake scenario take 16 MB and 0.1 s to build.
+/// Shared by all finders in worlds with the same surfaces: those of the lake scenario take several megabytes.
 std::shared_ptr<const FixedSurfaces> surfaces_of(const World& world) {
   static RecentlyMade<FixedSurfaces> known;
   return known.find_or_make(

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "uwsim/core/built_when_used.h"
+#include "uwsim/core/infinity.h"
 #include "uwsim/dynamics/bullet_memory.h"
 #include "uwsim/dynamics/mesh_edges.h"
 
@@ -17,14 +19,15 @@ constexpr std::size_t kReservedTriangles = 1024;  // of a solid near a body; a s
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+/// A solid's triangles for searches.
 struct Tree {
-  std::shared_ptr<const Solid> solid;  // owns the arrays that Bullet's shape refers to
   MeshEdges edges;
   btTriangleIndexVertexArray arrays;
-  std::unique_ptr<btBvhTriangleMeshShape> shape;
+  btBvhTriangleMeshShape shape;
 
-  explicit Tree(std::shared_ptr<const Solid> source) : solid(std::move(source)), edges(solid->mesh_world) {
-    const TriangleMesh& mesh = solid->mesh_world;
+  explicit Tree(const TriangleMesh& mesh) : edges(mesh), arrays(indexed(mesh)), shape(&arrays, false) {}
+
+  static btTriangleIndexVertexArray indexed(const TriangleMesh& mesh) {
     btIndexedMesh part;
     part.m_numTriangles = static_cast<int>(mesh.triangles.size());
     part.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(mesh.triangles.data());
@@ -33,8 +36,33 @@ struct Tree {
     part.m_vertexBase = reinterpret_cast<const unsigned char*>(mesh.vertices_m.data());
     part.m_vertexStride = sizeof(Eigen::Vector3d);
     part.m_vertexType = PHY_DOUBLE;
+    btTriangleIndexVertexArray arrays;
     arrays.addIndexedMesh(part, PHY_INTEGER);
-    shape = std::make_unique<btBvhTriangleMeshShape>(&arrays, false);
+    return arrays;
+  }
+};
+
+/// A solid whose tree is built when a body first comes close: most runs touch few solids.
+struct SearchedSolid {
+  std::shared_ptr<const Solid> solid;  // owns the arrays that Bullet's shape refers to
+  BuiltWhenUsed<std::unique_ptr<Tree>> built;
+
+  explicit SearchedSolid(std::shared_ptr<const Solid> source) : solid(std::move(source)) {}
+
+  const Tree& tree() const {
+    return *built.get([this] { return std::make_unique<Tree>(solid->mesh_world); });
+  }
+
+  /// The bounds of the triangles, as middle and half size, like Bullet's.
+  btDbvtVolume box() const {
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
+    for (const Triangle& triangle : solid->mesh_world.triangles) {
+      for (const auto vertex : triangle) {
+        low = low.cwiseMin(solid->mesh_world.vertices_m[vertex]);
+        high = high.cwiseMax(solid->mesh_world.vertices_m[vertex]);
+      }
+    }
+    return btDbvtVolume::FromCE(to_bullet(0.5 * (high + low)), to_bullet(0.5 * (high - low)));
   }
 };
 
@@ -48,12 +76,12 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
   std::size_t triangles = 0, most_triangles = 0;  // beyond the maximum, triangles are only counted
 
   void Process(const btDbvtNode* leaf) override {
-    const auto& tree = *static_cast<const Tree*>(leaf->data);
+    const Tree& tree = static_cast<const SearchedSolid*>(leaf->data)->tree();
     edges = &tree.edges;
     if (count == patches->size()) patches->emplace_back().reserve(kReservedTriangles);
     SurfacePatch& patch = (*patches)[count];
     patch.clear();
-    tree.shape->processAllTriangles(this, low, high);
+    tree.shape.processAllTriangles(this, low, high);
     if (!patch.triangles.empty()) ++count;
   }
   void processTriangle(btVector3*, int, int triangle) override {
@@ -64,7 +92,7 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
 }  // namespace
 
 struct SolidTriangles::Impl {
-  std::vector<std::unique_ptr<Tree>> trees;
+  std::vector<std::unique_ptr<SearchedSolid>> solids;
   btDbvt boxes;
 };
 
@@ -79,10 +107,8 @@ SolidTriangles::Stack& SolidTriangles::Stack::operator=(Stack&&) noexcept = defa
 
 SolidTriangles::SolidTriangles(const World& world) : impl_(std::make_unique<Impl>()) {
   for (const auto& solid : world.solids()) {
-    impl_->trees.push_back(std::make_unique<Tree>(solid));
-    btVector3 low, high;
-    impl_->trees.back()->shape->getAabb(btTransform::getIdentity(), low, high);
-    impl_->boxes.insert(btDbvtVolume::FromMM(low, high), impl_->trees.back().get());
+    impl_->solids.push_back(std::make_unique<SearchedSolid>(solid));
+    impl_->boxes.insert(impl_->solids.back()->box(), impl_->solids.back().get());
   }
 }
 SolidTriangles::~SolidTriangles() = default;
