@@ -17,13 +17,12 @@ See help(uwsim.Simulator) and help(type(rov)) for the rest.
 World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103); quaternions x, y, z, w; SI units.
 """
 
-import gc
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from uwsim._moved import lead_old_names_on
 from uwsim.base.extras import explain_missing_extras
+from uwsim.base.no_collections import no_collections
 
 if TYPE_CHECKING:
     from uwsim.batch import Batch
@@ -82,20 +81,10 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in _MODULE_OF:
         raise AttributeError(f"module 'uwsim' has no attribute '{name}'")
-    value = getattr(_import_quickly(_MODULE_OF[name]), name)
+    with no_collections():
+        value = getattr(import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
-
-
-def _import_quickly(module: str) -> ModuleType:
-    """Import a module without garbage collections, which take an eighth of the time and find nothing."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        return import_module(module)
-    finally:
-        if collects:
-            gc.enable()
 
 
 def _version() -> str:

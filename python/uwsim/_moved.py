@@ -6,9 +6,12 @@ import sys
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
+from typing import TYPE_CHECKING, cast
+
+if TYPE_CHECKING:
+    from importlib.abc import Loader  # importing it takes longer than everything else here
 
 MOVED = {
     "uwsim.acoustics": "uwsim.instruments.acoustics",
@@ -50,7 +53,7 @@ def new_name(old: str) -> str | None:
     return None
 
 
-class _OldNames(MetaPathFinder, Loader):
+class _OldNames:
     """Finds a moved module under its old name, so that the module and its classes exist only once."""
 
     def find_spec(
@@ -60,7 +63,7 @@ class _OldNames(MetaPathFinder, Loader):
         if new is None:
             return None
         warnings.warn(f"{fullname} has moved: import {new}", DeprecationWarning, stacklevel=2)
-        return ModuleSpec(fullname, self)
+        return ModuleSpec(fullname, cast("Loader", self))
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         module = import_module(str(new_name(spec.name)))

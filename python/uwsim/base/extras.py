@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from types import ModuleType
@@ -63,7 +62,7 @@ def explained(error: ImportError) -> str:
     return f"'{error.name}' is needed and not installed: pip install 'uwsim[{EXTRA_OF[error.name]}]'"
 
 
-class _MissingExtras(MetaPathFinder):
+class _MissingExtras:
     """An import finder, placed last, that explains failed imports in uwsim and ignores those in other packages."""
 
     def find_spec(

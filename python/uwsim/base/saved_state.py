@@ -23,9 +23,12 @@ M = TypeVar("M", bound=BaseModel)
 
 
 class State(BaseModel):
-    """Base model for the state of a part: all keys are required, others are forbidden, and types are not converted."""
+    """Base model for the state of a part: all keys are required, others are forbidden, and types are not converted.
 
-    model_config = ConfigDict(extra="forbid", strict=True)
+    Its subclasses' validators are built when a state is restored, since few simulators ever restore one.
+    """
+
+    model_config = ConfigDict(extra="forbid", strict=True, defer_build=True)
 
 
 Tick = Annotated[int, Field(ge=0, le=2 * NEVER)]

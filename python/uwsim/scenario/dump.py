@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ruamel.yaml import YAML
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario.spec.fields import Model
@@ -38,6 +37,8 @@ def write_scenario(path: Path, scenario: Scenario) -> None:
 
 def write_model(path: Path, model: Model) -> None:
     """Write a scenario, a vehicle or another part of one as a YAML file. Raises OSError."""
+    from ruamel.yaml import YAML  # here, since it is slow to import
+
     text = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None  # lists of numbers on one line

@@ -1,4 +1,4 @@
-"""The array cache: it returns the stored arrays, and losing it costs only the time to compute them again."""
+"""The disk cache: it returns the stored results, and losing it costs only the time to compute them again."""
 
 import os
 import warnings
@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim.scenario.read import array_cache
-from uwsim.scenario.read.array_cache import cached_arrays
+from uwsim.scenario import load, packaged_scenarios
+from uwsim.scenario.read import disk_cache, yaml_document, yaml_parser
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.disk_cache import cached_arrays, cached_json
 
 
 class Maker:
@@ -87,8 +89,8 @@ def test_warnings_come_again(folder: Path) -> None:
 
 
 def test_the_oldest_files_make_room_for_new_ones(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(array_cache, "MAX_FOLDER_BYTES", 10_000)
-    monkeypatch.setattr(array_cache, "CHECK_EVERY_BYTES", 2_000)
+    monkeypatch.setattr(disk_cache, "MAX_FOLDER_BYTES", 10_000)
+    monkeypatch.setattr(disk_cache, "CHECK_EVERY_BYTES", 2_000)
     for k in range(50):
         cached_arrays(lambda k=k: (np.full(100, float(k)),), "thing", float(k))
         os.utime(max(folder.iterdir(), key=os.path.getctime), (k, k))
@@ -99,3 +101,38 @@ def test_the_oldest_files_make_room_for_new_ones(folder: Path, monkeypatch: pyte
     assert make.calls == 0, "the newest is kept"
     cached_arrays(make, "thing", 0.0)
     assert make.calls == 1, "the oldest is not"
+
+
+def test_json_values_return_as_they_were(folder: Path) -> None:
+    value = {"b": [1, 2.5, -0.0, float("inf"), True, None, 2**70], "a": {"text": "\u00e4 \U0001f600\n"}}
+    for _ in range(2):
+        assert repr(cached_json(lambda: value, "value", "key")) == repr(value)
+    assert len(list(folder.iterdir())) == 1
+
+
+@pytest.mark.parametrize("value", [1 << 20_000, "\ud83d\ude00"], ids=["too many digits", "surrogates"])
+def test_a_value_that_json_cannot_write_is_not_stored(value: int | str, folder: Path) -> None:
+    assert cached_json(lambda: value, "value", "key") == value
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_a_stored_document_is_the_parsed_one(name: str, folder: Path) -> None:
+    path = assets_folder() / "scenarios" / f"{name}.yaml"
+    for _ in range(2):
+        yaml_document._values.cache_clear()
+        document = yaml_document.read_yaml(path, path.name)
+        assert document.values == yaml_parser.plain_values(path.read_text(), path.name)
+        line = document.line(("vehicles", 0, "model"))
+        assert path.read_text().splitlines()[line - 1].strip(" -").startswith("model:")
+
+
+def test_a_stored_file_with_a_mistake_is_refused_at_its_line(folder: Path, tmp_path: Path) -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text() + "wire: smoke\n"
+    (tmp_path / "mine.yaml").write_text(text)
+    for _ in range(2):
+        yaml_document._values.cache_clear()
+        yaml_parser.parsed.cache_clear()
+        with pytest.raises(ValueError, match=rf"mine\.yaml:{text.count(chr(10))}: wire = 'smoke'"):
+            load(tmp_path / "mine.yaml")
+    assert any(path.name.startswith("yaml-") for path in folder.iterdir())

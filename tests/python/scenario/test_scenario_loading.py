@@ -2,6 +2,7 @@
 
 import pickle
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from command_line import uwsim
 from uwsim import Simulator
 from uwsim.scenario import Scenario, ScenarioError, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.polygon import area, narrowest_width
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
@@ -31,6 +33,20 @@ def refusal(path: Path, text: str | bytes) -> str:
     assert "\n" not in message
     assert message.startswith(str(path))
     return message.removeprefix(f"{path}:")
+
+
+def models(kind: type[Model] = Model) -> Iterator[type[Model]]:
+    yield kind
+    for below in kind.__subclasses__():
+        yield from models(below)
+
+
+@pytest.mark.parametrize("kind", list(models()), ids=lambda kind: kind.__name__)
+def test_unvalidated_defaults_are_valid(kind: type[Model]) -> None:
+    for name, field in kind.model_fields.items():
+        if isinstance(field.default, Model):
+            chosen = {key: getattr(field.default, key) for key in field.default.model_fields_set}
+            assert repr(type(field.default).model_validate(chosen)) == repr(field.default), name
 
 
 @pytest.mark.parametrize("name", packaged_scenarios())

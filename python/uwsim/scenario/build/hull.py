@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scenario.build.scale import question_of_factor, require_plausible_density, require_plausible_volume
-from uwsim.scenario.read.array_cache import cached_arrays
+from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.mesh_repair import closed_mesh

@@ -17,7 +17,7 @@ from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.terrain import Terrain
-from uwsim.scenario.read.array_cache import cached_arrays
+from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, joined, load_mesh
 from uwsim.scenario.spec.obstacle import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline, Ring, Sphere

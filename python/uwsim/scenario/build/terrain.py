@@ -8,7 +8,7 @@ from typing import assert_never, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.scenario.read.array_cache import cached_arrays
+from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrain, TerrainSpec
 

@@ -66,15 +66,15 @@ def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.Vehicle
 @contextmanager
 def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
     """Prefix errors raised while building a vehicle with file and line in both the scenario and the vehicle file."""
-    where = scenario.source_file.line_prefix("vehicles", index) + scenario.source_file.place("vehicles", index)
-    model_file = scenario.vehicles[index].model.source_file
+    file, model_file = scenario.source_file, scenario.vehicles[index].model.source_file
+    keys = ("vehicles", index)
     try:
         yield
     except ScenarioError as error:
         part = model_file.line_prefix(*error.at) if error.at else model_file.file_prefix
-        raise ScenarioError(f"{where}.model: {part}{error}") from None
+        raise ScenarioError(f"{file.line_prefix(*keys)}{file.place(*keys)}.model: {part}{error}") from None
     except ValueError as error:
-        raise ScenarioError(f"{where}: {error}") from None
+        raise ScenarioError(f"{file.line_prefix(*keys)}{file.place(*keys)}: {error}") from None
 
 
 def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:

@@ -1,8 +1,8 @@
-"""A disk cache for arrays that are slow to compute, such as closed hulls and noise terrain.
+"""A disk cache for results that are slow to compute: arrays, such as closed hulls and noise terrain, and parsed YAML.
 
 The folder is $UWSIM_CACHE if set (empty: no cache), otherwise uwsim in $XDG_CACHE_HOME or ~/.cache. File names are
-digests of everything that the arrays depend on: inputs, our sources and library versions. The folder may be deleted at
-any time. If a file is damaged, unwritable or owned by another user, its arrays are recomputed.
+digests of everything that the results depend on: inputs, our sources and library versions. The folder may be deleted at
+any time. If a file is damaged, unwritable or owned by another user, its content is computed again.
 """
 
 from __future__ import annotations
@@ -10,25 +10,31 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
-import io
+import json
+import math
 import os
+import sys
 import warnings
-from collections.abc import Callable
-from importlib import metadata
+import zlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.caught_warnings import caught_warnings
-from uwsim.base.npz import read_npz
 
 Arrays = tuple[NDArray[np.generic], ...]
 Input = str | bytes | float | NDArray[np.generic]
+R = TypeVar("R")
 
 MAX_FILE_BYTES, MAX_FOLDER_BYTES, CHECK_EVERY_BYTES = 1 << 26, 1 << 29, 1 << 24
-LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py")
+SUFFIX = ".cached"
+SUFFIXES = (SUFFIX, ".npz")
+"""Of the files in the folder; earlier versions wrote .npz."""
+LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "ruamel-yaml")
 DIGEST_BYTES = 32
 
 _unchecked_bytes: dict[Path, int] = {}
@@ -41,19 +47,32 @@ def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arra
     kind: a name for this kind of array. Results computed with warnings are not stored, so that the warnings are issued
     every time.
     """
+    return _cached(make, _packed, _unpacked, kind, inputs)
+
+
+def cached_json(make: Callable[[], Any], kind: str, *inputs: Input) -> Any:
+    """Do the same for a JSON value."""
+    return _cached(make, lambda value: json.dumps(value, ensure_ascii=False).encode(), json.loads, kind, inputs)
+
+
+def _cached(
+    make: Callable[[], R], pack: Callable[[R], bytes], unpack: Callable[[bytes], R], kind: str,
+    inputs: tuple[Input, ...],
+) -> R:  # fmt: skip
     folder = _folder()
     if folder is None:
         return make()
-    path = folder / f"{kind}-{_digest_of(kind, *inputs)}.npz"
-    with contextlib.suppress(OSError, ValueError, KeyError, EOFError):
-        return _unpacked(path.read_bytes())
+    path = folder / f"{kind}-{_digest_of(kind, *inputs)}{SUFFIX}"
+    with contextlib.suppress(OSError, ValueError, TypeError):
+        return unpack(_checked(path.read_bytes()))
     with caught_warnings() as issued:
-        arrays = make()
+        result = make()
     for warning in issued:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
     if not issued:
-        _keep(path, _packed(arrays))
-    return arrays
+        with contextlib.suppress(OSError, ValueError):  # ValueError: JSON cannot hold the value
+            _keep(path, pack(result))
+    return result
 
 
 def _folder() -> Path | None:
@@ -69,19 +88,19 @@ def _folder() -> Path | None:
 def _keep(path: Path, content: bytes) -> None:
     if len(content) > MAX_FILE_BYTES:
         return
-    with contextlib.suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        unchecked = _unchecked_bytes.get(path.parent, CHECK_EVERY_BYTES) + len(content)
-        if unchecked > CHECK_EVERY_BYTES:  # a folder may contain thousands of files
-            _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
-            unchecked = 0
-        _unchecked_bytes[path.parent] = unchecked
-        write_atomically(path, content)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unchecked = _unchecked_bytes.get(path.parent, CHECK_EVERY_BYTES) + len(content)
+    if unchecked > CHECK_EVERY_BYTES:  # a folder may contain thousands of files
+        _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
+        unchecked = 0
+    _unchecked_bytes[path.parent] = unchecked
+    write_atomically(path, _checksum(content) + content)
 
 
 def _make_room(folder: Path, limit_bytes: int) -> None:
     """Remove the oldest files until the rest are within the limit."""
-    files = sorted(((p.stat().st_mtime, p.stat().st_size, p) for p in folder.glob("*.npz")), reverse=True)
+    kept = (path for path in folder.iterdir() if path.suffix in SUFFIXES)
+    files = sorted(((p.stat().st_mtime, p.stat().st_size, p) for p in kept), reverse=True)
     total = 0
     for _, size, path in files:
         total += size
@@ -89,20 +108,31 @@ def _make_room(folder: Path, limit_bytes: int) -> None:
             path.unlink(missing_ok=True)
 
 
+def _checksum(content: bytes | memoryview) -> bytes:
+    return zlib.crc32(content).to_bytes(4, "little")
+
+
+def _checked(data: bytes) -> bytes:
+    """Return a file's content. Raises ValueError if it is damaged."""
+    content = data[4:]
+    if data[:4] != _checksum(content):
+        raise ValueError("damaged")
+    return content
+
+
 def _packed(arrays: Arrays) -> bytes:
-    file = io.BytesIO()
-    np.savez(file, allow_pickle=False, **{f"a{k}": array for k, array in enumerate(arrays)})
-    content = file.getvalue()
-    return hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() + content
+    """Return a line with types and shapes, followed by the arrays' bytes."""
+    header = json.dumps([(array.dtype.str, array.shape) for array in arrays])
+    return b"".join([header.encode(), b"\n", *(array.tobytes() for array in arrays)])
 
 
 def _unpacked(data: bytes) -> Arrays:
-    """Unpack the arrays. Raises ValueError if the bytes are damaged."""
-    digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
-    if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
-        raise ValueError("damaged")
-    held = read_npz(content)
-    return tuple(held[f"a{k}"] for k in range(len(held)))
+    begin = data.index(b"\n") + 1
+    arrays = []
+    for kind, shape in json.loads(data[: begin - 1]):
+        arrays.append(np.ndarray(shape, kind, data, begin).copy())
+        begin += math.prod(shape) * arrays[-1].itemsize
+    return tuple(arrays)
 
 
 def _digest_of(*inputs: Input) -> str:
@@ -118,12 +148,22 @@ def _digest_of(*inputs: Input) -> str:
 
 @functools.cache
 def _versions() -> bytes:
-    """Return the library versions and a digest of our sources, since results depend on both."""
-    digest = hashlib.blake2b()
-    for name in LIBRARIES:
-        with contextlib.suppress(metadata.PackageNotFoundError):
-            digest.update(f"{name} {metadata.version(name)} ".encode())
+    """Return a digest of the library versions and of our sources, since results depend on both."""
+    digest = hashlib.blake2b(repr(sorted(_installed())).encode())
     scenario = Path(__file__).parent.parent
     for path in sorted(path for part in ("read", "build") for path in (scenario / part).glob("*.py")):
         digest.update(path.read_bytes())
     return digest.digest()
+
+
+def _installed() -> Iterator[str]:
+    """Yield the names of the libraries' metadata folders, which contain the versions.
+
+    importlib.metadata takes ten times as long, since it parses the metadata.
+    """
+    for folder in dict.fromkeys(sys.path):
+        with contextlib.suppress(OSError):
+            for entry in os.listdir(folder or "."):
+                library, dash, _ = entry.lower().partition("-")
+                if dash and library.replace("_", "-").replace(".", "-") in LIBRARIES and entry.endswith("-info"):
+                    yield entry

@@ -123,7 +123,9 @@ class Lamps(Model):
 CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
 LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
 
-DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(22.0, 16.0, 0.0), field_of_view_deg=80.0)
+DECK_CAMERA = CameraMount.model_construct(
+    position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(22.0, 16.0, 0.0), field_of_view_deg=80.0
+)
 """Above the hut of the packaged station, overlooking its deck and the water ahead, with the mast at the right."""
 
 
@@ -132,7 +134,7 @@ def dock_camera(dock_m: Point3) -> CameraMount:
     ahead_m, aside_m, above_m = DOCK_VIEW_M
     back_deg = 180.0 + math.degrees(math.atan2(aside_m, ahead_m))
     down_deg = math.degrees(math.atan2(above_m, math.hypot(ahead_m, aside_m)))
-    return CameraMount(
+    return CameraMount.model_construct(
         position_m=(dock_m[0] + ahead_m, dock_m[1] + aside_m, dock_m[2] + above_m),
         yaw_pitch_roll_deg=(back_deg, down_deg, 0.0),
         field_of_view_deg=70.0,

@@ -42,12 +42,12 @@ class Control(Model):
     velocities.
     """
 
-    surge: Loop = Loop()
-    sway: Loop = Loop()
-    heave: Loop = Loop()
-    roll: TurningLoop = TurningLoop()
-    pitch: TurningLoop = TurningLoop()
-    yaw: TurningLoop = TurningLoop()
+    surge: Loop = Loop.model_construct()
+    sway: Loop = Loop.model_construct()
+    heave: Loop = Loop.model_construct()
+    roll: TurningLoop = TurningLoop.model_construct()
+    pitch: TurningLoop = TurningLoop.model_construct()
+    yaw: TurningLoop = TurningLoop.model_construct()
     filter_s: Seconds = 0.2
     tracking_s: Seconds = 1.0
     speed_max_m_s: Annotated[float, InRange(0.01, 20, "m/s")] = 1.0

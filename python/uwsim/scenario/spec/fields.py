@@ -40,9 +40,13 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
 
 class Model(BaseModel):
-    """Base of all scenario models: immutable; an unknown key is an error that suggests the most similar known key."""
+    """Base of all scenario models: immutable; an unknown key is an error that suggests the most similar known key.
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    Building a validator takes longer than defining a model, so each is built when it is first used. Constants and
+    defaults are therefore made by `model_construct`, which does not validate.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_"):

@@ -31,7 +31,7 @@ class Backscatter(Model):
     fluid: tuple[float, float, float] = SEABEDS["rock"]
 
 
-ROCK = Backscatter(strength_db=-30.0, relief=0.1)
+ROCK = Backscatter.model_construct(strength_db=-30.0, relief=0.1)
 """BS = -30 dB as in the manufacturer's coverage table of the EM 2040 (the seed paper's Fig. 8); relief assumed."""
 
 # All assumed, except rock's strength, which has a source. Softer bottoms are weaker, as in textbooks; metal and
@@ -40,12 +40,12 @@ ROCK = Backscatter(strength_db=-30.0, relief=0.1)
 STEEL = (7.8, 3.9, 0.1)
 BACKSCATTER = {
     "rock": ROCK,
-    "gravel": Backscatter(strength_db=-32.0, relief=0.06, fluid=SEABEDS["cobble"]),
-    "sand": Backscatter(strength_db=-36.0, relief=0.03, fluid=SEABEDS["medium_sand"]),
-    "mud": Backscatter(strength_db=-44.0, relief=0.01, fluid=SEABEDS["sandy_mud"]),
-    "concrete": Backscatter(strength_db=-30.0),
-    "steel": Backscatter(strength_db=-26.0, fluid=STEEL),
-    "paint": Backscatter(strength_db=-26.0, fluid=STEEL),
+    "gravel": Backscatter.model_construct(strength_db=-32.0, relief=0.06, fluid=SEABEDS["cobble"]),
+    "sand": Backscatter.model_construct(strength_db=-36.0, relief=0.03, fluid=SEABEDS["medium_sand"]),
+    "mud": Backscatter.model_construct(strength_db=-44.0, relief=0.01, fluid=SEABEDS["sandy_mud"]),
+    "concrete": Backscatter.model_construct(strength_db=-30.0),
+    "steel": Backscatter.model_construct(strength_db=-26.0, fluid=STEEL),
+    "paint": Backscatter.model_construct(strength_db=-26.0, fluid=STEEL),
     "land": ROCK,
     "plain": ROCK,
 }

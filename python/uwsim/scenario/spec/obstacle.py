@@ -61,7 +61,7 @@ class Pipeline(OnBed):
 
     kind: Literal["pipeline"]
     name: Name
-    material: MaterialSpec = Material(kind="concrete")
+    material: MaterialSpec = Material.model_construct(kind="concrete")
     points_m: Annotated[tuple[Point2, ...], Field(min_length=2, max_length=1000)]
     radius_m: Annotated[float, InRange(0.02, 10, "m")]
     buried_fraction: Annotated[float, InRange(0, 0.95)] = 0.2
@@ -91,7 +91,7 @@ class Gate(OnBed):
 
     kind: Literal["gate"]
     name: Name
-    material: MaterialSpec = Material(kind="paint")
+    material: MaterialSpec = Material.model_construct(kind="paint")
     position_m: Point2
     yaw_deg: Degrees = 0.0
     width_m: Annotated[float, InRange(0.2, 200, "m")]
@@ -118,7 +118,7 @@ class Box(Placed):
 
     kind: Literal["box"]
     name: Name
-    material: MaterialSpec = Material(kind="concrete")
+    material: MaterialSpec = Material.model_construct(kind="concrete")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     size_m: tuple[Size, Size, Size]
 
@@ -131,7 +131,7 @@ class Cylinder(Placed):
 
     kind: Literal["cylinder"]
     name: Name
-    material: MaterialSpec = Material(kind="steel")
+    material: MaterialSpec = Material.model_construct(kind="steel")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     radius_m: Size
     length_m: Size
@@ -145,7 +145,7 @@ class Sphere(Placed):
 
     kind: Literal["sphere"]
     name: Name
-    material: MaterialSpec = Material(kind="steel")
+    material: MaterialSpec = Material.model_construct(kind="steel")
     radius_m: Size
 
 
@@ -160,7 +160,7 @@ class Ring(Placed):
 
     kind: Literal["ring"]
     name: Name
-    material: MaterialSpec = Material(kind="paint")
+    material: MaterialSpec = Material.model_construct(kind="paint")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     major_radius_m: Size
     minor_radius_m: Size
@@ -184,7 +184,7 @@ class MeshObstacle(Placed):
 
     kind: Literal["mesh"]
     name: Name
-    material: MaterialSpec = Material(kind="steel")
+    material: MaterialSpec = Material.model_construct(kind="steel")
     file: AssetFile
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     scale: Factor = 1.0

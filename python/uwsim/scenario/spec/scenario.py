@@ -28,7 +28,7 @@ from uwsim.scenario.spec.water import Water
 from uwsim.scenario.spec.water_target import WaterTargetSpec
 
 RESERVED_NAMES = ("nothing", "terrain", "station")
-WITHOUT_STATION = Station(dock_m=(0.0, 0.0, -2.0))
+WITHOUT_STATION = Station.model_construct(dock_m=(0.0, 0.0, -2.0))
 """The default station: a point on the water above the world's origin, with its dock 2 m below."""
 
 
@@ -71,16 +71,16 @@ class Scenario(Model):
     seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
     step_s: Annotated[float, InRange(0.0005, 0.02, "s")] = 0.005
     mission_time_s: Annotated[float, InRange(1, 1e6, "s")] = 3600.0
-    dynamics: Dynamics = Dynamics()
-    water: Water = Water()
-    optics: Optics = Optics()
+    dynamics: Dynamics = Dynamics.model_construct()
+    water: Water = Water.model_construct()
+    optics: Optics = Optics.model_construct()
     terrain: TerrainSpec
-    ground: Ground = Ground()
+    ground: Ground = Ground.model_construct()
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
     water_targets: Annotated[tuple[WaterTargetSpec, ...], Field(max_length=100)] = ()
     station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
-    warnings: WarningLimits = WarningLimits()
+    warnings: WarningLimits = WarningLimits.model_construct()
     link: LinkSpec | None = None
     survey: Survey | None = None
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)] = ()

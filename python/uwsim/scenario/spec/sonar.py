@@ -120,7 +120,7 @@ ACOUSTIC = (
 )
 
 
-class SonarModel(Model):
+class SonarModel(Model, defer_build=False):  # a part of Scenario that is also read alone
     """A commercial multibeam.
 
     beams: number of beams, evenly spaced over the field of view, about the head's forward axis. wire_number: its number
@@ -141,8 +141,8 @@ class SonarModel(Model):
     tilt_rate_deg_s: Annotated[float, InRange(0.01, 1000, "deg/s")] = 5.0
     receivers: Receivers = 1
     receiver_tilt_deg: Annotated[float, InRange(0, 90, "deg")] | None = None
-    mounting: SonarMounting = SonarMounting()
-    noise: SonarNoise = SonarNoise()
+    mounting: SonarMounting = SonarMounting.model_construct()
+    noise: SonarNoise = SonarNoise.model_construct()
     multipath: StrictBool = False
     frequencies: Annotated[tuple[SonarBand, ...], Field(min_length=1, max_length=32)]
 

@@ -32,5 +32,5 @@ class Station(Model):
     mesh: AssetFile | None = None
     dock_m: Point3 = (0.0, 0.0, 0.0)
     exit_m: Point3 | None = None
-    material: MaterialSpec = Material(kind="paint", colour=(0.75, 0.42, 0.07))
+    material: MaterialSpec = Material.model_construct(kind="paint", colour=(0.75, 0.42, 0.07))
     cameras: CameraMounts = Field(default_factory=_cameras)

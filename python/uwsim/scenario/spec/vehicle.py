@@ -60,7 +60,7 @@ class Trim(Model):
     position_m: Point3 | None = None
 
 
-class VehicleModel(Model):
+class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also read alone
     """A rigid vehicle, driven by thrusters and fins, or by forces and torques along and about its axes.
 
     Six-vectors are surge, sway, heave, roll, pitch, yaw; all components are magnitudes and not negative. A full matrix
@@ -135,8 +135,8 @@ class VehicleModel(Model):
     sensors: Sensors = Field(default_factory=dict)
     cameras: CameraMounts = Field(default_factory=dict)
     lamps: LampSwitches = Field(default_factory=dict)
-    material: MaterialSpec = Material(kind="paint")
-    control: Control = Control()
+    material: MaterialSpec = Material.model_construct(kind="paint")
+    control: Control = Control.model_construct()
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
     failsafe: Failsafe | None = None
 

@@ -58,7 +58,7 @@ class VehicleEntry(Model):
     start: Annotated[
         StartPose | None, BeforeValidator(_start, json_schema_input_type=Literal["station"] | StartPose)
     ] = None
-    sonar: SonarSetup = SonarSetup()
+    sonar: SonarSetup = SonarSetup.model_construct()
     failsafe: Failsafe | None = None
     trim: Trim | None = None
     command_timeout_s: Annotated[float, InRange(0, 1e6, "s")] = 0.5

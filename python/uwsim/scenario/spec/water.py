@@ -212,6 +212,22 @@ class TableProfile(Model):
         return self
 
 
+class LinearEnd(Model):
+    """One end of a linear profile.
+
+    temperature_deg_c: temperature at this end. salinity_psu, density_kg_m3: must agree with each other; density at both
+    ends or none.
+    """
+
+    temperature_deg_c: Celsius
+    salinity_psu: Salinity | None = None
+    density_kg_m3: Density | None = None
+
+    def state(self, depth_m: float = 0.0) -> WaterState:
+        """Return density and salinity. depth_m: depth at which the density was measured; 0: at the surface."""
+        return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
+
+
 class LinearProfile(Model):
     """Temperature and salinity linear from the surface down to bottom_depth_m, constant below.
 
@@ -231,24 +247,6 @@ class LinearProfile(Model):
             raise broken("density_kg_m3 must be given at both ends or at none")
         return self
 
-
-class LinearEnd(Model):
-    """One end of a linear profile.
-
-    temperature_deg_c: temperature at this end. salinity_psu, density_kg_m3: must agree with each other; density at both
-    ends or none.
-    """
-
-    temperature_deg_c: Celsius
-    salinity_psu: Salinity | None = None
-    density_kg_m3: Density | None = None
-
-    def state(self, depth_m: float = 0.0) -> WaterState:
-        """Return density and salinity. depth_m: depth at which the density was measured; 0: at the surface."""
-        return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
-
-
-LinearProfile.model_rebuild()
 
 ProfileSpec = Annotated[TableProfile | LinearProfile, Field(discriminator="kind")]
 
@@ -278,7 +276,7 @@ class Water(Model):
     compressible: StrictBool = True
     sound_speed_equation: SoundSpeedEquation = "automatic"
     current_world_m_s: Velocity = (0.0, 0.0, 0.0)
-    surface: SurfaceSpec = StillSurface()
+    surface: SurfaceSpec = StillSurface.model_construct()
     current: CurrentSpecs = ()
     profile: ProfileSpec | None = None
     volume_strength_db: Annotated[float, InRange(-200, 0, "dB")] | None = None
