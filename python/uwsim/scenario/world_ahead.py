@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 import threading
 from contextlib import suppress
 from pathlib import Path
@@ -14,9 +15,11 @@ from uwsim.scenario.load import load, packaged_scenarios
 def make_world_ahead(scenario: str | Path) -> None:
     """Start building the trees. A Simulator that needs them waits for them, since equal worlds share their trees.
 
-    Only for packaged scenarios: errors in a user's scenario should be reported once, by the Simulator.
+    Only for packaged scenarios: errors in a user's scenario should be reported once, by the Simulator. Not if the
+    address space is limited: a library that lacks memory on this thread may abort the process.
     """
-    if str(scenario) in packaged_scenarios():
+    is_limited = resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
+    if str(scenario) in packaged_scenarios() and not is_limited:
         threading.Thread(target=_make, args=(str(scenario),), name="world-ahead").start()
 
 
