@@ -28,7 +28,7 @@ from uwsim.figures.style import (
 )
 from uwsim.scoring.polygon import inside_polygon
 
-PANEL_PIXELS, GAP_PIXELS = 1150, 50
+PANEL_PIXELS, GAP_PIXELS = 960, 50
 AZIMUTH_RAD = -2.06
 OVERVIEW_ELEVATION_RAD, DETAIL_ELEVATION_RAD = 0.66, 0.42
 DETAIL_HALF_M = np.array([15.0, 11.0])
@@ -144,8 +144,9 @@ def _detail_block(
         stands = above_m > 2.0 * voxel_m
     standing, above_m = np.asarray(occupied_centres_m[stands], np.float64), above_m[stands]
     best, highest_m = None, 0.0
-    for solid in _solids(world):
-        mine = solid.distance_m(standing) <= voxel_m
+    for solid, low, high in _solids(world):
+        mine = np.all((standing >= low - voxel_m) & (standing <= high + voxel_m), axis=1)
+        mine[mine] = solid.distance_m(standing[mine]) <= voxel_m
         if mine.any() and highest_m < above_m[mine].max() < DETAIL_HALF_M[0]:
             highest_m = float(above_m[mine].max())
             xy = standing[mine, :2]
@@ -156,15 +157,16 @@ def _detail_block(
     return np.asarray(best + DETAIL_HALF_M * [[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float64)
 
 
-def _solids(world: _core.World) -> list[_core.RayScene]:
-    """Return a separate ray scene for each solid in the world."""
+def _solids(world: _core.World) -> list[tuple[_core.RayScene, NDArray[np.float64], NDArray[np.float64]]]:
+    """Return a separate ray scene for each solid in the world, and the low and high corner (3,) of its box."""
     vertices, triangles, labels = world.surface_mesh(with_terrain=False)
     solids = []
     for label in np.unique(labels):
         alone = _core.World()
         used, indices = np.unique(triangles[labels == label], return_inverse=True)
-        alone.add_solid("solid", vertices[used], indices.reshape(-1, 3).astype(np.uint32))
-        solids.append(_core.RayScene(alone))
+        corners = np.asarray(vertices[used], np.float64)
+        alone.add_solid("solid", corners, indices.reshape(-1, 3).astype(np.uint32))
+        solids.append((_core.RayScene(alone), corners.min(axis=0), corners.max(axis=0)))
     return solids
 
 
