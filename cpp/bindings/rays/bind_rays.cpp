@@ -241,7 +241,8 @@ void bind_rays(py::module_& m) {
            py::arg("world"))
       .def(
           "prepare", [](const RayScene& scene) { without_gil([&] { scene.prepare(); }); },
-          "Build Embree's trees of the fixed surfaces, unless they exist. Without this call, the first ray builds them.\n"
+          "Build Embree's trees of the fixed surfaces, unless they exist. Without this call, the first ray builds "
+          "them.\n"
           "Raises ValueError if there is not enough memory.")
       .def("cast", &cast, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"), py::arg("exact") = true,
            "Cast rays. origins_m: (n, 3) or (1, 3); directions: (n, 3), of any nonzero length. exact: False for\n"

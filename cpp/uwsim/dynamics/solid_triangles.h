@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). Several threads may search it,
-/// each with its own Stack.
+/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). Several threads may search
+/// it, each with its own Stack.
 class SolidTriangles {
  public:
   /// The working memory of a search, kept so that a step does not allocate.

@@ -5,6 +5,7 @@ Each subcommand has a separate file and imports its dependencies when it runs, s
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
 import re
@@ -104,6 +105,7 @@ def main() -> NoReturn:
         signal.signal(number, _exit_on_signal)
     _spare_address_space()
     gc.set_threshold(COLLECT_EVERY)
+    atexit.register(gc.freeze)  # otherwise the interpreter would search all objects for garbage before it ends
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for ASCII terminals
     warnings.showwarning = _show_warning

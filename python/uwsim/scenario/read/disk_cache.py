@@ -163,7 +163,7 @@ def _installed() -> Iterator[str]:
     """
     for folder in dict.fromkeys(sys.path):
         with contextlib.suppress(OSError):
-            for entry in os.listdir(folder or "."):
-                library, dash, _ = entry.lower().partition("-")
-                if dash and library.replace("_", "-").replace(".", "-") in LIBRARIES and entry.endswith("-info"):
-                    yield entry
+            for entry in os.scandir(folder or "."):
+                library, dash, _ = entry.name.lower().partition("-")
+                if dash and library.replace("_", "-").replace(".", "-") in LIBRARIES and entry.name.endswith("-info"):
+                    yield entry.name

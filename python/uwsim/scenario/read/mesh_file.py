@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import explained
-from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.assimp_mesh import read_by_assimp
+from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole, require_whole_stl
 

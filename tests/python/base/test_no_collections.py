@@ -1,0 +1,65 @@
+"""Garbage collection is paused during the block, and afterwards works as before."""
+
+import gc
+import weakref
+from collections.abc import Iterator
+
+import pytest
+
+from uwsim.base.no_collections import no_collections
+
+
+class Node:
+    """An object that refers to itself, so that only a collection removes it."""
+
+    def __init__(self) -> None:
+        self.itself = self
+
+
+@pytest.fixture(autouse=True)
+def enabled() -> Iterator[None]:
+    gc.enable()
+    yield
+    gc.enable()
+    gc.unfreeze()
+
+
+def test_no_collection_in_the_block_and_none_due_after_it() -> None:
+    begun: list[int] = []
+
+    def note(phase: str, info: dict[str, int]) -> None:
+        if phase == "start":
+            begun.append(info["generation"])
+
+    gc.callbacks.append(note)
+    try:
+        with no_collections():
+            kept = [[] for _ in range(5 * gc.get_threshold()[0])]
+        found = len(begun)
+        del kept
+    finally:
+        gc.callbacks.remove(note)
+    assert found == 0
+    assert gc.isenabled()
+
+
+def test_garbage_of_the_block_is_collected_later() -> None:
+    with no_collections():
+        known = weakref.ref(Node())
+    gc.collect()
+    assert known() is None
+
+
+def test_a_collector_that_was_off_stays_off() -> None:
+    gc.disable()
+    with no_collections():
+        pass
+    assert not gc.isenabled()
+
+
+def test_objects_that_the_caller_froze_stay_frozen() -> None:
+    gc.freeze()
+    frozen = gc.get_freeze_count()
+    with no_collections():
+        pass
+    assert gc.get_freeze_count() == frozen > 0
