@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from uwsim import _core
 from uwsim.base.agenda import NEVER
+from uwsim.base.deferred_models import DEFER_BUILD
 
 KEYS = ("lamps", "parameters", "cameras", "estimates", "programs", "events")  # in the order in which they are written
 Origin = tuple[str, str]
@@ -28,7 +29,7 @@ class State(BaseModel):
     Its subclasses' validators are built when a state is restored, since few simulators ever restore one.
     """
 
-    model_config = ConfigDict(extra="forbid", strict=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", strict=True, defer_build=DEFER_BUILD)
 
 
 Tick = Annotated[int, Field(ge=0, le=2 * NEVER)]

@@ -265,11 +265,13 @@ def _simulator(scenario: str | Path | Scenario | Simulator, given: Mapping[str, 
     if isinstance(scenario, Simulator):
         if ignored := [name for name, value in given.items() if value is not None]:
             raise ValueError(f"{ignored[0]}: has no effect on an existing simulator")
-        return scenario
-    with screen.status(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
-        sim = Simulator(scenario, **given)
-        sim.scene.prepare()  # before anything is written, in case memory is short
-        return sim
+        sim = scenario
+        sim.scene.prepare()
+    else:
+        with screen.status(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
+            sim = Simulator(scenario, **given)
+            sim.scene.prepare()  # before anything is written, in case memory is short
+    return sim
 
 
 def _require_able(

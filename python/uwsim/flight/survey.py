@@ -89,6 +89,7 @@ def fly_survey(
     filters_outliers(sim, sim.rov.name, outlier_filter)
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
+    sim.scene.prepare()
     found = found_mission(mission)
     plan, left_out = found.planned(sim, least_share)
     setup = Setup(

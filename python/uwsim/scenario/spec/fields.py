@@ -30,6 +30,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
+from uwsim.base.deferred_models import DEFER_BUILD
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.assets import find_asset, packaged_names
 from uwsim.scenario.read.old_keys import OnceNamed, warn_of_old_name
@@ -46,7 +47,7 @@ class Model(BaseModel):
     defaults are therefore made by `model_construct`, which does not validate.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=DEFER_BUILD)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_"):
