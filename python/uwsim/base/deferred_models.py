@@ -1,4 +1,4 @@
-"""Whether pydantic may build the validators of our models when they are first used, instead of at import."""
+"""The setting by which pydantic builds the validators of our models when they are first used, not at import."""
 
 from __future__ import annotations
 
