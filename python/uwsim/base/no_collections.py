@@ -11,8 +11,9 @@ from contextlib import contextmanager
 def no_collections() -> Iterator[None]:
     """Pause garbage collection during the block, if it is on.
 
-    For blocks that create many lasting objects, as imports do: collections would take up to a fifth of the time and
-    find nothing. Afterwards the objects count as old, so that the next collection need not visit them either.
+    For blocks that run once and create many lasting objects, as imports do: collections would take up to a fifth of the
+    time and find nothing. Afterwards the objects count as old, so that the next collection need not visit them either.
+    Not for blocks that run repeatedly: their garbage would be found late.
     """
     collects = gc.isenabled()
     gc.disable()

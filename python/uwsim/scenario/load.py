@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from uwsim.base.no_collections import no_collections
 from uwsim.scenario.read.assets import assets_folder, find_yaml, packaged_names
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.source_file import SourceFile
@@ -22,11 +23,19 @@ def load(source: str | Path | Scenario) -> Scenario:
         return source
     if not isinstance(source, str | Path):
         raise ScenarioError(f"scenario: expected a name, a path or a Scenario, not {type(source).__name__}")
+    _build_validator()
     path = find_yaml(source, "scenarios")
     is_packaged = assets_folder() in path.parents
     document = read_yaml(path, path.name if is_packaged else str(source))
     scenario = validated(Scenario, document.values, document, folder=path.resolve().parent)
     return scenario.read_from(SourceFile(document))
+
+
+def _build_validator() -> None:
+    """Build the validator of scenarios, unless it exists."""
+    if not Scenario.__pydantic_complete__:
+        with no_collections():
+            Scenario.model_rebuild()
 
 
 def packaged_scenarios() -> list[str]:

@@ -15,7 +15,6 @@ from uwsim.base.agenda import Agenda
 from uwsim.base.arguments import checked_threads, number
 from uwsim.base.journal import Journal
 from uwsim.base.named import Named
-from uwsim.base.no_collections import no_collections
 from uwsim.base.saved_state import SavedState
 from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
@@ -92,15 +91,14 @@ class Simulator(SimulatorProperties):
         threads: int | None = None,
         sonar_frequency_khz: float | None = None,
     ) -> None:
-        with no_collections():
-            own = load(scenario).with_changes(
-                seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model,
-                sonar_frequency_hz=sonar_frequency_hz, sonar_frequency_khz=sonar_frequency_khz, modem=link,
-            )  # fmt: skip
-            checked = checked_threads(threads)
-            world = build_world(own)
-            scene = _core.RayScene(world)
-            self._assemble(own, own, checked, world, scene, _core.Simulation(world, scene, simulation_spec(own)))
+        own = load(scenario).with_changes(
+            seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_hz=sonar_frequency_hz,
+            sonar_frequency_khz=sonar_frequency_khz, modem=link,
+        )  # fmt: skip
+        checked = checked_threads(threads)
+        world = build_world(own)
+        scene = _core.RayScene(world)
+        self._assemble(own, own, checked, world, scene, _core.Simulation(world, scene, simulation_spec(own)))
 
     def _assemble(
         self,
