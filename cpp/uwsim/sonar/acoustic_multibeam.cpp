@@ -11,6 +11,7 @@
 #include "uwsim/core/parallel.h"
 #include "uwsim/core/with_unit.h"
 #include "uwsim/sonar/acoustic_transmission.h"
+#include "uwsim/sonar/beam_kernels.h"
 #include "uwsim/sonar/bent_cast.h"
 #include "uwsim/sonar/water_sound.h"
 
@@ -22,6 +23,8 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 // Rotation of the fan during a ping; less than this is below a hundredth of a beam width
 constexpr double kMinTurn_rad = 1e-5;
 constexpr float kMinRange_m = 0.01f;  // echoes from shorter ranges are no louder than at this range
+
+double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
 
 float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
 
@@ -90,27 +93,33 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
   for (const WaterTargets& group : spec.targets) targets_.emplace_back(group, stream.key());
 }
 
-RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, float length_m, float range_m,
-                                    float cosine, double depth_m, Label label) const {
-  const std::size_t material = std::min<std::size_t>(label, strengths_.size() - 1);
-  const float length = std::max(length_m, kMinRange_m);
-  const float cos_i = std::clamp(cosine, 1e-3f, 1.0f);
-  const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(sent.depth_m, sent.absorbed_db, depth_m));
+void AcousticMultibeam::set_echoes(const Transmission& sent, const HitLanes& hits, std::span<RayEcho> echoes) const {
   constexpr float kTwoWay = -0.2f * std::numbers::ln10_v<float>;
-  const float lost = std::exp(kTwoWay * absorption_db_m * length);
-  const float patch_m = length * footprint_.spacing_rad(beam), widening = footprint_.widening(beam);
-  const float relief_m = reliefs_[material] * length * width_rad_ * footprint_.root_widening(beam);
-  // The extent of a ray's patch in range depends on tan i, that of the relief along the ray on cos i.
-  const float square = cos_i * cos_i;
-  RayEcho echo;
-  echo.range_m = range_m;
-  echo.energy = share_sr_ * widening * strengths_[material] * cos_i * lost / (length * length);
-  if (by_angle_) echo.energy = share_sr_ * widening * curves_[material](cos_i) / cos_i * lost / (length * length);
-  echo.point_m2 = sent.cell_m * sent.cell_m + relief_m * relief_m * square;
-  echo.width_m = std::sqrt(echo.point_m2 + patch_m * patch_m * (1 - square) / square);
-  echo.cosine = cos_i;
-  echo.label = label;
-  return echo;
+  using Lanes = std::array<float, kPacketRays>;
+  alignas(64) Lanes length, cosine, gain, lost, spacing, relief, energy, width, point;
+  length.fill(1), cosine.fill(1), gain.fill(0), lost.fill(0), spacing.fill(0), relief.fill(0);
+  for (std::size_t k = 0; k < echoes.size(); ++k) {
+    if (!hits.met[k]) continue;
+    const std::size_t beam = hits.beam[k], material = std::min<std::size_t>(hits.label[k], strengths_.size() - 1);
+    length[k] = std::max(hits.length_m[k], kMinRange_m);
+    cosine[k] = std::clamp(hits.cosine[k], 1e-3f, 1.0f);
+    const float share = share_sr_ * footprint_.widening(beam);
+    gain[k] = by_angle_ ? share * curves_[material](cosine[k]) / cosine[k] : share * strengths_[material] * cosine[k];
+    const double absorption_db_m = absorption_.mean_db_m(sent.depth_m, sent.absorbed_db, hits.depth_m[k]);
+    lost[k] = std::exp(kTwoWay * static_cast<float>(absorption_db_m) * length[k]);
+    spacing[k] = footprint_.spacing_rad(beam);
+    relief[k] = reliefs_[material] * length[k] * width_rad_ * footprint_.root_widening(beam);
+  }
+  static const BeamKernels& kernels = beam_kernels();
+  kernels.patches({length.data(), cosine.data(), gain.data(), lost.data(), spacing.data(), relief.data(), sent.cell_m},
+                  {energy.data(), width.data(), point.data()});
+  for (std::size_t k = 0; k < echoes.size(); ++k) {
+    if (!hits.met[k]) {
+      echoes[k].energy = 0;
+      continue;
+    }
+    echoes[k] = {hits.range_m[k], energy[k], width[k], cosine[k], static_cast<Label>(hits.label[k]), 0, point[k]};
+  }
 }
 
 void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const {
@@ -119,57 +128,69 @@ void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& r
   const auto farthest = static_cast<float>(fan_.range_max_m);
   RayPacket packet;
   HitPacket met;
+  HitLanes hits;
   packet.origin_x.fill(0);
   packet.origin_y.fill(0);
   packet.origin_z.fill(0);
   packet.near_m.fill(0);
   packet.far_m.fill(farthest);
   const bool moves = !sent.mach.isZero(0);
+  static const BeamKernels& kernels = beam_kernels();
   for (std::size_t first = 0; first < echoes.size(); first += kPacketRays) {
     const std::size_t count = std::min(kPacketRays, echoes.size() - first);
     for (std::size_t lane = 0; lane < kPacketRays; ++lane) {
-      const auto column = static_cast<Eigen::Index>(first + std::min(lane, count - 1));
-      packet.direction_x[lane] = directions_world(0, column);
-      packet.direction_y[lane] = directions_world(1, column);
-      packet.direction_z[lane] = directions_world(2, column);
+      const float* const direction = directions_world.data() + 3 * (first + std::min(lane, count - 1));
+      packet.direction_x[lane] = direction[0];
+      packet.direction_y[lane] = direction[1];
+      packet.direction_z[lane] = direction[2];
       packet.active[lane] = lane < count ? -1 : 0;
     }
     sent.scene.cast(head, packet, met, RayOrder::kCoherent);
+    kernels.incidence({met.normal_x.data(), met.normal_y.data(), met.normal_z.data(), packet.direction_x.data(),
+                       packet.direction_y.data(), packet.direction_z.data()},
+                      hits.cosine.data());
     for (std::size_t lane = 0; lane < count; ++lane) {
-      RayEcho& echo = echoes[first + lane];
-      echo.energy = 0;
       const float length_m = met.distance_m[lane];
       const double z = head.z() + double{length_m} * packet.direction_z[lane];
-      if (!(length_m < farthest) || z > 0) continue;
-      const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
-      const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
-      const float cosine = std::abs(normal.dot(direction)) / normal.norm();
+      hits.met[lane] = length_m < farthest && !(z > 0);
+      hits.length_m[lane] = hits.range_m[lane] = length_m;
+      hits.depth_m[lane] = -z;
+      hits.label[lane] = met.label[lane];
+      hits.beam[lane] = rays.beam(first + lane);
+      if (!moves) continue;
       // Half the path from the head to the bottom and back to the head's new position, relative to the path out.
-      const float half = moves ? 0.5f * (1 + (direction - 2 * sent.mach).norm()) : 1;
-      echo = ray_echo(sent, rays.beam(first + lane), length_m, half * length_m, cosine, -z,
-                      static_cast<Label>(met.label[lane]));
+      const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
+      hits.range_m[lane] = 0.5f * (1 + (direction - 2 * sent.mach).norm()) * length_m;
     }
+    set_echoes(sent, hits, echoes.subspan(first, count));
   }
 }
 
 void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const {
   const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
   std::vector<Eigen::Vector3d> directions(echoes.size());
-  std::vector<SoundHit> hits(echoes.size());
+  std::vector<SoundHit> paths(echoes.size());
   for (std::size_t k = 0; k < echoes.size(); ++k) {
     directions[k] = rays.directions_world.col(static_cast<Eigen::Index>(k)).cast<double>().normalized();
   }
-  cast_bent(sent.scene, profile_, head, directions, fan_.range_max_m / sent.sound_speed_m_s, hits);
-  for (std::size_t k = 0; k < echoes.size(); ++k) {
-    const SoundHit& hit = hits[k];
-    echoes[k].energy = 0;
-    if (hit.label == kNothing) continue;
-    const Eigen::Vector3d normal = hit.normal_world.cast<double>();
-    const double cosine = std::abs(normal.dot(hit.arrival_world)) / normal.norm();
-    const double half = 0.5 * (1 + (directions[k] - 2 * sent.mach.cast<double>()).norm());
-    echoes[k] = ray_echo(sent, rays.beam(k), static_cast<float>(hit.length_m),
-                         static_cast<float>(half * sent.sound_speed_m_s * hit.time_s), static_cast<float>(cosine),
-                         -hit.point_world_m.z(), hit.label);
+  cast_bent(sent.scene, profile_, head, directions, fan_.range_max_m / sent.sound_speed_m_s, paths);
+  HitLanes hits;
+  for (std::size_t first = 0; first < echoes.size(); first += kPacketRays) {
+    const std::size_t count = std::min(kPacketRays, echoes.size() - first);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const SoundHit& path = paths[first + lane];
+      hits.met[lane] = path.label != kNothing;
+      if (!hits.met[lane]) continue;
+      const Eigen::Vector3d normal = path.normal_world.cast<double>();
+      const double half = 0.5 * (1 + (directions[first + lane] - 2 * sent.mach.cast<double>()).norm());
+      hits.length_m[lane] = static_cast<float>(path.length_m);
+      hits.range_m[lane] = static_cast<float>(half * sent.sound_speed_m_s * path.time_s);
+      hits.cosine[lane] = static_cast<float>(std::abs(normal.dot(path.arrival_world)) / normal.norm());
+      hits.depth_m[lane] = -path.point_world_m.z();
+      hits.label[lane] = path.label;
+      hits.beam[lane] = rays.beam(first + lane);
+    }
+    set_echoes(sent, hits, echoes.subspan(first, count));
   }
 }
 
@@ -305,9 +326,9 @@ void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   ping.deviation_m[beam] = static_cast<float>(found.deviation_m);
   ping.vertical_deviation_m[beam] =
-      static_cast<float>(std::hypot(found.deviation_m * axis_world.z(), across_m * sent.rotation(2, 2)));
+      static_cast<float>(length_of(found.deviation_m * axis_world.z(), across_m * sent.rotation(2, 2)));
   ping.horizontal_deviation_m[beam] = static_cast<float>(
-      std::hypot(found.deviation_m * axis_world.head<2>().norm(), across_m * sent.rotation.col(2).head<2>().norm()));
+      length_of(found.deviation_m * axis_world.head<2>().norm(), across_m * sent.rotation.col(2).head<2>().norm()));
   ping.valid[beam] = 1;
   ping.detections[beam] = static_cast<std::uint8_t>(found.kind);
   if (found.kind == Detection::kFalse || !echo.of_surface) return;

@@ -127,6 +127,7 @@ class AcousticMultibeam {
  private:
   struct Transmission;                                    // common to all beams of a ping
   struct FanRays;                                         // the rays of a subset of beams
+  struct HitLanes;                                        // where sixteen rays meet surfaces
   using OtherEchoes = std::vector<std::vector<RayEcho>>;  // of ghosts and targets, by beam
 
   void ping_beams(const Transmission& sent, std::size_t first, std::size_t last, OtherEchoes& others,
@@ -134,8 +135,8 @@ class AcousticMultibeam {
   Eigen::Matrix3Xf ray_directions_world(const Transmission& sent, std::size_t first, std::size_t last) const;
   void cast_straight(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
   void cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
-  RayEcho ray_echo(const Transmission& sent, std::size_t beam, float length_m, float range_m, float cosine,
-                   double depth_m, Label label) const;
+  /// Sets the echoes of up to sixteen rays; their energy is 0 where a ray meets nothing.
+  void set_echoes(const Transmission& sent, const HitLanes& hits, std::span<RayEcho> echoes) const;
   BottomDetection detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo) const;
   void record(const Transmission& sent, std::size_t beam, const BeamEcho& echo, const BottomDetection& found,
               AcousticPing& ping) const;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "uwsim/rays/ray_packet.h"
 #include "uwsim/sonar/acoustic_multibeam.h"
 
 // The parts of a ping that the files of AcousticMultibeam share.
@@ -21,6 +23,15 @@ struct AcousticMultibeam::Transmission {
   SpeckleField::View speckle;
   std::uint64_t tick;
   std::size_t samples;  // of each beam's water column
+};
+
+struct AcousticMultibeam::HitLanes {
+  std::array<bool, kPacketRays> met;
+  alignas(64) std::array<float, kPacketRays> length_m, range_m;  // of the path; half the way there and back
+  alignas(64) std::array<float, kPacketRays> cosine;             // of the incidence
+  std::array<double, kPacketRays> depth_m;
+  std::array<std::uint32_t, kPacketRays> label;
+  std::array<std::size_t, kPacketRays> beam;
 };
 
 struct AcousticMultibeam::FanRays {

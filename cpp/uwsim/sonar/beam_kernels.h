@@ -27,7 +27,37 @@ struct BeamEchoes {
   std::uint8_t* valid;
 };
 
-/// Loops over sixteen beams, compiled for one instruction set. All instruction sets produce the same bits.
+/// Hits of sixteen rays in float, as pointers to sixteen values each; normals of any length.
+struct FloatHits {
+  const float *normal_x, *normal_y, *normal_z;
+  const float *direction_x, *direction_y, *direction_z;
+};
+
+/// The patches that sixteen rays cover; see AcousticMultibeam.
+struct RayPatches {
+  const float *length_m, *cosine;     ///< of the path, and of the incidence
+  const float* gain;                  ///< share of the source's intensity that is scattered back at 1 m
+  const float* lost;                  ///< factor by absorption, there and back
+  const float *spacing_rad, *relief;  ///< angle between neighbouring rays; height of relief per metre of range
+  float cell_m;
+};
+
+/// The fields of RayEcho for sixteen rays.
+struct PatchEchoes {
+  float *energy, *width_m, *point_m2;
+};
+
+/// Cells of noise under a footprint, four along each of two axes, as hash keys and weights, and the keys of four
+/// independent fields of noise; see SpeckleField. Pointers to four values each.
+struct NoiseCells {
+  const std::uint32_t* row_keys;
+  const float* row_weights;
+  const std::uint32_t* column_keys;
+  const float* column_weights;
+  const std::uint32_t* field_keys;
+};
+
+/// Loops over sixteen beams or cells, compiled for one instruction set. All instruction sets produce the same bits.
 struct BeamKernels {
   /// Computes the beams' directions in the world from the head's x and y axes (3,) and the cosines and sines of the
   /// beam angles (16,).
@@ -41,6 +71,13 @@ struct BeamKernels {
   /// Computes the positions of the echoes in the sonar frame, (16, 3); NaN where the range is infinite.
   void (*points)(const double* distance_m, const double* cosine, const double* sine, const float* range_m,
                  float* points_sonar_m);
+  /// Computes the cosine of each ray's incidence.
+  void (*incidence)(const FloatHits& hits, float* cosine);
+  /// Computes the energy of each ray's echo and its extent in range.
+  void (*patches)(const RayPatches& patches, const PatchEchoes& echoes);
+  /// Computes, for each of the four fields, the sums over all pairs of a row and a column of the product of their
+  /// weights and two independent noises (hashed_noise.h), `one` and `two` (4,).
+  void (*noise)(const NoiseCells& cells, float* one, float* two);
 };
 
 const BeamKernels& baseline_beam_kernels();

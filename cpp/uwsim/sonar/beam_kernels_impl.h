@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "uwsim/sonar/beam_kernels.h"
+#include "uwsim/sonar/hashed_noise.h"
 
 // Compiled once for each instruction set, hence the anonymous namespace. The loops are written for auto-vectorisation.
 namespace uwsim {
@@ -111,7 +112,57 @@ void points(const double* distance_m, const double* cosine, const double* sine, 
   }
 }
 
-constexpr BeamKernels kKernels{&directions, &reach, &echoes, &points};
+void incidence(const FloatHits& hits, float* cosine) {
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const float x = hits.normal_x[k], y = hits.normal_y[k], z = hits.normal_z[k];
+    const float along = x * hits.direction_x[k] + (y * hits.direction_y[k] + z * hits.direction_z[k]);
+    cosine[k] = (along < 0 ? -along : along) / std::sqrt(x * x + (y * y + z * z));
+  }
+}
+
+void patches(const RayPatches& rays, const PatchEchoes& out) {
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const float length = rays.length_m[k], cosine = rays.cosine[k], square = cosine * cosine;
+    const float patch_m = length * rays.spacing_rad[k], relief_m = rays.relief[k];
+    // The extent of a ray's patch in range depends on tan i, that of the relief along the ray on cos i.
+    const float point_m2 = rays.cell_m * rays.cell_m + relief_m * relief_m * square;
+    out.energy[k] = rays.gain[k] * rays.lost[k] / (length * length);
+    out.point_m2[k] = point_m2;
+    out.width_m[k] = std::sqrt(point_m2 + patch_m * patch_m * (1 - square) / square);
+  }
+}
+
+/// A lane for each field and column.
+void noise(const NoiseCells& cells, float* one, float* two) {
+  constexpr int kEach = 4;
+  alignas(64) std::uint32_t key[kLanes];
+  alignas(64) float weight[kLanes], first[kLanes] = {}, second[kLanes] = {};
+  for (int k = 0; k < kLanes; ++k) {
+    key[k] = cells.field_keys[k / kEach] + cells.column_keys[k % kEach];
+    weight[k] = cells.column_weights[k % kEach];
+  }
+  for (int row = 0; row < kEach; ++row) {
+    const std::uint32_t row_key = cells.row_keys[row];
+    const float row_weight = cells.row_weights[row];
+#pragma GCC ivdep
+    for (int k = 0; k < kLanes; ++k) {
+      const auto [a, b] = byte_sums(mixed(row_key + key[k]));
+      first[k] += row_weight * weight[k] * a;
+      second[k] += row_weight * weight[k] * b;
+    }
+  }
+  for (int field = 0; field < kEach; ++field) {
+    one[field] = two[field] = 0;
+    for (int column = 0; column < kEach; ++column) {
+      one[field] += first[kEach * field + column];
+      two[field] += second[kEach * field + column];
+    }
+  }
+}
+
+constexpr BeamKernels kKernels{&directions, &reach, &echoes, &points, &incidence, &patches, &noise};
 
 }  // namespace
 }  // namespace uwsim

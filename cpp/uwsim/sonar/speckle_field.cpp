@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "uwsim/sonar/beam_kernels.h"
 #include "uwsim/sonar/hashed_noise.h"
 #include "uwsim/sonar/moving_array.h"
 
@@ -71,38 +72,6 @@ struct CoveredCells {
   }
 };
 
-/// The sums over all pairs of cells of the product of their weights and of two noises.
-std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCells& columns, std::uint32_t key) {
-  constexpr std::size_t kAll = kCells * kCells;
-  alignas(32) std::uint32_t hash[kAll];
-  alignas(32) float weight[kAll], one[kAll], two[kAll];
-  for (std::size_t i = 0; i < kCells; ++i) {
-    for (std::size_t j = 0; j < kCells; ++j) {
-      hash[i * kCells + j] = rows.number[i] + key + columns.number[j];
-      weight[i * kCells + j] = rows.weight[i] * columns.weight[j];
-    }
-  }
-  for (std::size_t k = 0; k < kAll; ++k) {
-    const auto [a, b] = byte_sums(mixed(hash[k]));
-    one[k] = weight[k] * a;
-    two[k] = weight[k] * b;
-  }
-  float first[kCells] = {}, second[kCells] = {};
-  for (std::size_t i = 0; i < kCells; ++i) {
-    for (std::size_t j = 0; j < kCells; ++j) {
-      first[j] += one[i * kCells + j];
-      second[j] += two[i * kCells + j];
-    }
-  }
-  float sums[2] = {};
-  for (std::size_t j = 0; j < kCells; ++j) {
-    sums[0] += first[j];
-    sums[1] += second[j];
-  }
-  const float scale = 1 / std::sqrt(kByteSumVariance * rows.squares * columns.squares);
-  return {sums[0] * scale, sums[1] * scale};
-}
-
 }  // namespace
 
 EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<const Eigen::Matrix3Xf>& directions) {
@@ -155,11 +124,17 @@ std::array<double, 2> SpeckleField::View::draws(const EchoFootprint& footprint) 
   const Eigen::Index along = deviation_m.y() >= deviation_m.x() ? 1 : 0;
   const CoveredCells within(at_m[along], deviation_m[along], kStrideWithin, field_->within_);
   const CoveredCells across(at_m.z(), deviation_m.z(), kStrideAcross, field_->across_);
+  std::array<std::uint32_t, 4> keys;
+  for (std::size_t k = 0; k < keys.size(); ++k) keys[k] = nodes_.keys[k] + static_cast<std::uint32_t>(along);
+  std::array<float, 4> one, two;
+  static const BeamKernels& kernels = beam_kernels();
+  kernels.noise({across.number.data(), across.weight.data(), within.number.data(), within.weight.data(), keys.data()},
+                one.data(), two.data());
+  const float scale = 1 / std::sqrt(kByteSumVariance * across.squares * within.squares);
   std::array<double, 2> sums = {0, 0};
-  for (std::size_t k = 0; k < nodes_.keys.size(); ++k) {
-    const auto [one, two] = weighted_noise(across, within, nodes_.keys[k] + static_cast<std::uint32_t>(along));
-    sums[0] += nodes_.weights[k] * one;
-    sums[1] += nodes_.weights[k] * two;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    sums[0] += nodes_.weights[k] * double{one[k] * scale};
+    sums[1] += nodes_.weights[k] * double{two[k] * scale};
   }
   return sums;
 }

@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "uwsim/core/random.h"
+#include "uwsim/sonar/hashed_noise.h"
 
 namespace uwsim {
 namespace {
@@ -92,6 +94,70 @@ TEST(BeamKernels, RisingRaysEndAtTheSurface) {
   beam_kernels().reach(-5, 40, direction_z.data(), reach.data());
   for (std::size_t k = 0; k < 16; ++k)
     EXPECT_EQ(reach[k], direction_z[k] > 0 ? std::min(40.0, 5 / direction_z[k]) : 40);
+}
+
+std::vector<const BeamKernels*> all_kernels() {
+  std::vector<const BeamKernels*> all = {&baseline_beam_kernels()};
+  if (processor_has(InstructionSet::avx2)) all.push_back(&avx2_beam_kernels());
+  if (processor_has(InstructionSet::avx512)) all.push_back(&avx512_beam_kernels());
+  return all;
+}
+
+TEST(BeamKernels, NoiseIsTheWeightedSumOverPairsOfCells) {
+  const std::array<std::uint32_t, 4> rows = {1, 900, 77, 4000000000u}, columns = {5, 6, 123456, 3},
+                                     fields = {9, 8, 7, 6};
+  const std::array<float, 4> row_weights = {0.1f, 0.7f, -0.3f, 0.5f}, column_weights = {1, 0.25f, 0.5f, -2};
+  for (const BeamKernels* kernels : all_kernels()) {
+    std::array<float, 4> one, two;
+    kernels->noise({rows.data(), row_weights.data(), columns.data(), column_weights.data(), fields.data()}, one.data(),
+                   two.data());
+    for (std::size_t field = 0; field < 4; ++field) {
+      double first = 0, second = 0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < 4; ++j) {
+          const auto [a, b] = byte_sums(mixed(rows[i] + columns[j] + fields[field]));
+          first += double{row_weights[i]} * column_weights[j] * a;
+          second += double{row_weights[i]} * column_weights[j] * b;
+        }
+      }
+      EXPECT_NEAR(one[field], first, 1e-3);
+      EXPECT_NEAR(two[field], second, 1e-3);
+    }
+  }
+}
+
+TEST(BeamKernels, APatchExtendsByItsTangentAndItsReliefAndFadesWithTheSquareOfRange) {
+  Lanes<float> x, y, z, length, cosine, gain, lost, spacing, relief, energy, width, point;
+  const RandomStream random(5, "patches");
+  const auto uniform = [&](std::uint32_t k, std::uint32_t row) { return static_cast<float>(random.uniform(row, k)); };
+  for (std::uint32_t k = 0; k < 16; ++k) {
+    x[k] = uniform(k, 1), y[k] = uniform(k, 2), z[k] = 0.1f + uniform(k, 3);
+    length[k] = 1 + 90 * uniform(k, 4), gain[k] = uniform(k, 5), lost[k] = uniform(k, 6);
+    spacing[k] = 0.01f * uniform(k, 7), relief[k] = uniform(k, 8);
+  }
+  const Lanes<float> none{}, down = [] {
+    Lanes<float> all;
+    return all.fill(-1), all;
+  }();
+  std::vector<float> first;
+  for (const BeamKernels* kernels : all_kernels()) {
+    kernels->incidence({x.data(), y.data(), z.data(), none.data(), none.data(), down.data()}, cosine.data());
+    kernels->patches({length.data(), cosine.data(), gain.data(), lost.data(), spacing.data(), relief.data(), 0.05f},
+                     {energy.data(), width.data(), point.data()});
+    std::vector<float> all;
+    for (std::size_t k = 0; k < 16; ++k) {
+      const double incidence =
+          std::acos(z[k] / std::sqrt(double{x[k]} * x[k] + double{y[k]} * y[k] + double{z[k]} * z[k]));
+      const double height_m = relief[k] * std::cos(incidence), patch_m = length[k] * spacing[k] * std::tan(incidence);
+      EXPECT_NEAR(cosine[k], std::cos(incidence), 1e-6);
+      EXPECT_NEAR(point[k], 0.05 * 0.05 + height_m * height_m, 1e-5);
+      EXPECT_NEAR(width[k], std::sqrt(0.05 * 0.05 + height_m * height_m + patch_m * patch_m), 1e-5);
+      EXPECT_NEAR(energy[k] * length[k] * length[k], gain[k] * lost[k], 1e-6);
+      all.insert(all.end(), {cosine[k], point[k], width[k], energy[k]});
+    }
+    if (first.empty()) first = all;
+    EXPECT_EQ(all, first);
+  }
 }
 
 }  // namespace
