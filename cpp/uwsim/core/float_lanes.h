@@ -128,27 +128,40 @@ struct HalfNative<std::uint32_t> {
   using Part = std::uint32_t __attribute__((vector_size(kNativeBytes / 2)));
 };
 
+/// The two halves of a vector, and the vector of two halves. They stay in registers: memory would make every load wait
+/// for the two stores that it spans.
+#if defined(__AVX512F__)
+#define UWSIM_LOW_LANES 0, 1, 2, 3, 4, 5, 6, 7
+#define UWSIM_HIGH_LANES 8, 9, 10, 11, 12, 13, 14, 15
+#elif defined(__AVX2__)
+#define UWSIM_LOW_LANES 0, 1, 2, 3
+#define UWSIM_HIGH_LANES 4, 5, 6, 7
+#else
+#define UWSIM_LOW_LANES 0, 1
+#define UWSIM_HIGH_LANES 2, 3
+#endif
+
 /// Conversion to values of twice or half the size: each part of the wider type contains half a part of the narrower.
 template <typename To, typename From>
 requires(sizeof(To) == 2 * sizeof(From)) UWSIM_LANES Lanes<To> widened(Lanes<From> x) {
-  constexpr int kParts = Lanes<To>::kParts;
-  using Half = typename HalfNative<From>::Part;
+  constexpr int kParts = Lanes<From>::kParts;
+  using Part = typename Native<To>::Part;
   Lanes<To> y;
   UWSIM_UNROLLED {
-    Half half;
-    __builtin_memcpy(&half, reinterpret_cast<const char*>(x.part) + p * sizeof(half), sizeof(half));
-    y.part[p] = __builtin_convertvector(half, typename Native<To>::Part);
+    y.part[2 * p] = __builtin_convertvector(__builtin_shufflevector(x.part[p], x.part[p], UWSIM_LOW_LANES), Part);
+    y.part[2 * p + 1] = __builtin_convertvector(__builtin_shufflevector(x.part[p], x.part[p], UWSIM_HIGH_LANES), Part);
   }
   return y;
 }
 template <typename To, typename From>
 requires(2 * sizeof(To) == sizeof(From)) UWSIM_LANES Lanes<To> narrowed(Lanes<From> x) {
-  constexpr int kParts = Lanes<From>::kParts;
+  constexpr int kParts = Lanes<To>::kParts;
   using Half = typename HalfNative<To>::Part;
   Lanes<To> y;
   UWSIM_UNROLLED {
-    const Half half = __builtin_convertvector(x.part[p], Half);
-    __builtin_memcpy(reinterpret_cast<char*>(y.part) + p * sizeof(half), &half, sizeof(half));
+    y.part[p] =
+        __builtin_shufflevector(__builtin_convertvector(x.part[2 * p], Half),
+                                __builtin_convertvector(x.part[2 * p + 1], Half), UWSIM_LOW_LANES, UWSIM_HIGH_LANES);
   }
   return y;
 }

@@ -86,19 +86,21 @@ TEST(ForwardLooking, ArcsThatShareTheirPacketsEchoAsEachDoesAlone) {
   const SurfaceEchoes echoes(scene, {0, 0, -15}, acoustics, 0.05);
   std::vector<double> angles;
   for (int k = 0; k < 101; ++k) angles.push_back(-0.9 + 0.01 * k);  // fills no whole number of packets
-  const std::vector<ArcRay> rays = arc_rays(angles);
+  std::vector<double> between = angles;
+  for (double& angle : between) angle += 0.005;
+  const ArcRaySets sets({arc_rays(angles), arc_rays(between)});
   std::vector<RayArc> arcs;
-  for (int k = 0; k < 7; ++k) {
+  for (int k = 0; k < 11; ++k) {
     const double c = std::cos(0.03 * k), s = std::sin(0.03 * k);
     arcs.push_back({{c, s, 0}, Eigen::Vector3d::UnitZ(), {-s, c, 0}, 0, 0.015});
   }
   std::vector<double> together(arcs.size() * bins, 0.0);
   std::vector<EchoesByLabel> by_label(arcs.size(), EchoesByLabel(bins));
-  echoes.add(arcs, rays, together, by_label);
+  echoes.add(arcs, sets, together, by_label);
   for (std::size_t k = 0; k < arcs.size(); ++k) {
     std::vector<double> alone(bins, 0.0);
     EchoesByLabel labels(bins);
-    echoes.add(arcs[k], rays, alone, &labels);
+    echoes.add(arcs[k], sets.of_arc(k), alone, &labels);
     for (std::size_t bin = 0; bin < bins; ++bin) {
       EXPECT_NEAR(together[k * bins + bin], alone[bin], 1e-5 * alone[bin]);
       EXPECT_EQ(by_label[k].strongest(bin, 0), labels.strongest(bin, 0));

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <vector>
 
 #include "uwsim/core/instruction_set.h"
+#include "uwsim/core/lane_random.h"
 #include "uwsim/core/random.h"
 
 namespace uwsim {
@@ -56,8 +58,13 @@ TEST(ImagingKernels, AReceivedLevelIsThatOfTheSameDrawsInDouble) {
     for (std::size_t bin = 0; bin < kBins; ++bin) {
       double expected = looks == 0 ? kSource * echo[bin] + kNoise : 0;
       for (int look = 0; look < looks; ++look) {
-        const auto number = static_cast<std::uint32_t>((11 + 5 * static_cast<int>(bin)) * looks + look);
-        const auto [x, y] = kRandom.normals(7, number);
+        const bool shares = bin < 32 && bin >= 16;  // the words of the bin sixteen before
+        const auto number =
+            static_cast<std::uint64_t>((11 + 5 * static_cast<int>(shares ? bin - 16 : bin)) * looks + look);
+        const PhiloxWords words = philox(7, 0, number, std::uint64_t{kRandom.stream()}, kRandom.key());
+        const double radius = std::sqrt(-2 * std::log((words.word[shares][0] + 0.5) * 0x1p-32));
+        const double angle = 2 * std::numbers::pi * (words.word[2 + shares][0] + 0.5) * 0x1p-32;
+        const double x = radius * std::cos(angle), y = radius * std::sin(angle);
         const std::complex<double> scattered(
             speckle[bin * static_cast<std::size_t>(looks) + static_cast<std::size_t>(look)]);
         expected +=
@@ -71,19 +78,27 @@ TEST(ImagingKernels, AReceivedLevelIsThatOfTheSameDrawsInDouble) {
 }
 
 TEST(ImagingKernels, BeamsAreWeightedSumsOfTheirRows) {
-  constexpr std::size_t kCount = 7, kStep = 2, kBins = 37, kBeams = 3;
-  const std::vector<double> rows = uniform((kCount + (kBeams - 1) * kStep) * kBins, 3), weights = uniform(kCount, 4);
-  std::vector<double> padded(3 * kStep, 0.0);
+  constexpr std::size_t kCount = 7, kStep = 2, kBins = 77, kBeams = 3, kBlocks = 2;
+  constexpr std::size_t kRows = kCount + (kBeams - 1) * kStep;
+  const std::vector<double> rows = uniform(kRows * kBins, 3), each = uniform(kCount, 4);
+  const std::vector<float> weights(each.begin(), each.end());
+  std::vector<float> padded(3 * kStep, 0.0f);
   padded.insert(padded.end(), weights.begin(), weights.end());
-  padded.resize(padded.size() + 3 * kStep, 0.0);
+  padded.resize(padded.size() + 3 * kStep, 0.0f);
   for (const ImagingKernels* kernels : all_kernels()) {
-    std::vector<double> sums(4 * kBins);
-    kernels->sum_beams(rows.data(), padded.data(), kCount, kStep, kBeams, kBins, sums.data());
+    std::vector<float> blocks(kBlocks * kRows * kBlockBins, -1.0f);
+    for (std::size_t row = 0; row < kRows; ++row) {
+      kernels->store_row(rows.data() + row * kBins, kBins, kRows, blocks.data() + row * kBlockBins);
+    }
+    std::vector<double> sums(4 * kBlocks * kBlockBins);
+    kernels->sum_beams({blocks.data(), kRows, kBlocks}, padded.data(), kCount, kStep, kBeams, sums.data());
     for (std::size_t beam = 0; beam < kBeams; ++beam) {
-      for (std::size_t bin = 0; bin < kBins; ++bin) {
-        double expected = 0;
-        for (std::size_t k = 0; k < kCount; ++k) expected += weights[k] * rows[(beam * kStep + k) * kBins + bin];
-        EXPECT_EQ(sums[beam * kBins + bin], expected);
+      for (std::size_t bin = 0; bin < kBlocks * kBlockBins; ++bin) {
+        float expected = 0;
+        for (std::size_t k = 0; k < kCount && bin < kBins; ++k) {
+          expected += weights[k] * static_cast<float>(rows[(beam * kStep + k) * kBins + bin]);
+        }
+        EXPECT_EQ(sums[beam * kBlocks * kBlockBins + bin], double{expected});
       }
     }
   }

@@ -60,6 +60,42 @@ def test_a_target_to_port_has_a_positive_bearing_and_one_behind_is_invisible() -
         assert np.degrees(image.bearings_rad[column]) == pytest.approx(bearing_deg, abs=1.0)
 
 
+def packaged_part(beams: int) -> ForwardLooking:
+    """Return the middle beams of the default sonar, without speckle."""
+    usual = ForwardLooking()
+    return replace(usual, looks=0, beams=beams, field_of_view_rad=usual.field_of_view_rad / 511 * (beams - 1))
+
+
+def test_the_default_rays_are_as_accurate_as_eighty_times_as_many() -> None:
+    sim = Simulator("lake")
+    sim.rov.release()
+    sim.rov.place((-67.0, -52.0, -26.0))  # two metres above the bed, in front of a gate
+    sonar = sim.rov.imaging_sonars["forward_looking"]
+    pictures = []
+    for many in ({}, {"columns_per_beam": 12, "rays_per_column": 1500}):
+        sonar.change(replace(packaged_part(96), **many))
+        pictures.append(sonar.look())
+    error_db = pictures[0].level_db - pictures[1].level_db
+    echoes = pictures[1].level_db > pictures[1].noise_db[:, None] + 3.0
+    assert np.sqrt(np.mean(error_db[echoes] ** 2)) < 0.5
+    assert np.mean(error_db[echoes]) == pytest.approx(0.0, abs=0.1)
+
+
+@pytest.mark.parametrize("upright", [True, False])
+def test_a_target_of_five_centimetres_is_seen_at_ten_metres_wherever_it_is(upright: bool) -> None:
+    model = replace(packaged_part(31), range_max_m=12.0, range_bins=300)
+    many = replace(model, columns_per_beam=12, rays_per_column=3000)
+    size_m = (0.05, 0.05, 6.0) if upright else (0.05, 6.0, 0.05)
+    for moved_m in np.arange(6) * 0.015:  # over two beams, and ten rays of a column
+        middle_m = (10.0, moved_m, -10.0) if upright else (10.0, 0.0, -10.0 + moved_m)
+        sim = basin((middle_m, size_m))
+        peaks_db = []
+        for rays in (model, many):
+            image = imaging.look_ahead(sim, imaging.pose_matrix((0.0, 0.0, -10.0)), rays)
+            peaks_db.append(image.level_db[np.abs(image.ranges_m - 10.0) < 0.2].max())
+        assert peaks_db[0] == pytest.approx(peaks_db[1], abs=1.2)  # the two columns of a beam sample its width
+
+
 def test_the_strength_of_a_single_solid_takes_precedence() -> None:
     boxes = [((15.0, y, -12.0), (1.0, 1.0, 1.0)) for y in (-6.0, 6.0)]
     soft = replace(LOOK, looks=0, beams=131, noise_level_db=-100.0, strengths_db={"box1": -45.0})

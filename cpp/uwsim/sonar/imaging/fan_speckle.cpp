@@ -77,7 +77,7 @@ void FanSpeckle::fill(std::size_t scatterer, const SimplexNodes<5>& nodes) {
 }
 
 std::span<const FanSpeckle::Amplitude> FanSpeckle::of_beam(double bearing_rad, std::vector<Amplitude>& row) const {
-  row.assign(cells_, Amplitude(0, 0));
+  row.resize(cells_);
   if (cells_ == 0) return row;
   const double axis_rad = twist_rad_ + bearing_rad;
   const int last = first_ + static_cast<int>(amplitudes_.size() / cells_) - 1;
@@ -89,12 +89,11 @@ std::span<const FanSpeckle::Amplitude> FanSpeckle::of_beam(double bearing_rad, s
     pattern.push_back(pattern_->amplitude_at(k * spacing_rad_ - axis_rad));
     squares += pattern.back() * pattern.back();
   }
-  for (int k = near; k <= far; ++k) {
-    const auto weight = static_cast<float>(pattern[static_cast<std::size_t>(k - near)] / std::sqrt(squares));
-    const Amplitude* const from = amplitudes_.data() + static_cast<std::size_t>(k - first_) * cells_;
-    imaging_kernels().add_row(weight, reinterpret_cast<const float*>(from), 2 * cells_,
-                              reinterpret_cast<float*>(row.data()));
-  }
+  std::vector<float> weights;
+  for (const double amplitude : pattern) weights.push_back(static_cast<float>(amplitude / std::sqrt(squares)));
+  const Amplitude* const from = amplitudes_.data() + static_cast<std::size_t>(near - first_) * cells_;
+  imaging_kernels().sum_rows(reinterpret_cast<const float*>(from), weights.data(), weights.size(), 2 * cells_,
+                             reinterpret_cast<float*>(row.data()));
   return row;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -21,10 +22,10 @@ constexpr double kVerticalTaper = 0.46;
 // Half the span of the columns' rays, as a multiple of the width; beyond it, a Hamming pattern is below -30 dB.
 constexpr double kVerticalSpan = 1.25;
 constexpr double kAcrossSpan = 6;  // multiple of the beam's width, to either side: main lobe and some side lobes
-constexpr std::size_t kBeamsTogether = 4;  // as the kernel sums up
-constexpr std::size_t kBeamsAside = 16;    // a multiple of these, written together
-constexpr std::size_t kColumnsTogether = 8 * SurfaceEchoes::kArcsTogether;
-constexpr double kMaxDraws = 4e9;  // random draws of a ping are numbered by 32 bits
+constexpr std::size_t kBeamsTogether = 4;     // as the kernel sums up
+constexpr std::size_t kBeamsAside = 16;       // a multiple of these, written together
+constexpr std::size_t kColumnsTogether = 32;  // a multiple of SurfaceEchoes::kArcsTogether
+constexpr double kMaxDraws = 4e9;             // random draws of a ping are numbered by 32 bits
 
 /// A forward-looking imaging sonar with one broad transmission and many narrow receiving beams side by side. Pings
 /// once, from one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain if it is on, and on
@@ -63,7 +64,7 @@ class ForwardLooking final : public ImagingSonar {
     const Pose& pose = request.world_from_sonar.front();
     const double absorption = acoustics().absorption_db_m(request.water, pose.position_m.z());
     std::vector<EchoesByLabel> by_label(request.with_labels ? columns() : 0, EchoesByLabel(bins_));
-    const ImageBuffer<double> profiles = column_profiles(request, pose, absorption, by_label);
+    const ImageBuffer<float> profiles = column_profiles(request, pose, absorption, by_label);
     const ImagingReceiver receiver(acoustics(), absorption, request.random);
     const FanSpeckle speckle({across_, vertical_width_rad_}, acoustics(), request.random, pose, bearing_rad(0),
                              bearing_rad(beams_ - 1), request.threads);
@@ -72,7 +73,7 @@ class ForwardLooking final : public ImagingSonar {
     parallel_batches(
         (beams_ + kBeamsAside - 1) / kBeamsAside, 1, request.threads,
         [&](std::size_t first, std::size_t last, std::size_t) {
-          std::vector<double> echoes(kBeamsTogether * bins_);
+          std::vector<double> echoes(kBeamsTogether * blocks() * kBlockBins);
           std::vector<float> aside(kBeamsAside * bins_);
           std::vector<FanSpeckle::Amplitude> row;
           for (std::size_t beam = first * kBeamsAside; beam < std::min(last * kBeamsAside, beams_); ++beam) {
@@ -80,7 +81,7 @@ class ForwardLooking final : public ImagingSonar {
             if (turn == 0) sum_columns(profiles, weights, beam, std::min(kBeamsTogether, beams_ - beam), echoes);
             const std::span<const FanSpeckle::Amplitude> scattered = speckle.of_beam(bearing_rad(beam), row);
             receiver.receive({request.first_ping, static_cast<std::uint32_t>(beam), static_cast<std::uint32_t>(beams_)},
-                             scattered, std::span(echoes).subspan(turn * bins_, bins_),
+                             scattered, std::span(echoes).subspan(turn * blocks() * kBlockBins, bins_),
                              std::span(aside).subspan(lane * bins_, bins_));
             if (lane + 1 == kBeamsAside || beam + 1 == beams_) {
               write_aside(aside, lane + 1, {levels.data() + beam - lane, levels.size() - (beam - lane)});
@@ -103,39 +104,62 @@ class ForwardLooking final : public ImagingSonar {
 
   std::size_t columns() const { return (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_; }
 
-  /// Mean echo power by range, one row per column of rays; also by label, unless the output for labels is empty.
-  ImageBuffer<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption,
-                                      std::span<EchoesByLabel> by_label) const {
+  /// The number of blocks of a column's bins.
+  std::size_t blocks() const { return (bins_ + kBlockBins - 1) / kBlockBins; }
+
+  /// Mean echo power by range, one row per column of rays, see ProfileBlocks; also by label, unless the output for
+  /// labels is empty.
+  ImageBuffer<float> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption,
+                                     std::span<EchoesByLabel> by_label) const {
     const std::size_t columns = this->columns();
     const SurfaceEchoes echoes(request.scene, pose.position_m, acoustics(), absorption);
-    const std::vector<ArcRay> rays = column_rays();
+    const ArcRaySets rays = column_rays();
     const Eigen::Matrix3d rotation = pose.rotation();
-    ImageBuffer<double> profiles(columns * bins_);
+    ImageBuffer<float> profiles(columns * blocks() * kBlockBins);
     parallel_batches(columns, kColumnsTogether, request.threads, [&](std::size_t first, std::size_t last, std::size_t) {
-      std::vector<RayArc> arcs;
-      for (std::size_t k = first; k < last; ++k) {
-        arcs.push_back(column_at(
-            rotation, first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_));
+      std::vector<double> rows(SurfaceEchoes::kArcsTogether * bins_);
+      for (; first < last; first += SurfaceEchoes::kArcsTogether) {
+        std::vector<RayArc> arcs;
+        for (std::size_t k = first; k < std::min(first + SurfaceEchoes::kArcsTogether, last); ++k) {
+          arcs.push_back(column_at(
+              rotation, first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_));
+        }
+        std::ranges::fill(rows, 0.0);
+        echoes.add(arcs, rays, std::span(rows).first(arcs.size() * bins_),
+                   by_label.empty() ? by_label : by_label.subspan(first, arcs.size()));
+        for (std::size_t k = 0; k < arcs.size(); ++k) {
+          imaging_kernels().store_row(rows.data() + k * bins_, bins_, columns,
+                                      profiles.data() + (first + k) * kBlockBins);
+        }
       }
-      const std::span<double> rows(profiles.data() + first * bins_, arcs.size() * bins_);
-      std::ranges::fill(rows, 0.0);
-      echoes.add(arcs, rays, rows, by_label.empty() ? by_label : by_label.subspan(first, arcs.size()));
     });
     return profiles;
   }
 
-  /// The rays of a column in order of elevation, with solid angle and vertical pattern.
-  std::vector<ArcRay> column_rays() const {
+  /// Sets of rays in order of elevation, with solid angle and vertical pattern; successive columns take turns in them.
+  /// Each set covers the whole span, and their elevations alternate, so that a beam, which receives several columns, is
+  /// sampled at four times as many elevations as one column. Rays are denser where the pattern is high: the step
+  /// between them is proportional to 1 - a + 3 a u^2, with u from -1 to 1 over the span.
+  ArcRaySets column_rays() const {
+    constexpr double kBend = 0.4;                        // a
+    constexpr std::array<int, 4> kTurns = {0, 2, 1, 3};  // no two neighbours are alike
     const double span = std::min(kVerticalSpan * vertical_width_rad_, std::numbers::pi / 2);
-    const double step = 2 * span / rays_per_column_;
-    std::vector<double> angles;
-    for (int k = 0; k < rays_per_column_; ++k) angles.push_back(-span + (k + 0.5) * step);
-    std::vector<ArcRay> rays = arc_rays(angles);
+    const auto elevation = [&](double u) { return span * u * (1 - kBend + kBend * u * u); };
     const BeamPattern vertical(vertical_width_rad_, kVerticalTaper, kLeakage);
-    for (ArcRay& ray : rays) {
-      ray.gain_sr = vertical.power(ray.angle_rad) * std::cos(ray.angle_rad) * step * spacing_rad_;
+    std::vector<std::vector<ArcRay>> sets;
+    for (const int turn : kTurns) {
+      const double shift = (turn + 0.5) / kTurns.size() - 0.5, step = 2.0 / rays_per_column_;
+      std::vector<ArcRay> rays;
+      for (int k = 0; k < rays_per_column_; ++k) {
+        const double from = k == 0 ? -1 : -1 + (k + shift) * step;
+        const double to = k + 1 == rays_per_column_ ? 1 : -1 + (k + 1 + shift) * step;
+        const double angle = elevation((from + to) / 2), lower = elevation(from), upper = elevation(to);
+        const double gain_sr = vertical.power(angle) * std::cos(angle) * (upper - lower) * spacing_rad_;
+        rays.push_back({angle, lower, upper, gain_sr, angle, lower, upper});
+      }
+      sets.push_back(std::move(rays));
     }
-    return rays;
+    return ArcRaySets(std::move(sets));
   }
 
   /// A vertical plane of rays through the head's z axis.
@@ -161,14 +185,14 @@ class ForwardLooking final : public ImagingSonar {
     }
   }
 
-  /// Sets the echoes (4, bins) of some beams, beginning with `beam`.
-  void sum_columns(const ImageBuffer<double>& profiles, const std::vector<double>& weights, std::size_t beam,
+  /// Sets the echoes (4, whole blocks of bins) of some beams, beginning with `beam`.
+  void sum_columns(const ImageBuffer<float>& profiles, const std::vector<double>& weights, std::size_t beam,
                    std::size_t beams, std::vector<double>& echoes) const {
-    std::vector<double> padded((kBeamsTogether - 1) * columns_per_beam_, 0.0);
+    std::vector<float> padded((kBeamsTogether - 1) * columns_per_beam_, 0.0f);
     padded.insert(padded.end(), weights.begin(), weights.end());
-    padded.resize(padded.size() + (kBeamsTogether - 1) * columns_per_beam_, 0.0);
-    imaging_kernels().sum_beams(profiles.data() + beam * columns_per_beam_ * bins_, padded.data(), weights.size(),
-                                columns_per_beam_, beams, bins_, echoes.data());
+    padded.resize(padded.size() + (kBeamsTogether - 1) * columns_per_beam_, 0.0f);
+    imaging_kernels().sum_beams({profiles.data() + beam * columns_per_beam_ * kBlockBins, columns(), blocks()},
+                                padded.data(), weights.size(), columns_per_beam_, beams, echoes.data());
   }
 
   /// For each cell, the surface that produces the strongest echo.

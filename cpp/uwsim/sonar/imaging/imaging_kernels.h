@@ -37,6 +37,15 @@ struct ArcPatches {
   float *near_bin, *far_bin, *cosine, *loss;
 };
 
+/// Rows of powers by range bin, in blocks of kBlockBins bins: the first block of every row, then the second block of
+/// every row. Sums over rows thus read memory in order.
+struct ProfileBlocks {
+  const float* blocks;  ///< from the first of the rows to be read
+  std::size_t rows;     ///< of each block
+  std::size_t count;    ///< of blocks
+};
+inline constexpr std::size_t kBlockBins = 64;
+
 /// The receiver of one beam; see ImagingReceiver.
 struct ReceiverLanes {
   double source, noise;  ///< powers re 1 uPa^2
@@ -57,18 +66,21 @@ struct ImagingKernels {
   /// without power, and those beyond the last bin, are skipped.
   void (*spread)(const double* power, const double* near_bin, const double* far_bin, std::size_t count,
                  std::size_t bins, double* profile);
-  /// Computes weighted sums of `count` rows of `bins` values, for up to four beams at once: sums[b][bin] is the sum of
-  /// weights[3 step + k] rows[b step + k][bin], in the order of k. The weights are preceded and followed by 3 step
-  /// zeros. `sums` has four rows.
-  void (*sum_beams)(const double* rows, const double* weights, std::size_t count, std::size_t step, std::size_t beams,
-                    std::size_t bins, double* sums);
+  /// Stores a row of powers in the layout that sum_beams reads, see ProfileBlocks; the last block is filled with zeros.
+  void (*store_row)(const double* row, std::size_t bins, std::size_t rows, float* blocks);
+  /// Computes weighted sums of `count` rows, for up to four beams at once: sums[b][bin] is the sum of weights[3 step +
+  /// k] times row b step + k, in the order of k. The weights are preceded and followed by 3 step zeros. `sums` has four
+  /// rows of whole blocks. Sums are computed in float: they round to less than 1e-4 dB, and powers below 1e-38 vanish.
+  void (*sum_beams)(const ProfileBlocks& profiles, const float* weights, std::size_t count, std::size_t step,
+                    std::size_t beams, double* sums);
   /// Adds complex noise, times a weight. The noise of cell k is a function of `key` + k (hashed_noise.h).
   void (*add_noise)(std::uint32_t key, float weight, std::size_t cells, float* row);
-  /// Adds a row, times a weight.
-  void (*add_row)(float weight, const float* from, std::size_t count, float* row);
+  /// Computes the weighted sum of `rows` successive rows of `count` values.
+  void (*sum_rows)(const float* from, const float* weights, std::size_t rows, std::size_t count, float* sum);
   /// Converts the mean echo powers of a beam's bins to received powers and to levels, which include `gain_db`.
-  /// `speckle`: complex, all looks of the first bin, then those of the next. Normal draws are those of core/random.h in
-  /// float, and the logarithm is a series; levels are within 2e-5 dB of a computation in double.
+  /// `speckle`: complex, all looks of the first bin, then those of the next. The receiver's noise is drawn as in
+  /// core/random.h, but in float: in every whole 32 bins, bins k and k + 16 share the words of the counter of bin k,
+  /// and the logarithm is a series; levels are within 2e-5 dB of a computation in double.
   void (*receive)(const ReceiverLanes& receiver, const double* echo, const float* speckle, const float* gain_db,
                   std::size_t bins, double* received, float* level_db);
 };

@@ -106,37 +106,47 @@ void spread(const double* power, const double* near_bin, const double* far_bin, 
   }
 }
 
-void sum_beams(const double* rows, const double* weights, std::size_t count, std::size_t step, std::size_t beams,
-               std::size_t bins, double* sums) {
-  constexpr std::size_t kBeams = 4, kWide = kNativeBytes == 64 ? 4 : 2, kEach = 8;
-  const std::size_t all = count + (beams - 1) * step;
-  std::size_t bin = 0;
-  for (; bin + kWide * kEach <= bins; bin += kWide * kEach) {
-    Doubles sum[kBeams][kWide] = {};
+UWSIM_LANES Double load_double(const double* from) {
+  Double value;
+  std::memcpy(value.part, from, sizeof value.part);
+  return value;
+}
+UWSIM_LANES void store_double(double* to, Double value) { std::memcpy(to, value.part, sizeof value.part); }
+
+void store_row(const double* row, std::size_t bins, std::size_t rows, float* blocks) {
+  for (std::size_t first = 0; first < bins; first += kBlockBins) {
+    float* const block = blocks + first * rows;
+    const std::size_t count = bins - first < kBlockBins ? bins - first : kBlockBins;
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < count; ++k) block[k] = static_cast<float>(row[first + k]);
+    for (std::size_t k = count; k < kBlockBins; ++k) block[k] = 0;
+  }
+}
+
+void sum_beams(const ProfileBlocks& profiles, const float* weights, std::size_t count, std::size_t step,
+               std::size_t beams, double* sums) {
+  constexpr std::size_t kBeams = 4, kWide = kNativeBytes == 64 ? 4 : 1, kEach = kWide * kLanes;
+  const std::size_t all = count + (beams - 1) * step, bins = profiles.count * kBlockBins;
+  for (std::size_t bin = 0; bin < bins; bin += kEach) {
+    const float* const rows = profiles.blocks + bin / kBlockBins * profiles.rows * kBlockBins + bin % kBlockBins;
+    Float sum[kBeams][kWide];
     for (std::size_t k = 0; k < all; ++k) {
-      Doubles value[kWide];
+      Float value[kWide];
 #pragma GCC unroll 4
-      for (std::size_t w = 0; w < kWide; ++w) value[w] = doubles_at(rows + k * bins + bin + w * kEach);
+      for (std::size_t w = 0; w < kWide; ++w) value[w] = load(rows + k * kBlockBins + w * kLanes);
 #pragma GCC unroll 4
       for (std::size_t beam = 0; beam < kBeams; ++beam) {
-        const double weight = weights[k + (kBeams - 1 - beam) * step];
+        const Float weight = splat(weights[k + (kBeams - 1 - beam) * step]);
 #pragma GCC unroll 4
         for (std::size_t w = 0; w < kWide; ++w) sum[beam][w] += weight * value[w];
       }
     }
+#pragma GCC unroll 4
     for (std::size_t beam = 0; beam < kBeams; ++beam) {
+#pragma GCC unroll 4
       for (std::size_t w = 0; w < kWide; ++w) {
-        std::memcpy(sums + beam * bins + bin + w * kEach, &sum[beam][w], sizeof(Doubles));
+        store_double(sums + beam * bins + bin + w * kLanes, widened<double>(sum[beam][w]));
       }
-    }
-  }
-  for (; bin < bins; ++bin) {
-    for (std::size_t beam = 0; beam < beams; ++beam) {
-      double sum = 0;
-      for (std::size_t k = 0; k < count; ++k) {
-        sum += weights[(kBeams - 1) * step + k] * rows[(beam * step + k) * bins + bin];
-      }
-      sums[beam * bins + bin] = sum;
     }
   }
 }
@@ -150,17 +160,19 @@ void add_noise(std::uint32_t key, float weight, std::size_t cells, float* row) {
   }
 }
 
-void add_row(float weight, const float* from, std::size_t count, float* row) {
-#pragma GCC ivdep
-  for (std::size_t k = 0; k < count; ++k) row[k] += weight * from[k];
+void sum_rows(const float* from, const float* weights, std::size_t rows, std::size_t count, float* sum) {
+  std::size_t k = 0;
+  for (; k + kLanes <= count; k += kLanes) {
+    Float total;
+    for (std::size_t row = 0; row < rows; ++row) total += splat(weights[row]) * load(from + row * count + k);
+    store(sum + k, total);
+  }
+  for (; k < count; ++k) {
+    float total = 0;
+    for (std::size_t row = 0; row < rows; ++row) total += weights[row] * from[row * count + k];
+    sum[k] = total;
+  }
 }
-
-UWSIM_LANES Double load_double(const double* from) {
-  Double value;
-  std::memcpy(value.part, from, sizeof value.part);
-  return value;
-}
-UWSIM_LANES void store_double(double* to, Double value) { std::memcpy(to, value.part, sizeof value.part); }
 
 /// 10 log10 of positive numbers, from the logarithm of their mantissas in float.
 UWSIM_LANES Float decibels(Double power) {
@@ -194,24 +206,23 @@ UWSIM_LANES void load_amplitudes(const float* speckle, std::uint32_t looks, std:
 
 #define UWSIM_BLOCKS _Pragma("GCC unroll 2") for (int b = 0; b < kBlocks; ++b)
 
-/// Complex noise of the cells with these numbers. Each step is a long chain of dependent operations, so several blocks
-/// take hardly longer than one.
+/// Complex noise of one or two blocks of cells, from the words of the first block's counters: words 0 and 2 for the
+/// first block, 1 and 3 for the second.
 template <int kBlocks>
-UWSIM_LANES void draw_noise(const ReceiverLanes& receiver, const Unsigned (&cell)[kBlocks], Float (&real)[kBlocks],
+UWSIM_LANES void draw_noise(const ReceiverLanes& receiver, Unsigned cell, Float (&real)[kBlocks],
                             Float (&imaginary)[kBlocks]) {
-  PhiloxWords words[kBlocks];
+  const PhiloxWords words = philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32),
+                                   widened<std::uint64_t>(cell), Wide(std::uint64_t{receiver.stream}), receiver.key);
   Float radius[kBlocks];
-  UWSIM_BLOCKS words[b] = philox(Wide(receiver.ping & 0xffffffffu), Wide(receiver.ping >> 32),
-                                 widened<std::uint64_t>(cell[b]), Wide(std::uint64_t{receiver.stream}), receiver.key);
-  UWSIM_BLOCKS radius[b] = square_root(-2 * logarithm(open_unit(words[b].word[0])));
+  UWSIM_BLOCKS radius[b] = square_root(-2 * logarithm(open_unit(words.word[b])));
   UWSIM_BLOCKS {
-    const SineCosine angle = sine_cosine_of_turns(open_unit(words[b].word[2]));
+    const SineCosine angle = sine_cosine_of_turns(open_unit(words.word[2 + b]));
     real[b] = radius[b] * angle.cosine;
     imaginary[b] = radius[b] * angle.sine;
   }
 }
 
-/// Converts blocks of sixteen bins.
+/// Converts blocks of sixteen bins. Amplitudes are computed in float, limited to its range, and powers in double.
 template <int kBlocks, bool kOneLook>
 UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* echo, const float* speckle,
                                 const float* gain_db, std::uint32_t first_cell, double* received, float* level_db) {
@@ -223,33 +234,25 @@ UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* ech
     const std::uint32_t looks = kOneLook ? 1 : static_cast<std::uint32_t>(receiver.looks);
     alignas(64) static constexpr std::uint32_t kNumbers[kLanes] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                                    8, 9, 10, 11, 12, 13, 14, 15};
-    const Double noise(std::sqrt(receiver.noise / 2));
-    Unsigned lane, first_index[kBlocks];
+    const Float noise = splat(static_cast<float>(std::sqrt(receiver.noise / 2)));
+    Unsigned lane;
     std::memcpy(lane.part, kNumbers, sizeof kNumbers);
-    Double amplitude[kBlocks];
-    UWSIM_BLOCKS {
-      alignas(64) double root[kLanes];
-      store_double(root, mean[b]);
-      for (int k = 0; k < kLanes; ++k) root[k] = std::sqrt(root[k]);
-      amplitude[b] = load_double(root);
-      const Unsigned number = lane + Unsigned(static_cast<std::uint32_t>(b * kLanes));
-      first_index[b] = (Unsigned(first_cell) + number * Unsigned(receiver.cell_step)) * Unsigned(looks);
-    }
+    const Unsigned first_index = (Unsigned(first_cell) + lane * Unsigned(receiver.cell_step)) * Unsigned(looks);
+    Float amplitude[kBlocks];
+    UWSIM_BLOCKS amplitude[b] = square_root(min(narrowed<float>(mean[b]), splat(3e38f)));
     for (std::uint32_t look = 0; look < looks; ++look) {
-      Unsigned index[kBlocks];
       Float noise_real[kBlocks], noise_imaginary[kBlocks];
-      UWSIM_BLOCKS index[b] = first_index[b] + Unsigned(look);
-      draw_noise<kBlocks>(receiver, index, noise_real, noise_imaginary);
+      draw_noise<kBlocks>(receiver, first_index + Unsigned(look), noise_real, noise_imaginary);
       UWSIM_BLOCKS {
         Float real, imaginary;
         load_amplitudes<kOneLook>(speckle + 2 * static_cast<std::uint32_t>(b * kLanes) * looks, looks, look, real,
                                   imaginary);
-        const Double x = amplitude[b] * widened<double>(real) + noise * widened<double>(noise_real[b]);
-        const Double y = amplitude[b] * widened<double>(imaginary) + noise * widened<double>(noise_imaginary[b]);
+        const Double x = widened<double>(amplitude[b] * real + noise * noise_real[b]);
+        const Double y = widened<double>(amplitude[b] * imaginary + noise * noise_imaginary[b]);
         power[b] = power[b] + (x * x + y * y);
       }
     }
-    UWSIM_BLOCKS power[b] = power[b] * Double(1.0 / receiver.looks);
+    if constexpr (!kOneLook) UWSIM_BLOCKS power[b] = power[b] * Double(1.0 / receiver.looks);
   }
   UWSIM_BLOCKS {
     store_double(received + b * kLanes, power[b]);
@@ -289,7 +292,8 @@ void receive(const ReceiverLanes& receiver, const double* echo, const float* spe
   run(receiver, echo, speckle, gain_db, bins, received, level_db);
 }
 
-constexpr ImagingKernels kKernels{&directions, &patches, &spread, &sum_beams, &add_noise, &add_row, &receive};
+constexpr ImagingKernels kKernels{&directions, &patches,   &spread,   &store_row,
+                                  &sum_beams,  &add_noise, &sum_rows, &receive};
 
 }  // namespace
 }  // namespace uwsim

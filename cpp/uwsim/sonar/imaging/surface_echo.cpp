@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "uwsim/sonar/imaging/imaging_kernels.h"
 
@@ -109,78 +110,67 @@ double SurfaceEchoes::reflected(Label label, double cosine) const {
   return scattered(label, facing) / facing;
 }
 
-/// The rays of an arc, one row per quantity. The last ray is repeated to fill a packet.
-class SurfaceEchoes::RayTable {
- public:
-  explicit RayTable(std::span<const ArcRay> rays) : rays_(rays), stride_(rays.size() + kPacketRays) {
-    rows_.resize(kRows * stride_);
-    for (std::size_t k = 0; k < stride_; ++k) {
-      const ArcRay& ray = rays[std::min(k, rays.size() - 1)];
-      const ArcTurn turns[] = {ray.middle, ray.lower, ray.upper};
-      for (std::size_t turn = 0; turn < 3; ++turn) {
-        rows_[2 * turn * stride_ + k] = turns[turn].cosine;
-        rows_[(2 * turn + 1) * stride_ + k] = turns[turn].sine;
+ArcRaySets::ArcRaySets(std::vector<std::vector<ArcRay>> sets) : sets_(std::move(sets)), stride_(rays() + kPacketRays) {
+  turns_.reserve(sets_.size() * kRows * stride_);
+  for (const std::vector<ArcRay>& set : sets_) {
+    for (const ArcTurn ArcRay::*turn : {&ArcRay::middle, &ArcRay::lower, &ArcRay::upper}) {
+      for (const float ArcTurn::*part : {&ArcTurn::cosine, &ArcTurn::sine}) {
+        for (const ArcRay& ray : set) turns_.push_back(ray.*turn.*part);
+        turns_.resize(turns_.size() + kPacketRays, set.empty() ? 0.0f : turns_.back());
       }
     }
   }
+}
 
-  std::span<const ArcRay> rays() const { return rays_; }
-
-  /// The angles of a packet in which each arc has the rays from `first` on in successive lanes.
-  template <std::size_t kArcs>
-  class Packet {
-   public:
-    Packet(const RayTable& table, std::size_t first) {
-      constexpr std::size_t kEach = kPacketRays / kArcs;
-      for (std::size_t row = 0; row < kRows; ++row) {
-        const float* from = table.rows_.data() + row * table.stride_ + first;
-        for (std::size_t arc = 0; arc < kArcs; ++arc) std::copy_n(from, kEach, values_[row] + arc * kEach);
+/// The angles of a packet in which each arc has the rays from `first` on in successive lanes.
+template <std::size_t kArcs>
+class PacketAngles {
+ public:
+  PacketAngles(const ArcRaySets& rays, std::size_t first) {
+    constexpr std::size_t kEach = kPacketRays / kArcs;
+    for (std::size_t row = 0; row < ArcRaySets::kRows; ++row) {
+      for (std::size_t arc = 0; arc < kArcs; ++arc) {
+        std::copy_n(rays.turns(arc, row, first), kEach, values_[row] + arc * kEach);
       }
     }
-    ArcAngles angles() const { return {values_[0], values_[1], values_[2], values_[3], values_[4], values_[5]}; }
-
-   private:
-    alignas(64) float values_[6][kPacketRays];
-  };
+  }
+  ArcAngles angles() const { return {values_[0], values_[1], values_[2], values_[3], values_[4], values_[5]}; }
 
  private:
-  static constexpr std::size_t kRows = 6;
-
-  std::span<const ArcRay> rays_;
-  std::size_t stride_;
-  std::vector<float> rows_;
+  alignas(64) float values_[ArcRaySets::kRows][kPacketRays];
 };
 
 void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
                         EchoesByLabel* by_label) const {
-  add({&arc, 1}, rays, profile, {by_label, by_label != nullptr ? 1u : 0u});
+  const ArcRaySets one({std::vector<ArcRay>(rays.begin(), rays.end())});
+  add({&arc, 1}, one, profile, {by_label, by_label != nullptr ? 1u : 0u});
 }
 
-void SurfaceEchoes::add(std::span<const RayArc> arcs, std::span<const ArcRay> rays, std::span<double> profiles,
+void SurfaceEchoes::add(std::span<const RayArc> arcs, const ArcRaySets& rays, std::span<double> profiles,
                         std::span<EchoesByLabel> by_label) const {
-  if (head_world_m_.z() > 0 || rays.empty() || arcs.empty()) return;
-  const RayTable table(rays);
+  if (head_world_m_.z() > 0 || rays.rays() == 0 || arcs.empty()) return;
   const std::size_t bins = profiles.size() / arcs.size();
   for (std::size_t first = 0; first < arcs.size(); first += kArcsTogether) {
     const std::size_t count = std::min(kArcsTogether, arcs.size() - first);
     const std::span<double> some = profiles.subspan(first * bins, count * bins);
     const std::span<EchoesByLabel> labelled = by_label.empty() ? by_label : by_label.subspan(first, count);
     if (count == 1) {
-      add_packets<1>(arcs.subspan(first, count), table, some, labelled);
+      add_packets<1>(arcs.subspan(first, count), rays, some, labelled);
     } else {
-      add_packets<kArcsTogether>(arcs.subspan(first, count), table, some, labelled);
+      add_packets<kArcsTogether>(arcs.subspan(first, count), rays, some, labelled);
     }
   }
   if (!acoustics_->multipath) return;
-  for (std::size_t k = 0; k < arcs.size(); ++k) add_ghosts(arcs[k], rays, profiles.subspan(k * bins, bins));
+  for (std::size_t k = 0; k < arcs.size(); ++k) {
+    add_ghosts(arcs[k], rays.of_arc(k), profiles.subspan(k * bins, bins));
+  }
 }
 
 template <std::size_t kArcs>
-void SurfaceEchoes::add_packets(std::span<const RayArc> arcs, const RayTable& table, std::span<double> profiles,
+void SurfaceEchoes::add_packets(std::span<const RayArc> arcs, const ArcRaySets& rays, std::span<double> profiles,
                                 std::span<EchoesByLabel> by_label) const {
   constexpr std::size_t kEach = kPacketRays / kArcs;
   static const ImagingKernels& kernels = imaging_kernels();
-  const std::span<const ArcRay> rays = table.rays();
   const std::size_t bins = profiles.size() / arcs.size();
   const ArcFrames frames = frames_of(arcs, kEach);
   const PatchRule rule{static_cast<float>(head_world_m_.z()), static_cast<float>(absorption_db_m_),
@@ -193,9 +183,9 @@ void SurfaceEchoes::add_packets(std::span<const RayArc> arcs, const RayTable& ta
   packet.far_m.fill(static_cast<float>(range_max_m_) * kPatchStretch);
   alignas(64) float near_bin[kPacketRays], far_bin[kPacketRays], cosine[kPacketRays], loss[kPacketRays];
   alignas(64) double power[kPacketRays], near[kPacketRays], far[kPacketRays];
-  for (std::size_t first = 0; first < rays.size(); first += kEach) {
-    const std::size_t count = std::min(kEach, rays.size() - first);
-    const RayTable::Packet<kArcs> packed(table, first);
+  for (std::size_t first = 0; first < rays.rays(); first += kEach) {
+    const std::size_t count = std::min(kEach, rays.rays() - first);
+    const PacketAngles<kArcs> packed(rays, first);
     kernels.directions(frames, packed.angles(), packet.direction_x.data(), packet.direction_y.data(),
                        packet.direction_z.data());
     for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -210,7 +200,7 @@ void SurfaceEchoes::add_packets(std::span<const RayArc> arcs, const RayTable& ta
       power[k] = 0;
       near[k] = double{near_bin[k]}, far[k] = double{far_bin[k]};
       if (!(facing > 0) || packet.active[k] == 0) continue;
-      const double received = rays[first + k % kEach].gain_sr * double{loss[k]};
+      const double received = rays.of_arc(k / kEach)[first + k % kEach].gain_sr * double{loss[k]};
       power[k] = received * reflected(static_cast<Label>(hits.label[k]), facing);
     }
     for (std::size_t arc = 0; arc < arcs.size(); ++arc) {

@@ -41,6 +41,28 @@ struct ArcRay {
 /// Rays at ascending angles; each represents the interval to the midpoints between it and its neighbours. gain_sr is 1.
 std::vector<ArcRay> arc_rays(std::span<const double> angles_rad);
 
+/// The rays of neighbouring arcs. There are one or several sets, all of the same size; successive arcs take turns in
+/// them.
+class ArcRaySets {
+ public:
+  /// The number of sets must divide SurfaceEchoes::kArcsTogether.
+  explicit ArcRaySets(std::vector<std::vector<ArcRay>> sets);
+
+  std::span<const ArcRay> of_arc(std::size_t arc) const { return sets_[arc % sets_.size()]; }
+  std::size_t rays() const { return sets_.front().size(); }
+  /// The cosines and sines of the rays' angles from ray `first` on, in the order of ArcTurn and of ArcRay; beyond the
+  /// last ray, it is repeated up to a packet's size.
+  const float* turns(std::size_t arc, std::size_t row, std::size_t first) const {
+    return turns_.data() + (arc % sets_.size() * kRows + row) * stride_ + first;
+  }
+  static constexpr std::size_t kRows = 6;
+
+ private:
+  std::vector<std::vector<ArcRay>> sets_;
+  std::size_t stride_;
+  std::vector<float> turns_;
+};
+
 /// Mean echo power by range, separately for each surface. Used to label the cells of a picture.
 class EchoesByLabel {
  public:
@@ -81,18 +103,17 @@ class SurfaceEchoes {
   /// Adds the echoes of an arc to `profile`, one power per range bin, and to `by_label` unless it is null.
   void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
            EchoesByLabel* by_label = nullptr) const;
-  /// The same for neighbouring arcs with the same rays: `profiles` has a row for each arc, and `by_label` has an entry
-  /// for each arc or is empty. Four arcs share packets, which Embree traverses faster than packets of a single arc.
-  void add(std::span<const RayArc> arcs, std::span<const ArcRay> rays, std::span<double> profiles,
+  /// The same for neighbouring arcs: `profiles` has a row for each arc, and `by_label` has an entry for each arc or is
+  /// empty. Eight arcs share packets, which Embree traverses faster than packets of a single arc.
+  void add(std::span<const RayArc> arcs, const ArcRaySets& rays, std::span<double> profiles,
            std::span<EchoesByLabel> by_label) const;
 
   /// The number of arcs that share packets; see above.
-  static constexpr std::size_t kArcsTogether = 4;
+  static constexpr std::size_t kArcsTogether = 8;
 
  private:
-  class RayTable;
   template <std::size_t kArcs>
-  void add_packets(std::span<const RayArc> arcs, const RayTable& rays, std::span<double> profiles,
+  void add_packets(std::span<const RayArc> arcs, const ArcRaySets& rays, std::span<double> profiles,
                    std::span<EchoesByLabel> by_label) const;
   void add_ghosts(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const;
   /// The backscattering cross-section per unit area.

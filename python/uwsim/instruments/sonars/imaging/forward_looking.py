@@ -48,7 +48,7 @@ class ForwardLooking(Acoustics):
     vertical_width_rad: float = float(np.radians(20.0))  # [OM], taken as two-way
     taper: float = 0.25  # shading of the receiving array: side lobes at about -22 dB
     columns_per_beam: int = 2
-    rays_per_column: int = 384
+    rays_per_column: int = 112
 
 
 @dataclass(frozen=True, eq=False, repr=False)
