@@ -67,13 +67,14 @@ FanSpeckle::FanSpeckle(const Beam& beam, const ImagingAcoustics& acoustics, cons
 void FanSpeckle::fill(std::size_t scatterer, const SimplexNodes<5>& nodes) {
   const int bearing = ((first_ + static_cast<int>(scatterer)) % around_ + around_) % around_;
   Amplitude* const row = amplitudes_.data() + scatterer * cells_;
-  std::fill_n(row, cells_, Amplitude(0, 0));
   const float scale = 1 / std::sqrt(2 * kByteSumVariance);
-  for (std::size_t node = 0; node < nodes.keys.size(); ++node) {
-    const std::uint32_t key = mixed(nodes.keys[node] + 0x9e3779b1U * static_cast<std::uint32_t>(bearing));
-    const float weight = scale * nodes.weights[node];
-    imaging_kernels().add_noise(key, weight, cells_, reinterpret_cast<float*>(row));
+  std::array<std::uint32_t, 6> keys;
+  std::array<float, keys.size()> weights;
+  for (std::size_t node = 0; node < keys.size(); ++node) {
+    keys[node] = mixed(nodes.keys[node] + 0x9e3779b1U * static_cast<std::uint32_t>(bearing));
+    weights[node] = scale * nodes.weights[node];
   }
+  imaging_kernels().noise(keys.data(), weights.data(), keys.size(), cells_, reinterpret_cast<float*>(row));
 }
 
 std::span<const FanSpeckle::Amplitude> FanSpeckle::of_beam(double bearing_rad, std::vector<Amplitude>& row) const {

@@ -32,9 +32,9 @@ constexpr double kMaxDraws = 4e9;             // random draws of a ping are numb
 /// request labels (bins, beams). Bearings are about the sonar's +z axis, positive to port; its x axis is the middle of
 /// the picture.
 ///
-/// Columns of rays sample the scene over the vertical aperture; each beam is the sum of the columns' echoes, weighted
-/// by the receiving array's pattern. Not modelled: echoes of the surface and multiple reflections, motion within a
-/// ping, and the curvature of a line array's beams away from the level plane.
+/// Columns of rays sample the scene over the vertical aperture, at elevations that alternate between columns; each beam
+/// is the sum of the columns' echoes, weighted by the receiving array's pattern. Not modelled: echoes of the surface
+/// and multiple reflections, motion within a ping, and the curvature of a line array's beams away from the level plane.
 class ForwardLooking final : public ImagingSonar {
  public:
   ForwardLooking(const ImagingAcoustics& acoustics, const ParameterValues& figures)
@@ -232,7 +232,8 @@ constexpr Parameter kForwardLookingParameters[] = {
      "of transmitter and receiver together, two-way"},
     {"taper", 1, kRequired, 0, 0.5, "", "the receiving array's shading, see BeamPattern"},
     {"columns_per_beam", 1, kRequired, 1, 64, "", "planes of rays for each beam", ParameterType::kWholeNumber},
-    {"rays_per_column", 1, kRequired, 2, 16384, "", "from bottom to top", ParameterType::kWholeNumber}};
+    {"rays_per_column", 1, kRequired, 2, 16384, "", "from bottom to top; neighbouring planes take turns in four sets",
+     ParameterType::kWholeNumber}};
 
 }  // namespace
 

@@ -73,8 +73,9 @@ struct ImagingKernels {
   /// rows of whole blocks. Sums are computed in float: they round to less than 1e-4 dB, and powers below 1e-38 vanish.
   void (*sum_beams)(const ProfileBlocks& profiles, const float* weights, std::size_t count, std::size_t step,
                     std::size_t beams, double* sums);
-  /// Adds complex noise, times a weight. The noise of cell k is a function of `key` + k (hashed_noise.h).
-  void (*add_noise)(std::uint32_t key, float weight, std::size_t cells, float* row);
+  /// Computes the weighted sum of several complex noises. The noise of cell k is a function of its key + k
+  /// (hashed_noise.h).
+  void (*noise)(const std::uint32_t* keys, const float* weights, std::size_t noises, std::size_t cells, float* row);
   /// Computes the weighted sum of `rows` successive rows of `count` values.
   void (*sum_rows)(const float* from, const float* weights, std::size_t rows, std::size_t count, float* sum);
   /// Converts the mean echo powers of a beam's bins to received powers and to levels, which include `gain_db`.

@@ -151,12 +151,25 @@ void sum_beams(const ProfileBlocks& profiles, const float* weights, std::size_t 
   }
 }
 
-void add_noise(std::uint32_t key, float weight, std::size_t cells, float* row) {
+void noise(const std::uint32_t* keys, const float* weights, std::size_t noises, std::size_t cells, float* row) {
+  for (std::size_t first = 0; first < cells; first += kLanes) {
+    alignas(64) float real[kLanes] = {}, imaginary[kLanes] = {};
+    for (std::size_t noise = 0; noise < noises; ++noise) {
+      const std::uint32_t key = keys[noise] + static_cast<std::uint32_t>(first);
+      const float weight = weights[noise];
 #pragma GCC ivdep
-  for (std::size_t cell = 0; cell < cells; ++cell) {
-    const auto [one, two] = byte_sums(mixed(key + static_cast<std::uint32_t>(cell)));
-    row[2 * cell] += weight * one;
-    row[2 * cell + 1] += weight * two;
+      for (int k = 0; k < kLanes; ++k) {
+        const auto [one, two] = byte_sums(mixed(key + static_cast<std::uint32_t>(k)));
+        real[k] += weight * one;
+        imaginary[k] += weight * two;
+      }
+    }
+    const std::size_t count = cells - first < kLanes ? cells - first : kLanes;
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < count; ++k) {
+      row[2 * (first + k)] = real[k];
+      row[2 * (first + k) + 1] = imaginary[k];
+    }
   }
 }
 
@@ -292,8 +305,7 @@ void receive(const ReceiverLanes& receiver, const double* echo, const float* spe
   run(receiver, echo, speckle, gain_db, bins, received, level_db);
 }
 
-constexpr ImagingKernels kKernels{&directions, &patches,   &spread,   &store_row,
-                                  &sum_beams,  &add_noise, &sum_rows, &receive};
+constexpr ImagingKernels kKernels{&directions, &patches, &spread, &store_row, &sum_beams, &noise, &sum_rows, &receive};
 
 }  // namespace
 }  // namespace uwsim
