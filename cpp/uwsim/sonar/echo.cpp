@@ -12,9 +12,10 @@ namespace {
 constexpr float kReach = 15.0f / 16;
 
 /// The rays as a structure of arrays, for vectorisation: each adds height (1 - (r - range)^2 / reach^2)^2 to the
-/// envelope at ranges r within its reach.
+/// envelope at ranges r within its reach. `kRays`: their number, or Eigen::Dynamic.
+template <int kRays>
 struct Shapes {
-  using Lanes = Eigen::Array<float, Eigen::Dynamic, 1, 0, kRaysMax, 1>;
+  using Lanes = Eigen::Array<float, kRays, 1, 0, kRays == Eigen::Dynamic ? kRaysMax : kRays, 1>;
   Lanes range_m, per_reach2, height;
 
   Shapes(std::span<const RayEcho> rays, float cell_m) {
@@ -24,16 +25,35 @@ struct Shapes {
     height.resize(n);
     for (Eigen::Index k = 0; k < n; ++k) {
       const RayEcho& ray = rays[static_cast<std::size_t>(k)];
-      const float per_width = 1 / ray.width_m;
       range_m[k] = ray.range_m;
-      per_reach2[k] = per_width * per_width / (kReach * kReach);
-      height[k] = ray.energy * cell_m * per_width;
+      per_reach2[k] = ray.width_m;
+      height[k] = ray.energy;
     }
+    const Lanes per_width = 1 / per_reach2;
+    per_reach2 = per_width * per_width / (kReach * kReach);
+    height = height * cell_m * per_width;
   }
 
   /// The contribution of each ray at a range.
   auto parts(float at_m) const { return (1 - (range_m - at_m).square() * per_reach2).max(0.0f).square() * height; }
 };
+
+/// The largest value of the envelope at any of the rays' ranges, and the ray where it is found.
+struct Peak {
+  float height = 0;
+  std::size_t ray = 0;
+};
+
+template <int kRays>
+Peak peak(std::span<const RayEcho> rays, float cell_m) {
+  const Shapes<kRays> shapes(rays, cell_m);
+  Peak highest;
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const float height = shapes.parts(rays[k].range_m).sum();
+    if (height > highest.height) highest = {height, k};
+  }
+  return highest;
+}
 
 bool touch(const RayEcho& a, const RayEcho& b) { return b.range_m - a.range_m < kReach * (a.width_m + b.width_m); }
 
@@ -53,15 +73,10 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
   BeamEcho echo;
   if (rays.empty()) return echo;
   sort_by_range(rays);
-  std::size_t highest = 0;
-  const Shapes shapes(rays, cell_m);
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    const float height = shapes.parts(rays[k].range_m).sum();
-    if (height > echo.peak) {
-      echo.peak = height;
-      highest = k;
-    }
-  }
+  constexpr int kUsual = 8;  // the default number of a beam's rays
+  const auto [height, highest] =
+      rays.size() == kUsual ? peak<kUsual>(rays, cell_m) : peak<Eigen::Dynamic>(rays, cell_m);
+  echo.peak = height;
   if (echo.peak == 0) return echo;
 
   std::size_t first = highest, last = highest;
