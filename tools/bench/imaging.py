@@ -3,7 +3,7 @@
 The cases alternate within one run, so that other load on the machine affects them equally; results are medians over the
 rounds, and ratios are computed per round. Each picture is taken from a new position along a line. The native peer casts
 the rays of the first picture, in packets of eight columns by two rays, as the sonar does, and alternatively in packets
-of four by four rays. It also casts the even grid of two columns of 384 rays per beam, which has the same error.
+of four by four rays. It also casts an even grid of two columns of 384 rays per beam, which is less accurate.
 
 A single thread is measured in processor time, and several threads in wall time, which is not meaningful on a busy
 machine.

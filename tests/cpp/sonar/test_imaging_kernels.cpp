@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "uwsim/core/instruction_set.h"
 #include "uwsim/core/lane_random.h"
 #include "uwsim/core/random.h"
+#include "uwsim/sonar/hashed_noise.h"
 
 namespace uwsim {
 namespace {
@@ -101,6 +103,29 @@ TEST(ImagingKernels, BeamsAreWeightedSumsOfTheirRows) {
         EXPECT_EQ(sums[beam * kBlocks * kBlockBins + bin], double{expected});
       }
     }
+  }
+}
+
+TEST(ImagingKernels, NoisesAndRowsAreSummedInOrder) {
+  constexpr std::size_t kCells = 37, kTerms = 3;  // a tail after two blocks
+  const std::array<std::uint32_t, kTerms> keys = {1, 4000000000u, 77};
+  const std::array<float, kTerms> weights = {0.5f, -2, 0.3f};
+  std::vector<float> noises, sum(2 * kCells);
+  for (const std::uint32_t key : keys) {
+    for (std::uint32_t cell = 0; cell < kCells; ++cell) {
+      const auto [one, two] = byte_sums(mixed(key + cell));
+      noises.insert(noises.end(), {one, two});
+    }
+  }
+  for (std::size_t term = 0; term < kTerms; ++term) {
+    for (std::size_t k = 0; k < 2 * kCells; ++k) sum[k] += weights[term] * noises[term * 2 * kCells + k];
+  }
+  for (const ImagingKernels* kernels : all_kernels()) {
+    std::vector<float> row(2 * kCells), rows(2 * kCells);
+    kernels->noise(keys.data(), weights.data(), kTerms, kCells, row.data());
+    kernels->sum_rows(noises.data(), weights.data(), kTerms, 2 * kCells, rows.data());
+    EXPECT_EQ(row, sum);
+    EXPECT_EQ(rows, sum);
   }
 }
 
