@@ -21,7 +21,7 @@ def no_collections() -> Iterator[None]:
         yield
     finally:
         if collects:
-            if gc.get_freeze_count() == 0:  # nobody has frozen objects, which unfreeze() would release
+            if gc.get_freeze_count() == 0:  # there are no frozen objects, which unfreeze() would release
                 gc.freeze()
                 gc.unfreeze()  # into the oldest generation
             gc.enable()

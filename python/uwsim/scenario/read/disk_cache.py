@@ -33,7 +33,7 @@ R = TypeVar("R")
 MAX_FILE_BYTES, MAX_FOLDER_BYTES, CHECK_EVERY_BYTES = 1 << 26, 1 << 29, 1 << 24
 SUFFIX = ".cached"
 SUFFIXES = (SUFFIX, ".npz")
-"""Of the files in the folder; earlier versions wrote .npz."""
+"""Suffixes of the files in the folder; earlier versions wrote .npz."""
 LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "ruamel-yaml")
 DIGEST_BYTES = 32
 
