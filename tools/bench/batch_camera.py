@@ -96,7 +96,7 @@ def write_rays(file: Path, batch: Batch) -> int:
     """Write the world's surface and the ray packets of all members' pictures for the peer; return the rays' number."""
     packets, first_eye = [], None
     for k in range(batch.n):
-        own, eye = batch.aboard(k).rov.cameras["front"].resized(SIDE, SIDE).record_rays(EFFECTS)
+        own, eye = batch.aboard(k).rov.cameras["front"].resized(SIDE, SIDE).record_rays(EFFECTS, colours_only=True)
         first_eye = eye if first_eye is None else first_eye
         packets.append(np.frombuffer(own, PACKET).copy())
         packets[-1]["origin"] += (eye - first_eye).astype(np.float32)[:, None]

@@ -48,7 +48,8 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
                              std::uint64_t tick, const std::vector<std::string>& effects, std::vector<SpotLamp> lamps,
                              const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
                              std::optional<std::size_t> hidden_vehicle, bool geometry_only, bool keep_radiance,
-                             bool measure, bool record, const Vector6d& velocity_camera, int threads) {
+                             bool measure, bool record, const Vector6d& velocity_camera, int threads,
+                             bool colours_only) {
   PictureRequest request;
   request.world_from_camera = as_pose(position_m, orientation_xyzw, "camera");
   require(std::isfinite(time_s), "time_s", time_s, "must be finite");
@@ -63,6 +64,7 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
   }
   request.hidden_vehicle = hidden_vehicle;
   request.geometry_only = geometry_only;
+  request.colours_only = colours_only;
   request.keep_radiance = keep_radiance;
   request.measure = measure;
   require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
@@ -212,6 +214,7 @@ void bind_camera_scene(py::module_& m) {
            py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
            py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
            py::arg("record") = false, py::arg("velocity_camera") = Vector6d(Vector6d::Zero()), py::arg("threads") = 1,
+           py::arg("colours_only") = false,
            "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are\n"
            "on. vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none.\n"
            "velocity_camera: (6,), in the camera's frame [m/s, rad/s]. The bytes do not depend on the number of\n"

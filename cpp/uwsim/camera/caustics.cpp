@@ -6,6 +6,7 @@
 
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/ripples.h"
+#include "uwsim/core/image_buffer.h"
 
 namespace uwsim {
 namespace {
@@ -52,10 +53,11 @@ int floor_int(float x) {
   return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
 }
 
-/// For each ray of one row: where it reaches a given level, and how its light is shared among the four surrounding
-/// cells.
+/// For each ray of one row: the cell that it reaches at a given level, and how its light is shared among that cell, the
+/// one to its right, and the two above these.
+using Shares = float __attribute__((vector_size(16)));
 struct Landings {
-  std::array<std::array<int, kRays>, 4> cell;
+  std::array<int, kRays> cell;
   std::array<std::array<float, kRays>, 4> share;
 
   void fill(const RaySlopes& rays, int row, float reach) {
@@ -66,12 +68,11 @@ struct Landings {
       const float y = static_cast<float>(row) * kStep + reach * slope_y[k];
       const int i = floor_int(x), j = floor_int(y);
       const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
-      const int left = i & kWrap, right = (i + 1) & kWrap;
-      const int low = (j & kWrap) * kCells, high = ((j + 1) & kWrap) * kCells;
-      cell[0][k] = low + left, share[0][k] = kShare * (1 - u) * (1 - v);
-      cell[1][k] = low + right, share[1][k] = kShare * u * (1 - v);
-      cell[2][k] = high + left, share[2][k] = kShare * (1 - u) * v;
-      cell[3][k] = high + right, share[3][k] = kShare * u * v;
+      cell[k] = (j & kWrap) * kCells + (i & kWrap);
+      share[0][k] = kShare * (1 - u) * (1 - v);
+      share[1][k] = kShare * u * (1 - v);
+      share[2][k] = kShare * (1 - u) * v;
+      share[3][k] = kShare * u * v;
     }
   }
 };
@@ -96,16 +97,25 @@ void blur(Grid& light, float w) {
 }
 
 Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
-  Grid light(kCells * kCells, 0.0f);
   const auto reach = static_cast<float>(depth_m * bend / kCell_m);
-  std::array<Landings, 2> both;
+  ImageBuffer<Shares> sums;
+  sums.assign(kCells * kCells, Shares{});
+  std::array<Landings, 4> distant;
   // Alternate between distant rows, so that an addition rarely waits for the previous one to the same cell.
-  for (int row = 0; row < kRays / 2; ++row) {
-    for (int half = 0; half < 2; ++half) both[half].fill(rays, row + half * (kRays / 2), reach);
+  for (int row = 0; row < kRays / 4; ++row) {
+    for (int part = 0; part < 4; ++part) distant[part].fill(rays, row + part * (kRays / 4), reach);
     for (int k = 0; k < kRays; ++k) {
-      for (int corner = 0; corner < 4; ++corner) {
-        for (const Landings& one : both) light[one.cell[corner][k]] += one.share[corner][k];
+      for (const Landings& one : distant) {
+        sums[one.cell[k]] += Shares{one.share[0][k], one.share[1][k], one.share[2][k], one.share[3][k]};
       }
+    }
+  }
+  Grid light(kCells * kCells);
+  for (int y = 0; y < kCells; ++y) {
+    const Shares *here = sums.data() + y * kCells, *below = sums.data() + ((y - 1) & kWrap) * kCells;
+    for (int x = 0; x < kCells; ++x) {
+      const int left = (x - 1) & kWrap;
+      light[y * kCells + x] = here[x][0] + here[left][1] + below[x][2] + below[left][3];
     }
   }
   // A disc of radius r has the variance r^2 / 4 along each axis; one pass of the filter adds 2 w cells^2.

@@ -77,14 +77,6 @@ double kernel(double depth, double x) {
 
 }  // namespace
 
-void camera::add_difference(const BlockVectors& a, const BlockVectors& b, BlockVectors& sum) {
-  for (int k = 0; k < kBlockPixels; ++k) {
-    sum.x.at[k] += a.x.at[k] - b.x.at[k];
-    sum.y.at[k] += a.y.at[k] - b.y.at[k];
-    sum.z.at[k] += a.z.at[k] - b.z.at[k];
-  }
-}
-
 void DirectLight::resize(std::size_t pixels) {
   for (ImageBuffer<float>& band : bands) band.assign(pixels, 0.0f);
   path_m.assign(pixels, 0.0f);
@@ -92,15 +84,13 @@ void DirectLight::resize(std::size_t pixels) {
 
 void DirectLight::keep(const camera::View& view, int left, int top, const camera::Block& block, bool set_path,
                        float share) {
-  camera::BlockVectors light{};
-  camera::add_difference(block.radiance, block.veil, light);
   for (int k = 0; k < camera::kBlockPixels; ++k) {
     const int u = left + k % camera::kBlockSide, v = top + k / camera::kBlockSide;
     if (u >= view.width || v >= view.height) continue;
     const auto at = static_cast<std::size_t>(v * view.width + u);
-    bands[0][at] += share * light.x.at[k];
-    bands[1][at] += share * light.y.at[k];
-    bands[2][at] += share * light.z.at[k];
+    bands[0][at] += share * (block.radiance.x.at[k] - block.veil.x.at[k]);
+    bands[1][at] += share * (block.radiance.y.at[k] - block.veil.y.at[k]);
+    bands[2][at] += share * (block.radiance.z.at[k] - block.veil.z.at[k]);
     if (set_path) path_m[at] = block.first_reach.at[k];
   }
 }

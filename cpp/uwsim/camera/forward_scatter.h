@@ -11,11 +11,6 @@
 
 namespace uwsim {
 
-namespace camera {
-/// Adds a - b to `sum`.
-void add_difference(const BlockVectors& a, const BlockVectors& b, BlockVectors& sum);
-}  // namespace camera
-
 /// For each pixel, the light of the scene attenuated by the beam coefficient, and the length of the light's path
 /// through the water.
 struct DirectLight {

@@ -24,8 +24,15 @@ struct PictureRequest {
   std::vector<SpotLamp> lamps;                ///< lamps that are switched on
   std::vector<Pose> world_from_vehicles;      ///< poses of all CameraScene::vehicles, or empty
   std::optional<std::size_t> hidden_vehicle;  ///< the vehicle that carries the camera and is not visible to it
+  /// Light that adds at most this fraction to each band of a pixel's radiance is added without a shadow ray. By the
+  /// default, a shadow that is missed for this reason changes a pixel by at most half a step of its 8 bits: where the
+  /// sRGB curve is steepest relative to the signal, at full scale, a step is 0.9 % of the signal.
+  float untested_share = 4e-3f;
+  /// Whether the picture needs no images of geometry, so that rays are cast only as far as one can see; the colours are
+  /// the same.
+  bool colours_only = false;
   bool geometry_only = false, keep_radiance = false;
-  /// If set, the colours are written here, height x width x 3, and the picture that is returned is empty.
+  /// If set, the colours are written here, height x width x 3, instead of to the picture that is returned.
   std::uint8_t* rgb = nullptr;
   bool measure = false;                      ///< fill RenderCost::seconds
   RayRecord* record = nullptr;               ///< if set, only one thread may be used

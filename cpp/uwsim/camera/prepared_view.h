@@ -27,7 +27,7 @@ class PreparedView {
   void set_shutter(const Camera& camera, const PictureRequest& request);
   void set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request);
   void set_terrain(const World& world);
-  void set_light(const Optics& optics, const Effects& effects);
+  void set_light(const Optics& optics, const PictureRequest& request);
   void set_lamps(const PictureRequest& request);
 
   std::optional<WaveGrid> waves_;  // where light meets the surface

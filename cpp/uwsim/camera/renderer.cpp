@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/camera/development.h"
 #include "uwsim/camera/forward_scatter.h"
+#include "uwsim/camera/lamp_glow.h"
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particles.h"
 #include "uwsim/camera/prepared_view.h"
@@ -26,6 +28,7 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr double kWorldEnd_m = 1e6;
+constexpr float kCoarsePixel_rad = 6e-3f;
 // The number of pictures whose mean is a blurred picture. It is odd, so that one of them belongs to the middle of the
 // exposure.
 constexpr int kExposureParts = 15;
@@ -46,7 +49,7 @@ class Rendering {
         tracer_(scene, prepared_.anchor_world_m, request),
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
-        keeps_geometry_(request.rgb == nullptr || on(Effect::kParticles)) {
+        keeps_geometry_(!request.colours_only || on(Effect::kParticles)) {
     timer_.add(kPrepare);
   }
 
@@ -57,6 +60,11 @@ class Rendering {
       shafts_ = cast_shafts(view_, tracer_, kernels_, request_, costs_);
       view_.shafts = shafts_.data();
       view_.shaft_width = (view_.width + kBlockSide - 1) / kBlockSide;
+    }
+    // Parts of an exposure see the lamps from different places, and coarse pictures have no smooth blocks.
+    if (!request_.geometry_only && view_.lamp_count > 0 && view_.has_backscatter && view_.camera_in_water &&
+        !view_.moves && view_.pixel_rad < kCoarsePixel_rad) {
+      view_.glow = glow_.emplace(view_, kernels_, request_, costs_).view();
     }
     const int rows = (view_.height + kBlockSide - 1) / kBlockSide;
     root_luminance_.assign(static_cast<std::size_t>(rows), 0.0);
@@ -124,12 +132,15 @@ class Rendering {
     TaskTimer timer(request_.measure, cost);
     Block block;
     HitPacket hits;
+    camera::BlockFloats sight = Tracer::everywhere();
     const camera::GeometryPlanes geometry{picture_.depth_m.data(), picture_.normals_world.data(),
                                           picture_.labels.data(), picture_.classes.data(), classes_.data()};
     for (int left = 0; left < view_.width; left += kBlockSide) {
       const int top = row * kBlockSide;
       kernels_.primary_rays(view_, left, top, block);
-      tracer_.cast(block, hits, RayOrder::kCoherent);
+      if (!request_.geometry_only) kernels_.start_paths(view_, block);
+      if (!keeps_geometry_) kernels_.limit_to_sight(view_, block, sight);
+      tracer_.cast(block, sight, hits, RayOrder::kCoherent);
       cost.primary_rays += count(block.active);
       timer.add(kPrimaryRays);
       locate_hits(hits, block);
@@ -137,14 +148,17 @@ class Rendering {
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;
-      kernels_.start_paths(view_, block);
-      shade_segment(block, hits, true, cost, timer);
-      if (any(block.onward)) continue_paths(block, hits, cost, timer);
+      shade_segment(block, hits, true, left, top, cost, timer);
+      if (any(block.onward)) continue_paths(block, hits, left, top, cost, timer);
       if (scatters_) direct_.keep(view_, left, top, block, is_middle_, 1.0f / static_cast<float>(parts_));
       camera::BlockFloats root_luminance;
       kernels_.write_radiance(view_, left, top, block, radiance_, root_luminance);
-      double& sum = root_luminance_[static_cast<std::size_t>(row)];
-      for (int k = 0; k < kBlockPixels; ++k) sum += pixels.at[k] ? static_cast<double>(root_luminance.at[k]) : 0.0;
+      // Four sums, so that an addition need not wait for the previous one
+      std::array<double, kBlockSide> sums{};
+      for (std::size_t k = 0; k < kBlockPixels; ++k) {
+        sums[k % kBlockSide] += pixels.at[k] ? static_cast<double>(root_luminance.at[k]) : 0.0;
+      }
+      root_luminance_[static_cast<std::size_t>(row)] += (sums[0] + sums[1]) + (sums[2] + sums[3]);
       timer.add(kDevelopment);
     }
   }
@@ -155,20 +169,26 @@ class Rendering {
     kernels_.locate_hits(view_, block);
   }
 
-  void continue_paths(Block& block, HitPacket& hits, RenderCost& cost, TaskTimer& timer) {
+  void continue_paths(Block& block, HitPacket& hits, int left, int top, RenderCost& cost, TaskTimer& timer) {
     kernels_.refract_or_reflect(view_, block);
     timer.add(kWater);
-    tracer_.cast(block, hits, RayOrder::kIncoherent);
+    tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kIncoherent);
     cost.onward_rays += count(block.active);
     timer.add(kPrimaryRays);
     locate_hits(hits, block);
     timer.add(kGeometry);
-    shade_segment(block, hits, false, cost, timer);
+    shade_segment(block, hits, false, left, top, cost, timer);
   }
 
   /// Adds the light from water, sky, daylight and lamps along one segment of each path and at its end.
-  void shade_segment(Block& block, const HitPacket& hits, bool first, RenderCost& cost, TaskTimer& timer) {
+  void shade_segment(Block& block, const HitPacket& hits, bool first, int left, int top, RenderCost& cost,
+                     TaskTimer& timer) {
     kernels_.apply_water(view_, block);
+    timer.add(kWater);
+    if (first && view_.has_backscatter && view_.camera_in_water && view_.lamp_count > 0) {
+      kernels_.add_glow(view_, left, top, block);
+      timer.add(kLampLight);
+    }
     if (scatters_ && first) block.veil = block.radiance, block.first_reach = block.reach;
     kernels_.add_sky(view_, block);
     timer.add(kWater);
@@ -176,7 +196,7 @@ class Rendering {
       set_materials(block, hits);
       kernels_.shade_daylight(view_, block);
       timer.add(kSurfaces);
-      add_unless_shadowed(block, cost.sun_rays);
+      if (any(block.needs_shadow_ray)) add_unless_shadowed(block, cost.sun_rays);
       timer.add(kSunShadows);
       for (int lamp = 0; lamp < view_.lamp_count; ++lamp) {
         kernels_.shade_lamp(view_, lamp, block);
@@ -185,18 +205,12 @@ class Rendering {
         timer.add(kLampShadows);
       }
     }
-    if (first && view_.has_backscatter && view_.camera_in_water) {
-      const camera::BlockVectors before = block.radiance;
-      for (int lamp = 0; lamp < view_.lamp_count; ++lamp) kernels_.add_lamp_backscatter(view_, lamp, block);
-      if (scatters_) camera::add_difference(block.radiance, before, block.veil);
-      timer.add(kLampLight);
-    }
   }
 
   /// Adds the light being tested where the shadow ray is not blocked.
   void add_unless_shadowed(Block& block, std::uint64_t& rays) const {
     BlockMask blocked{};
-    if (on(Effect::kShadows) && any(block.needs_shadow_ray)) {
+    if (on(Effect::kShadows)) {
       rays += count(block.needs_shadow_ray);
       tracer_.occluded(block, blocked, RayOrder::kCoherent);
     }
@@ -278,6 +292,7 @@ class Rendering {
   DirectLight direct_;
   camera::RadiancePlanes radiance_{};
   std::vector<float> shafts_;
+  std::optional<LampGlow> glow_;
   std::vector<Particle> particles_;
   // One per row of blocks, so that their sum does not depend on the number of threads
   std::vector<double> root_luminance_;
@@ -314,6 +329,7 @@ void render_colours(std::span<PictureJob> jobs, int threads, std::span<std::uint
       const std::size_t pixels = static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
       require(3 * pixels == bytes, "camera '" + job.camera->name() + "'", "of another size",
               "must be as large as the first");
+      job.request.colours_only = true;
       job.request.rgb = own.data();
       render(*job.scene, *job.camera, *job.optics, job.request);
     } catch (const InvalidValue& error) {

@@ -79,7 +79,7 @@ class ShaftCaster {
     Block block;
     HitPacket hits;
     start_rays(left, top, kGroup / 2, kGroup, block);
-    tracer_.cast(block, hits, RayOrder::kCoherent);
+    tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
     cost.shaft_rays += count(block.active);
     shadows.distance = block.distance;
     shadows.blocked = {};

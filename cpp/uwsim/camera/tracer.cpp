@@ -50,10 +50,19 @@ void Tracer::record(const RayPacket& rays, RayOrder order, int kind) const {
                                rays.direction_z, rays.near_m, rays.far_m}});
 }
 
-void Tracer::cast(Block& block, HitPacket& hits, RayOrder order) const {
+const camera::BlockFloats& Tracer::everywhere() {
+  static const camera::BlockFloats all = [] {
+    camera::BlockFloats far_m;
+    std::ranges::fill(far_m.at, kFarthest_m);
+    return far_m;
+  }();
+  return all;
+}
+
+void Tracer::cast(Block& block, const camera::BlockFloats& far_m, HitPacket& hits, RayOrder order) const {
   RayPacket rays = packet_of(block.origin, block.direction, block.active);
   rays.near_m.fill(0);
-  rays.far_m.fill(kFarthest_m);
+  copy(rays.far_m, far_m);
   if (record_ != nullptr) record(rays, order, 0);
   rays_.cast(anchor_world_m_, rays, hits, order);
   copy(block.distance, hits.distance_m);

@@ -10,9 +10,12 @@ class Tracer {
  public:
   Tracer(const CameraScene& scene, const Eigen::Vector3d& anchor_world_m, const PictureRequest& request);
 
-  /// Sets distance, normal, label and primitive of active lanes; inactive lanes hit nothing. u and v are stored in
-  /// `hits`.
-  void cast(camera::Block& block, HitPacket& hits, RayOrder order) const;
+  /// How far rays are cast unless there is a reason for less.
+  static const camera::BlockFloats& everywhere();
+
+  /// Casts rays of length `far_m`. Sets distance, normal, label and primitive of active lanes; inactive lanes hit
+  /// nothing. u and v are stored in `hits`.
+  void cast(camera::Block& block, const camera::BlockFloats& far_m, HitPacket& hits, RayOrder order) const;
   /// Recomputes inexact distances to solids and vehicles in double precision: on the plane of the triangle that was hit
   /// or, for vehicles and round shapes, by another cast. Terrain is refined by the kernels (kernels/hits.h).
   void refine(const HitPacket& hits, camera::Block& block) const;

@@ -225,10 +225,22 @@ requires(sizeof(T) == 4) UWSIM_LANES Lanes<T> select(Int mask, Lanes<T> yes, Lan
   UWSIM_UNROLLED yes.part[p] = mask.part[p] ? yes.part[p] : no.part[p];
   return yes;
 }
+/// Whether any lane of a mask (-1 or 0) is true.
 UWSIM_LANES bool any(Int mask) {
-  std::int32_t found = 0;
-  for (int k = 0; k < kLanes; ++k) found |= mask[k];
-  return found != 0;
+  Int::Part found = mask.part[0];
+  for (int p = 1; p < Int::kParts; ++p) found |= mask.part[p];
+#if defined(__AVX512F__)
+  return __builtin_ia32_ptestmd512(found, found, 0xFFFF) != 0;
+#elif defined(__AVX2__)
+  return __builtin_ia32_movmskps256((Float::Part)found) != 0;
+#elif defined(__SSE2__)
+  return __builtin_ia32_movmskps((Float::Part)found) != 0;
+#else
+  for (int k = 0; k < kLanes / Int::kParts; ++k) {
+    if (found[k] != 0) return true;
+  }
+  return false;
+#endif
 }
 /// min is a < b ? a : b, and max is a > b ? a : b; each is a single CPU instruction on x86-64.
 UWSIM_LANES Float min(Float a, Float b) {

@@ -54,6 +54,16 @@ TEST(CameraKernels, FunctionsHaveTheStatedErrors) {
   EXPECT_LT(worst(1e-3, 3.1415, false, angle, [](double x) { return x; }), 3e-6);
 }
 
+TEST(CameraKernels, TransmissionHasTheStatedErrors) {
+  const auto left = [](Float x) { return transmission(splat(0.25f), x); };
+  for (const double most_m : {1.0, 30.0, 200.0}) {
+    EXPECT_LT(worst(0, most_m, true, left, [](double x) { return std::exp(-0.25 * x); }),
+              4e-6 + 1.2e-7 * 0.25 * most_m);
+  }
+  EXPECT_EQ(left(splat(0))[3], 1);
+  EXPECT_LT(left(splat(1e30f))[3], 2e-38);
+}
+
 TEST(CameraKernels, TheTransferCurveIsThatOfSrgb) {
   const auto curve = [](double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
   EXPECT_LT(worst(
@@ -106,6 +116,7 @@ TEST(CameraKernels, LampBackscatterEqualsTheQuadratureWithTrigonometry) {
   View view{};
   view.lamps = &lamp;
   view.lamp_count = view.has_attenuation = 1;
+  view.glow_reach_m = 30;
   for (int n = 0; n < 3; ++n) view.c[n] = 0.3f, view.particle_b[n] = 0.2f, view.molecule_b[n] = 0.003f;
   const auto block = std::make_unique<Block>();
   for (int k = 0; k < kBlockPixels; ++k) {
@@ -117,7 +128,7 @@ TEST(CameraKernels, LampBackscatterEqualsTheQuadratureWithTrigonometry) {
     block->active.at[k] = block->in_water.at[k] = -1;
     block->reach.at[k] = 0.7f + 0.5f * static_cast<float>(k);
   }
-  kHere.add_lamp_backscatter(view, 0, *block);
+  add_lamp_backscatter(view, 0, *block);
   for (int k = 0; k < kBlockPixels; ++k) {
     const std::array<double, 3> direction = {block->direction.x.at[k], block->direction.y.at[k],
                                              block->direction.z.at[k]};

@@ -272,6 +272,72 @@ TEST_F(Renderer, AVehicleIsSeenByOtherCamerasButNotByItsOwn) {
   EXPECT_TRUE(sees());
 }
 
+/// The number of pixels of two pictures that differ by one step of their 8 bits. More than one step is a failure.
+std::size_t steps_between(const Picture& a, const Picture& b) {
+  std::size_t differing = 0;
+  for (std::size_t k = 0; k < a.rgb.size(); ++k) {
+    const int step = std::abs(a.rgb[k] - b.rgb[k]);
+    EXPECT_LE(step, 1) << k;
+    differing += step > 0 ? 1 : 0;
+  }
+  return differing;
+}
+
+// Light that hardly matters is not tested for shadows. Compared with testing all light, fewer rays are cast, and few
+// pixels change, by one step.
+TEST_F(Renderer, WeakLightNeedsNoShadowTest) {
+  for (const auto& [eye, pitch] : {std::pair(Eigen::Vector3d(-4, 0, -4), 0.3), {Eigen::Vector3d(-1, 0, -4.5), 0.1}}) {
+    PictureRequest request = from(eye, pitch);
+    request.world_from_vehicles = {{eye + Eigen::Vector3d(2.5, -0.6, -0.3), Eigen::Quaterniond::Identity()}};
+    RenderCost fewer, all;
+    const Picture picture = render(scene, *camera, optics, request, &fewer);
+    request.untested_share = 0;
+    const Picture exact = render(scene, *camera, optics, request, &all);
+    EXPECT_LT(fewer.sun_rays + fewer.lamp_rays, 0.95 * static_cast<double>(all.sun_rays + all.lamp_rays));
+    EXPECT_LT(steps_between(picture, exact), picture.rgb.size() / 100);
+  }
+}
+
+// A camera that moves imperceptibly computes the lamps' backscatter for every pixel.
+TEST_F(Renderer, InterpolatedBackscatterOfLampsIsAccurate) {
+  Lens lens = camera->lens();
+  lens.width *= 4, lens.height *= 4, lens.fx *= 4, lens.fy *= 4, lens.cx *= 4, lens.cy *= 4;
+  PictureRequest request = from({0, 0, -2}, -0.2);
+  request.effects = Effects::none();
+  for (const Effect effect : {Effect::kAttenuation, Effect::kBackscatter, Effect::kLamps, Effect::kShutter}) {
+    request.effects.set(effect, true);
+  }
+  const std::vector<float> interpolated = render(scene, Camera("test", lens, {}), optics, request).radiance;
+  ImageSensor sensor;
+  sensor.readout_s = 1e-9;
+  const Camera moving("test", lens, sensor);
+  request.velocity_camera << 1e-9, 0, 0, 0, 0, 0;
+  const std::vector<float> exact = render(scene, moving, optics, request).radiance;
+  std::size_t differing = 0;
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    ASSERT_NEAR(interpolated[k], exact[k], 1e-3 * static_cast<double>(exact[k])) << k;
+    differing += interpolated[k] != exact[k] ? 1 : 0;
+  }
+  EXPECT_GT(differing, exact.size() / 4);
+}
+
+TEST_F(Renderer, APictureWithoutGeometryHasTheSameColoursFromShorterRays) {
+  PictureRequest request = from({-4, 0, -4}, 0.05);
+  request.effects.set(Effect::kParticles, false);
+  const Picture whole = render(scene, *camera, optics, request);
+  RayRecord record;
+  request.colours_only = true;
+  request.record = &record;
+  const Picture colours = render(scene, *camera, optics, request);
+  EXPECT_EQ(whole.rgb, colours.rgb);
+  EXPECT_EQ(whole.radiance, colours.radiance);
+  EXPECT_TRUE(colours.depth_m.empty());
+  const double c = optics.water.beam_attenuation().minCoeff();
+  std::size_t shorter = 0;
+  for (const RayRecord::Packet& packet : record.packets) shorter += packet.rows[7][0] < 20 / c ? 1 : 0;
+  EXPECT_GT(shorter, record.packets.size() / 2);
+}
+
 TEST_F(Renderer, RefusesImpossiblePlacesAndParameters) {
   EXPECT_THROW(render(scene, *camera, optics, from({0, 0, -30}, 0)), InvalidValue);
   EXPECT_THROW(render(scene, *camera, optics, from({0, 0, NAN}, 0)), InvalidValue);

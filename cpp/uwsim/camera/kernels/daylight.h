@@ -7,11 +7,25 @@
 namespace uwsim::camera {
 namespace {
 
-constexpr float kShadowReach_m = 5.0f;        // above the water; anything higher casts no shadow into it
-constexpr float kShadowRayThreshold = 2e-3f;  // light that adds less than this to a pixel's radiance is not tested
+constexpr float kShadowReach_m = 5.0f;     // above the water; anything higher casts no shadow into it
+constexpr float kStrongestCaustic = 9.0f;  // caustic_at returns at most this
 
 UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
   return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
+}
+
+/// Whether light adds more than View::untested_share to the radiance so far, summed over the bands.
+UWSIM_LANES Int matters(const View& view, Vector light, Vector so_far) {
+  return light.x + light.y + light.z > view.untested_share * (so_far.x + so_far.y + so_far.z);
+}
+
+/// Adds light in `lit` lanes: at once where it does not matter whether it is blocked, elsewhere after a shadow test.
+UWSIM_LANES void add_or_test(const View& view, Int lit, Vector light, Block& block) {
+  const Vector so_far = load(block.radiance);
+  const Int tested = lit & matters(view, light, so_far);
+  store(block.unshadowed, light);
+  store(block.needs_shadow_ray.at, tested);
+  store(block.radiance, select(lit & ~tested, so_far + light, so_far));
 }
 
 /// Shades surfaces by daylight: the sky's light is added immediately; the sun's light is added later, if a shadow ray
@@ -36,19 +50,17 @@ void shade_daylight(const View& view, Block& block) {
       broadcast(view.beam) * splat(view.to_sun[2] > 0 ? view.to_sun[2] : 0.0f) + broadcast(view.sky);
   const Vector in_air = broadcast(view.sky) * facing_up + on_level * (0.15f * (1 - facing_up));
   const Vector reflected = reflected_per_irradiance(block);
-  const Vector light = load(block.radiance);
-  store(block.radiance, select(lit, light + reflected * select(under, in_water, in_air), light));
-  Vector beam_in_water = day.beam * cosine_in_water;
-  if (view.has_caustics && any(lit & under)) beam_in_water = beam_in_water * caustic_at(view, point);
-  const Vector beam = reflected * select(under, beam_in_water, broadcast(view.beam) * cosine_in_air);
-  store(block.unshadowed, beam);
-  const Vector to_sun = select(under, broadcast(view.to_sun_in_water), broadcast(view.to_sun));
-  store(block.to_light, to_sun);
+  const Vector before = load(block.radiance);
+  const Vector so_far = select(lit, before + reflected * select(under, in_water, in_air), before);
+  store(block.radiance, so_far);
+  Vector beam = reflected * select(under, day.beam * cosine_in_water, broadcast(view.beam) * cosine_in_air);
+  if (view.has_caustics && any(lit & under & matters(view, beam * splat(kStrongestCaustic), so_far))) {
+    beam = beam * select(under, caustic_at(view, point), splat(1));
+  }
+  store(block.to_light, select(under, broadcast(view.to_sun_in_water), broadcast(view.to_sun)));
   store(block.light_distance.at,
         select(under, max(depth, Float{}) * (1 / view.to_sun_in_water[2]) + kShadowReach_m, splat(3000.0f)));
-  const Float sunlight = beam.x + beam.y + beam.z;
-  const Float so_far = light.x + light.y + light.z;
-  store(block.needs_shadow_ray.at, lit & (sunlight > kShadowRayThreshold * so_far) & (sunlight > 1e-9f));
+  add_or_test(view, lit, beam, block);
 }
 
 /// Adds the light being tested in lanes whose shadow ray was not blocked.

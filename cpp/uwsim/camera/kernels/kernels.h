@@ -39,13 +39,14 @@ struct Kernels {
   void (*locate_hits)(const View&, Block&);
   void (*write_geometry)(const View&, int left, int top, const Block&, const GeometryPlanes&);
   // Light along one segment and at its end.
+  void (*limit_to_sight)(const View&, const Block&, BlockFloats& far_m);
   void (*apply_water)(const View&, Block&);
   void (*refract_or_reflect)(const View&, Block&);
   void (*add_sky)(const View&, Block&);
   void (*shade_daylight)(const View&, Block&);
   void (*shade_lamp)(const View&, int lamp, Block&);
   void (*add_unblocked_light)(const View&, const BlockMask& blocked, Block&);
-  void (*add_lamp_backscatter)(const View&, int lamp, Block&);
+  void (*add_glow)(const View&, int left, int top, Block&);
   void (*shaft_sample_point)(const View&, float share, Block&);
   void (*shaft_sample_light)(const View&, const Block&, BlockFloats& weight, BlockFloats& caustic);
   // Paths to radiance, and radiance to bytes.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "uwsim/camera/kernels/block_weights.h"
 #include "uwsim/camera/kernels/daylight.h"
 
 /// Lamps: their light on surfaces and their backscatter in the water. Included only by the kernels.
@@ -8,8 +9,8 @@ namespace {
 
 constexpr int kBackscatterSamples = 4;
 
-/// A lamp's light on surfaces, to be tested by a shadow ray: intensity / distance^2, attenuated by the water in
-/// between.
+/// A lamp's light on surfaces, to be tested by a shadow ray if it matters: intensity / distance^2, attenuated by the
+/// water in between.
 void shade_lamp(const View& view, int index, Block& block) {
   const SpotLight& lamp = view.lamps[index];
   const Vector point = load(block.point), normal = load(block.normal);
@@ -24,15 +25,10 @@ void shade_lamp(const View& view, int index, Block& block) {
   const Float spot = smoothstep((cone - lamp.cos_outer) * (1 / (lamp.cos_inner - lamp.cos_outer)));
   const Float cosine = max(dot(normal, direction), Float{});
   Vector light = broadcast(lamp.intensity) * (spot * cosine / square);
-  if (view.has_attenuation) light = light * exponential(broadcast(view.c) * (-distance));
-  light = reflected_per_irradiance(block) * light;
-  store(block.unshadowed, light);
+  if (view.has_attenuation) light = light * transmission(view.c, distance);
   store(block.to_light, direction);
   store(block.light_distance.at, distance - 0.02f);
-  const Vector so_far = load(block.radiance);
-  const Float lamp_light = light.x + light.y + light.z;
-  store(block.needs_shadow_ray.at,
-        lit & (lamp_light > kShadowRayThreshold * (so_far.x + so_far.y + so_far.z)) & (lamp_light > 1e-9f));
+  add_or_test(view, lit, reflected_per_irradiance(block) * light, block);
 }
 
 /// The part of a ray inside the lamp's outer cone: from..to along the ray, empty if from >= to.
@@ -44,8 +40,8 @@ UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float en
   const Float inside = b * b - a * c;
   const Int misses = inside < 0;
   const Float root = square_root(max(inside, Float{}));
-  const Float safe = select(abs(a) < 1e-6f, splat(1e-6f), a);
-  const Float t1 = (-b - root) / safe, t2 = (-b + root) / safe;
+  const Float per_a = 1 / select(abs(a) < 1e-6f, splat(1e-6f), a);
+  const Float t1 = (-b - root) * per_a, t2 = (-b + root) * per_a;
   const Float low = min(t1, t2), high = max(t1, t2);
   // A ray steeper than the cone's side is inside between the roots; a shallower one is inside beyond the last root or
   // before the first.
@@ -60,31 +56,36 @@ UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float en
   to = select(empty, from, to);
 }
 
+/// A lamp as seen from points along a ray: its soft edge, 0 at the outer cone and 1 at the inner one, is
+/// ahead c + along s + edge, for the sine s and the cosine c of lamp_scattering.
+struct LampAlongRay {
+  Float nearest, apart, ahead, along;  ///< the ray's nearest point to the lamp, and its distance from the lamp
+  float edge;
+};
+
 /// The lamp's light that the water at one point scatters towards the eye, attenuated on both paths, divided by
 /// intensity / apart. `s`, `c`: sine and cosine of the angle at the lamp between the ray's nearest point and this one;
-/// -s is also the cosine of the scattering angle. `ahead`, `along`: the cosine to the lamp's axis is ahead c + along s.
-UWSIM_LANES Vector lamp_scattering(const View& view, const SpotLight& lamp, Float s, Float c, Float ahead, Float along,
-                                   Float nearest, Float apart) {
+/// -s is also the cosine of the scattering angle.
+UWSIM_LANES Vector lamp_scattering(const View& view, const LampAlongRay& lamp, Float s, Float c) {
   constexpr float g = kLampAsymmetry;
-  const Float spot = smoothstep((ahead * c + along * s - lamp.cos_outer) * (1 / (lamp.cos_inner - lamp.cos_outer)));
+  const Float spot = smoothstep(lamp.ahead * c + lamp.along * s + lamp.edge);
   // Computes henyey_greenstein_phase(-s, g) = (1 - g^2) / (4 pi) / cube and path = nearest + apart (1 + s) / c with a
   // single division.
   const Float side = 1 + g * g + 2 * g * s, cube = side * square_root(side), per = 1 / (cube * c);
-  const Float path = nearest + apart * ((1 + s) * (cube * per));
+  const Float path = lamp.nearest + lamp.apart * ((1 + s) * (cube * per));
   const Float particles = spot * (c * per) * ((1 - g * g) / (4 * kPi)), molecules = spot * rayleigh_phase(s);
   const Vector light = broadcast(view.particle_b) * particles + broadcast(view.molecule_b) * molecules;
-  return view.has_attenuation ? light * exponential(broadcast(view.c) * -path) : light;
+  return view.has_attenuation ? light * transmission(view.c, path) : light;
 }
 
 /// Single scattering of the lamp's light into the ray, sampled at points that are evenly spaced in the angle at the
 /// lamp (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media"): dt /
 /// distance^2 = d angle / closest distance, so the peak near the lamp needs no additional samples. Shadows are ignored.
-void add_lamp_backscatter(const View& view, int index, Block& block) {
+UWSIM_LANES void add_lamp_backscatter(const View& view, int index, Block& block) {
   const SpotLight& lamp = view.lamps[index];
   const Vector direction = load(block.direction);
   const Int active = load(block.active.at) & load(block.in_water.at);
-  // Light from beyond eight attenuation lengths is not noticeable.
-  const Float end = min(load(block.reach.at), splat(8 / view.c[1]));
+  const Float end = min(load(block.reach.at), splat(view.glow_reach_m));
   Float from, to;
   cone_crossing(lamp, direction, end, from, to);
   const Int crosses = active & (to > from);
@@ -92,7 +93,10 @@ void add_lamp_backscatter(const View& view, int index, Block& block) {
   const Vector lamp_at = broadcast(lamp.position), axis = broadcast(lamp.axis);
   const Float nearest = dot(lamp_at, direction);
   const Float apart = square_root(max(dot(lamp_at, lamp_at) - nearest * nearest, splat(1e-4f)));
-  const Float along = dot(direction, axis), ahead = (along * nearest - dot(lamp_at, axis)) / apart;
+  const float per_edge = 1 / (lamp.cos_inner - lamp.cos_outer);
+  const Float per_apart = 1 / apart, cosine = dot(direction, axis);
+  const LampAlongRay along = {nearest, apart, (cosine * nearest - dot(lamp_at, axis)) * per_apart * per_edge,
+                              cosine * per_edge, -lamp.cos_outer * per_edge};
   const Float first = from - nearest, last = to - nearest;
   const Float step = angle_of(apart * apart + first * last, apart * (last - first)) * (1.0f / kBackscatterSamples);
   const Float half = 0.5f * step, z = half * half;  // half is at most pi / 8, so series suffice
@@ -103,14 +107,32 @@ void add_lamp_backscatter(const View& view, int index, Block& block) {
   Float s = (first * half_c + apart * half_s) * per, c = (apart * half_c - first * half_s) * per;
   Vector sum = zero();
   for (int k = 0; k < kBackscatterSamples; ++k) {
-    sum = sum + lamp_scattering(view, lamp, s, max(c, splat(1e-4f)), ahead, along, nearest, apart);
+    sum = sum + lamp_scattering(view, along, s, max(c, splat(1e-4f)));
     const Float turned = s * step_c + c * step_s;
     c = c * step_c - s * step_s;
     s = turned;
   }
-  const Vector added = sum * broadcast(lamp.intensity) * (step / apart);
+  const Vector added = sum * broadcast(lamp.intensity) * (step * per_apart);
   const Vector light = load(block.radiance);
   store(block.radiance, select(crosses, light + added, light));
+}
+
+/// The backscatter of all lamps. Where nothing ends the rays early, it varies slowly over the picture and is
+/// interpolated between blocks (lamp_glow.h).
+void add_glow(const View& view, int left, int top, Block& block) {
+  const LampGlow& glow = view.glow;
+  const Int active = load(block.active.at) & load(block.in_water.at);
+  const BlockNeighbours at(view, left, top);
+  if (glow.is_smooth != nullptr && glow.is_smooth[at.rows[1] + at.columns[1]] &&
+      !any(active & (load(block.reach.at) < view.glow_reach_m))) {
+    static constexpr BlockWeights kWeights = block_weights(kGlowPixel);
+    const Vector light = load(block.radiance);
+    const Vector added = {interpolate_blocks(kWeights, at, glow.bands[0]),
+                          interpolate_blocks(kWeights, at, glow.bands[1]),
+                          interpolate_blocks(kWeights, at, glow.bands[2])};
+    return store(block.radiance, select(active, light + added, light));
+  }
+  for (int lamp = 0; lamp < view.lamp_count; ++lamp) add_lamp_backscatter(view, lamp, block);
 }
 
 }  // namespace

@@ -31,9 +31,8 @@ UWSIM_LANES MaterialLanes material_lanes(const Material& m) {
           splat(m.bump),     splat(m.ripple_m),  splat(m.ripple_tilt)};
 }
 UWSIM_LANES MaterialLanes material_lanes(const Material* materials, Int index) {
-  bool alike = true;
-  for (int k = 1; k < kLanes; ++k) alike = alike && index[k] == index[0];
-  if (alike) return material_lanes(materials[index[0]]);
+  const Int first(index[0]);
+  if (!any(~(index == first))) return material_lanes(materials[index[0]]);
   MaterialLanes all{};
   for (int k = 0; k < kLanes; ++k) {
     const Material& m = materials[index[k]];
@@ -61,9 +60,11 @@ void apply_material(const View& view, Block& block) {
   material = select(on_land, Int(view.land_material), select(steep, Int(view.steep_material), material));
   const MaterialLanes look = material_lanes(view.materials, material);
   const Float fine_near = clamp(1.5f - 1.5f * pixel_m * look.fine_per_m, 0, 1);
-  const Float fine = value_noise(at * look.fine_per_m, 91u) - 0.5f;
-  const Float grain = value_noise(at * (look.fine_per_m * 9.0f), 53u) - 0.5f;
   const Float grain_near = clamp(1.5f - 13.0f * pixel_m * look.fine_per_m, 0, 1);
+  const Int lit = load(block.lit.at);
+  Float fine{}, grain{};
+  if (any(lit & (fine_near > 0))) fine = value_noise(at * look.fine_per_m, 91u) - 0.5f;
+  if (any(lit & (grain_near > 0))) grain = value_noise(at * (look.fine_per_m * 9.0f), 53u) - 0.5f;
   const Float patches = (large - 0.5f) * 0.9f + fine * fine_near * 0.7f + grain * grain_near * 0.9f;
   const Float share = clamp(0.5f + look.contrast * patches, 0, 1);
   Vector albedo = {mix(look.base.x, look.other.x, share), mix(look.base.y, look.other.y, share),

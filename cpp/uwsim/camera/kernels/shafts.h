@@ -1,5 +1,6 @@
 #pragma once
 
+#include "uwsim/camera/kernels/block_weights.h"
 #include "uwsim/camera/kernels/daylight.h"
 
 /// Shafts of sunlight: sampled per block, interpolated per pixel. Included only by the kernels.
@@ -26,39 +27,11 @@ void shaft_sample_light(const View& view, const Block& block, BlockFloats& weigh
   store(caustic.at, view.has_caustics ? caustic_at(view, load(block.point)) : splat(1));
 }
 
-/// Weights of bilinear interpolation between blocks: the weights, for each lane, of the blocks before, at and after its
-/// own along each axis. A block's value belongs to its middle, 1.5 pixels from its first pixel.
-struct BlockWeights {
-  alignas(64) float across[3][kLanes], down[3][kLanes];
-};
-constexpr BlockWeights block_weights() {
-  BlockWeights weights{};
-  for (int k = 0; k < kLanes; ++k) {
-    const float x = static_cast<float>(k % kBlockSide) / kBlockSide - 0.375f;
-    const float y = static_cast<float>(k / kBlockSide) / kBlockSide - 0.375f;
-    weights.across[0][k] = x < 0 ? -x : 0, weights.across[1][k] = 1 - (x < 0 ? -x : x),
-    weights.across[2][k] = x < 0 ? 0 : x;
-    weights.down[0][k] = y < 0 ? -y : 0, weights.down[1][k] = 1 - (y < 0 ? -y : y), weights.down[2][k] = y < 0 ? 0 : y;
-  }
-  return weights;
-}
-constexpr BlockWeights kBlockWeights = block_weights();
-
 /// The illumination of the water along each pixel's ray, interpolated between blocks: 1 without shafts, less in shadow,
-/// more where light is focused.
+/// more where light is focused. A block's value belongs to its middle, 1.5 pixels from its first pixel.
 UWSIM_LANES Float shaft_at(const View& view, int left, int top) {
-  const int height = (view.height + kBlockSide - 1) / kBlockSide;
-  const int i = left / kBlockSide, j = top / kBlockSide;
-  const int i0 = i > 0 ? i - 1 : 0, i2 = i + 1 < view.shaft_width ? i + 1 : i;
-  Float light;
-  for (int n = 0; n < 3; ++n) {
-    const int y = j + n - 1 < 0 ? 0 : (j + n - 1 < height ? j + n - 1 : height - 1);
-    const float* row = view.shafts + y * view.shaft_width;
-    const Float here = load(kBlockWeights.across[0]) * row[i0] + load(kBlockWeights.across[1]) * row[i] +
-                       load(kBlockWeights.across[2]) * row[i2];
-    light = light + load(kBlockWeights.down[n]) * here;
-  }
-  return light;
+  static constexpr BlockWeights kWeights = block_weights(1.5f);
+  return interpolate_blocks(kWeights, BlockNeighbours(view, left, top), view.shafts);
 }
 
 }  // namespace

@@ -31,6 +31,13 @@ struct WaveNodes {
   float spacing_m, left_m, bottom_m;  ///< of the first node, relative to the camera
 };
 
+/// The lamps' backscatter along rays that nothing ends early, for one pixel of each block; see lamp_glow.h.
+inline constexpr int kGlowPixel = 2;  ///< the column and the row of that pixel in its block
+struct LampGlow {
+  const float* bands[3];
+  const std::uint8_t* is_smooth;  ///< whether interpolating between blocks is accurate; null if there is no glow
+};
+
 struct View {
   int width, height;
   const float *ray_x, *ray_y;              ///< each pixel's direction at unit depth
@@ -55,6 +62,7 @@ struct View {
   std::uint32_t terrain_label;
 
   int has_surface, camera_in_water, has_sunlight, has_attenuation, has_backscatter, has_caustics;
+  float untested_share;  ///< see PictureRequest
   float refractive_index;
   float c[3], kd[3], kb[3];             ///< attenuation [1/m] of a beam, of daylight, of daylight's direct beam
   float particle_b[3], molecule_b[3];   ///< scattering [1/m]
@@ -70,6 +78,8 @@ struct View {
   int steep_material, land_material;  ///< indices of steep and of dry ground; the bed's index is 0
   int lamp_count;
   const SpotLight* lamps;
+  float glow_reach_m;  ///< how far along a ray the water scatters a noticeable part of the lamps' light
+  LampGlow glow;
   int shaft_width;  ///< number of blocks in a row of the shafts' image; 0 for no shafts
   const float* shafts;
 };

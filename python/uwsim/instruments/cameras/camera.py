@@ -237,9 +237,16 @@ class Camera(Sealed):
 
         return capture
 
-    def record_rays(self, effects: Collection[str] = EFFECTS, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
-        """Return the ray packets that are cast to render a picture, and their origin (3,), for benchmarks."""
-        picture, _, pose = self._render(list(effects), 1, None, geometry_only=geometry_only, record=True)
+    def record_rays(
+        self, effects: Collection[str] = EFFECTS, *, geometry_only: bool = False, colours_only: bool = False
+    ) -> tuple[bytes, Floats]:
+        """Return the ray packets that are cast to render a picture, and their origin (3,), for benchmarks.
+
+        colours_only: whether the picture needs no depth, labels or normals, like those of a batch.
+        """
+        picture, _, pose = self._render(
+            list(effects), 1, None, geometry_only=geometry_only, record=True, colours_only=colours_only
+        )
         return picture.packets, pose[:3, 3]
 
     def _render(
