@@ -33,6 +33,11 @@ LampGlow::LampGlow(const camera::View& view, const camera::Kernels& kernels, con
   for (int row = 1; row + 1 < rows_; ++row) find_smooth(row);
 }
 
+void LampGlow::show_in(camera::View& view) const {
+  for (std::size_t band = 0; band < bands_.size(); ++band) view.glow.bands[band] = bands_[band].data();
+  view.glow.is_smooth = is_smooth_.data();
+}
+
 /// Computes four rows of values.
 void LampGlow::sample(const camera::View& view, const camera::Kernels& kernels, int row) {
   Block block;

@@ -11,14 +11,14 @@
 namespace uwsim {
 
 /// The light of lamps that the water scatters into the camera along rays that nothing ends early, computed for one
-/// pixel of each block of 4 x 4. Most of a picture under water needs no more: in between, the light is interpolated.
+/// pixel of each block of 4 x 4. In between, the light is interpolated.
 class LampGlow {
  public:
   LampGlow(const camera::View& view, const camera::Kernels& kernels, const PictureRequest& request,
            std::vector<RenderCost>& costs);
 
-  /// Pointers to the values, which are valid during the lifetime of this object.
-  camera::LampGlow view() const { return {{bands_[0].data(), bands_[1].data(), bands_[2].data()}, is_smooth_.data()}; }
+  /// Sets pointers to the values, which are valid during the lifetime of this object.
+  void show_in(camera::View& view) const;
 
  private:
   void sample(const camera::View& view, const camera::Kernels& kernels, int row);

@@ -175,7 +175,8 @@ void PreparedView::set_lamps(const PictureRequest& request) {
     farthest_m = std::max(farthest_m, std::hypot(double{lamp.position[0]}, lamp.position[1], lamp.position[2]));
   }
   const float clearest = std::min({view.c[0], view.c[1], view.c[2]});
-  view.glow_reach_m = std::min(8 / view.c[1], static_cast<float>(1.4 * farthest_m) + 3 / clearest);
+  view.glow.near_m = static_cast<float>(2.5 * farthest_m);
+  view.glow.reach_m = std::min(8 / view.c[1], static_cast<float>(1.4 * farthest_m) + 3 / clearest);
 }
 
 }  // namespace uwsim

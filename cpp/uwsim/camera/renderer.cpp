@@ -64,7 +64,7 @@ class Rendering {
     // Parts of an exposure see the lamps from different places, and coarse pictures have no smooth blocks.
     if (!request_.geometry_only && view_.lamp_count > 0 && view_.has_backscatter && view_.camera_in_water &&
         !view_.moves && view_.pixel_rad < kCoarsePixel_rad) {
-      view_.glow = glow_.emplace(view_, kernels_, request_, costs_).view();
+      glow_.emplace(view_, kernels_, request_, costs_).show_in(view_);
     }
     const int rows = (view_.height + kBlockSide - 1) / kBlockSide;
     root_luminance_.assign(static_cast<std::size_t>(rows), 0.0);
@@ -164,8 +164,9 @@ class Rendering {
   }
 
   void locate_hits(const HitPacket& hits, Block& block) const {
-    const auto is_solid = [](std::uint32_t label) { return label > kTerrain; };
-    if (std::any_of(std::begin(block.label), std::end(block.label), is_solid)) tracer_.refine(hits, block);
+    unsigned has_solids = 0;  // without an early end, the compiler vectorizes the loop
+    for (const std::uint32_t label : block.label) has_solids |= label > kTerrain ? 1u : 0u;
+    if (has_solids != 0) tracer_.refine(hits, block);
     kernels_.locate_hits(view_, block);
   }
 

@@ -87,8 +87,8 @@ TEST(CameraKernels, NoiseDrawsTheSameWordsAsRandomStream) {
   }
 }
 
-/// Reference for add_lamp_backscatter, for rays that hit nothing: the same quadrature in double, directly from the
-/// formulas.
+/// Reference for the kernels' lamp_backscatter, for rays that hit nothing: the same quadrature in double, directly from
+/// the formulas.
 double lamp_backscatter(const View& view, const SpotLight& lamp, const std::array<double, 3>& direction, double from,
                         double to) {
   const auto dot = [](const auto& a, const auto& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
@@ -116,7 +116,6 @@ TEST(CameraKernels, LampBackscatterEqualsTheQuadratureWithTrigonometry) {
   View view{};
   view.lamps = &lamp;
   view.lamp_count = view.has_attenuation = 1;
-  view.glow_reach_m = 30;
   for (int n = 0; n < 3; ++n) view.c[n] = 0.3f, view.particle_b[n] = 0.2f, view.molecule_b[n] = 0.003f;
   const auto block = std::make_unique<Block>();
   for (int k = 0; k < kBlockPixels; ++k) {
@@ -128,15 +127,17 @@ TEST(CameraKernels, LampBackscatterEqualsTheQuadratureWithTrigonometry) {
     block->active.at[k] = block->in_water.at[k] = -1;
     block->reach.at[k] = 0.7f + 0.5f * static_cast<float>(k);
   }
-  add_lamp_backscatter(view, 0, *block);
+  const Vector direction = load(block->direction);
+  const Float reach = load(block->reach.at);
+  const Vector light =
+      lamp_backscatter<kBackscatterSamples>(view, 0, direction, Float{}, reach, load(block->active.at));
   for (int k = 0; k < kBlockPixels; ++k) {
-    const std::array<double, 3> direction = {block->direction.x.at[k], block->direction.y.at[k],
-                                             block->direction.z.at[k]};
+    const std::array<double, 3> along = {direction.x[k], direction.y[k], direction.z[k]};
     Float from, to;
-    cone_crossing(lamp, load(block->direction), load(block->reach.at), from, to);
-    const double expected = lamp_backscatter(view, lamp, direction, from[k], to[k]);
+    cone_crossing(lamp, direction, Float{}, reach, from, to);
+    const double expected = lamp_backscatter(view, lamp, along, from[k], to[k]);
     ASSERT_GT(expected, 1e-6) << k;
-    EXPECT_NEAR(block->radiance.y.at[k], expected, 1e-5 * expected) << k;
+    EXPECT_NEAR(light.y[k], expected, 1e-5 * expected) << k;
   }
 }
 

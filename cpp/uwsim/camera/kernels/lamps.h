@@ -31,8 +31,9 @@ void shade_lamp(const View& view, int index, Block& block) {
   add_or_test(view, lit, reflected_per_irradiance(block) * light, block);
 }
 
-/// The part of a ray inside the lamp's outer cone: from..to along the ray, empty if from >= to.
-UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float end, Float& from, Float& to) {
+/// The part of a ray, from `begin` to `end`, inside the lamp's outer cone: from..to along the ray, empty if from >= to.
+UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float begin, Float end, Float& from,
+                               Float& to) {
   const Vector m = broadcast(lamp.position) * splat(-1), axis = broadcast(lamp.axis);
   const float cos2 = lamp.cos_outer * lamp.cos_outer;
   const Float da = dot(direction, axis), ma = dot(m, axis);
@@ -48,7 +49,7 @@ UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float en
   const Int crosses = a < 0;
   from = select(crosses, low, select(da > 0, high, splat(0)));
   to = select(crosses, high, select(da > 0, end, low));
-  from = max(from, Float{});
+  from = max(from, begin);
   to = min(to, end);
   const Float middle = 0.5f * (from + to);
   const Int behind = ma + da * middle < 0;
@@ -81,15 +82,14 @@ UWSIM_LANES Vector lamp_scattering(const View& view, const LampAlongRay& lamp, F
 /// Single scattering of the lamp's light into the ray, sampled at points that are evenly spaced in the angle at the
 /// lamp (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media"): dt /
 /// distance^2 = d angle / closest distance, so the peak near the lamp needs no additional samples. Shadows are ignored.
-UWSIM_LANES void add_lamp_backscatter(const View& view, int index, Block& block) {
+/// The light is that from the water between two distances along the ray.
+template <int kSamples>
+UWSIM_LANES Vector lamp_backscatter(const View& view, int index, Vector direction, Float begin, Float end, Int active) {
   const SpotLight& lamp = view.lamps[index];
-  const Vector direction = load(block.direction);
-  const Int active = load(block.active.at) & load(block.in_water.at);
-  const Float end = min(load(block.reach.at), splat(view.glow_reach_m));
   Float from, to;
-  cone_crossing(lamp, direction, end, from, to);
+  cone_crossing(lamp, direction, begin, end, from, to);
   const Int crosses = active & (to > from);
-  if (!any(crosses)) return;
+  if (!any(crosses)) return zero();
   const Vector lamp_at = broadcast(lamp.position), axis = broadcast(lamp.axis);
   const Float nearest = dot(lamp_at, direction);
   const Float apart = square_root(max(dot(lamp_at, lamp_at) - nearest * nearest, splat(1e-4f)));
@@ -98,41 +98,50 @@ UWSIM_LANES void add_lamp_backscatter(const View& view, int index, Block& block)
   const LampAlongRay along = {nearest, apart, (cosine * nearest - dot(lamp_at, axis)) * per_apart * per_edge,
                               cosine * per_edge, -lamp.cos_outer * per_edge};
   const Float first = from - nearest, last = to - nearest;
-  const Float step = angle_of(apart * apart + first * last, apart * (last - first)) * (1.0f / kBackscatterSamples);
-  const Float half = 0.5f * step, z = half * half;  // half is at most pi / 8, so series suffice
+  const Float step = angle_of(apart * apart + first * last, apart * (last - first)) * (1.0f / kSamples);
+  const Float half = 0.5f * step, z = half * half;  // half is at most pi / 4, so series suffice
   const Float half_s = half * (1 + z * (-1.0f / 6 + z * (1.0f / 120 - z * (1.0f / 5040))));
   const Float half_c = 1 + z * (-0.5f + z * (1.0f / 24 - z * (1.0f / 720)));
   const Float step_s = 2 * half_s * half_c, step_c = 1 - 2 * half_s * half_s;
   const Float per = 1 / square_root(apart * apart + first * first);
   Float s = (first * half_c + apart * half_s) * per, c = (apart * half_c - first * half_s) * per;
   Vector sum = zero();
-  for (int k = 0; k < kBackscatterSamples; ++k) {
+  for (int k = 0; k < kSamples; ++k) {
     sum = sum + lamp_scattering(view, along, s, max(c, splat(1e-4f)));
     const Float turned = s * step_c + c * step_s;
     c = c * step_c - s * step_s;
     s = turned;
   }
-  const Vector added = sum * broadcast(lamp.intensity) * (step * per_apart);
-  const Vector light = load(block.radiance);
-  store(block.radiance, select(crosses, light + added, light));
+  return select(crosses, sum * broadcast(lamp.intensity) * (step * per_apart), zero());
 }
 
-/// The backscatter of all lamps. Where nothing ends the rays early, it varies slowly over the picture and is
-/// interpolated between blocks (lamp_glow.h).
+/// The backscatter of all lamps. Along rays that nothing ends early, it varies slowly over the picture and is
+/// interpolated between blocks (lamp_glow.h). What lies beyond the end of other rays is subtracted; since most of the
+/// light comes from near the lamps, one sample is enough for that.
 void add_glow(const View& view, int left, int top, Block& block) {
   const LampGlow& glow = view.glow;
+  const Vector direction = load(block.direction);
   const Int active = load(block.active.at) & load(block.in_water.at);
+  const Float reach = load(block.reach.at), farthest = splat(glow.reach_m);
   const BlockNeighbours at(view, left, top);
-  if (glow.is_smooth != nullptr && glow.is_smooth[at.rows[1] + at.columns[1]] &&
-      !any(active & (load(block.reach.at) < view.glow_reach_m))) {
+  Vector added = zero();
+  if (glow.is_smooth != nullptr && glow.is_smooth[at.rows[1] + at.columns[1]] && !any(active & (reach < glow.near_m))) {
     static constexpr BlockWeights kWeights = block_weights(kGlowPixel);
-    const Vector light = load(block.radiance);
-    const Vector added = {interpolate_blocks(kWeights, at, glow.bands[0]),
-                          interpolate_blocks(kWeights, at, glow.bands[1]),
-                          interpolate_blocks(kWeights, at, glow.bands[2])};
-    return store(block.radiance, select(active, light + added, light));
+    added = {interpolate_blocks(kWeights, at, glow.bands[0]), interpolate_blocks(kWeights, at, glow.bands[1]),
+             interpolate_blocks(kWeights, at, glow.bands[2])};
+    if (any(active & (reach < farthest))) {
+      for (int k = 0; k < view.lamp_count; ++k) {
+        added = added - lamp_backscatter<1>(view, k, direction, reach, farthest, active);
+      }
+      added = {max(added.x, Float{}), max(added.y, Float{}), max(added.z, Float{})};
+    }
+  } else {
+    for (int k = 0; k < view.lamp_count; ++k) {
+      added = added + lamp_backscatter<kBackscatterSamples>(view, k, direction, Float{}, min(reach, farthest), active);
+    }
   }
-  for (int lamp = 0; lamp < view.lamp_count; ++lamp) add_lamp_backscatter(view, lamp, block);
+  const Vector light = load(block.radiance);
+  store(block.radiance, select(active, light + added, light));
 }
 
 }  // namespace

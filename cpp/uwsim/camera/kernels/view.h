@@ -34,6 +34,7 @@ struct WaveNodes {
 /// The lamps' backscatter along rays that nothing ends early, for one pixel of each block; see lamp_glow.h.
 inline constexpr int kGlowPixel = 2;  ///< the column and the row of that pixel in its block
 struct LampGlow {
+  float near_m, reach_m;  ///< most of the light comes from nearer than near_m, all but a negligible part from reach_m
   const float* bands[3];
   const std::uint8_t* is_smooth;  ///< whether interpolating between blocks is accurate; null if there is no glow
 };
@@ -78,7 +79,6 @@ struct View {
   int steep_material, land_material;  ///< indices of steep and of dry ground; the bed's index is 0
   int lamp_count;
   const SpotLight* lamps;
-  float glow_reach_m;  ///< how far along a ray the water scatters a noticeable part of the lamps' light
   LampGlow glow;
   int shaft_width;  ///< number of blocks in a row of the shafts' image; 0 for no shafts
   const float* shafts;
