@@ -2520,6 +2520,7 @@ class CameraScene:
         record: bool = False,
         velocity_camera: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"] = ...,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        colours_only: bool = False,
     ) -> Picture:
         """
         Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are

@@ -24,9 +24,9 @@ struct PictureRequest {
   std::vector<SpotLamp> lamps;                ///< lamps that are switched on
   std::vector<Pose> world_from_vehicles;      ///< poses of all CameraScene::vehicles, or empty
   std::optional<std::size_t> hidden_vehicle;  ///< the vehicle that carries the camera and is not visible to it
-  /// Light that adds at most this fraction to each band of a pixel's radiance is added without a shadow ray. By the
-  /// default, a shadow that is missed for this reason changes a pixel by at most half a step of its 8 bits: where the
-  /// sRGB curve is steepest relative to the signal, at full scale, a step is 0.9 % of the signal.
+  /// Light that adds at most this fraction to a pixel's radiance, summed over the bands, is added without a shadow ray.
+  /// The default is half a step of 8 bits where a step is the smallest fraction of the signal: at full scale, where it
+  /// is 0.9 %. So a shadow that is missed for this reason is hardly visible. At 0, all light is tested.
   float untested_share = 4e-3f;
   /// Whether the picture needs no images of geometry, so that rays are cast only as far as one can see; the colours are
   /// the same.
