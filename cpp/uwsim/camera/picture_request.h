@@ -28,7 +28,7 @@ struct PictureRequest {
   /// The default is half a step of 8 bits where a step is the smallest fraction of the signal: at full scale, where it
   /// is 0.9 %. So a shadow that is missed for this reason is hardly visible. At 0, all light is tested.
   float untested_share = 4e-3f;
-  /// Whether the picture needs no images of geometry, so that rays are cast only as far as one can see; the colours are
+  /// True if the picture needs no images of geometry, so that rays are cast only as far as one can see; the colours are
   /// the same.
   bool colours_only = false;
   bool geometry_only = false, keep_radiance = false;

@@ -225,7 +225,7 @@ requires(sizeof(T) == 4) UWSIM_LANES Lanes<T> select(Int mask, Lanes<T> yes, Lan
   UWSIM_UNROLLED yes.part[p] = mask.part[p] ? yes.part[p] : no.part[p];
   return yes;
 }
-/// Whether any lane of a mask (-1 or 0) is true.
+/// Returns true if any lane of a mask (-1 or 0) is true.
 UWSIM_LANES bool any(Int mask) {
   Int::Part found = mask.part[0];
   for (int p = 1; p < Int::kParts; ++p) found |= mask.part[p];

@@ -14,7 +14,7 @@ UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
   return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
 }
 
-/// Whether light adds more than View::untested_share to the radiance so far, summed over the bands.
+/// Returns true if light adds more than View::untested_share to the radiance so far, summed over the bands.
 UWSIM_LANES Int matters(const View& view, Vector light, Vector so_far) {
   return light.x + light.y + light.z > view.untested_share * (so_far.x + so_far.y + so_far.z);
 }

@@ -26,7 +26,7 @@ void limit_to_sight(const View& view, const Block& block, BlockFloats& far_m) {
   store(far_m.at, sight_m(view, load(block.direction), load(block.in_water.at)) * 1.001f);
 }
 
-/// Whether no light arrives through kFarthest_m of the water, over which backscatter is saturated to the last bit.
+/// Returns true if no light arrives through kFarthest_m of the water, over which backscatter saturates to the last bit.
 UWSIM_LANES bool is_opaque(const View& view) {
   constexpr float kOpaque_per_m = 17 / (kSlowest * kFarthest_m);  // exp(-17) is less than a float's rounding of 1
   return view.has_attenuation && view.c[0] > kOpaque_per_m && view.c[1] > kOpaque_per_m && view.c[2] > kOpaque_per_m;
