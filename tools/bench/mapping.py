@@ -20,6 +20,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
@@ -167,7 +168,9 @@ class Cost:
 Case = Callable[[], Cost]
 
 
-def make_cases(scans: Scans, resolution_m: float, folder: Path, peers: Mapping[str, Path]) -> dict[str, Case]:
+def make_cases(
+    scans: Scans, resolution_m: float, folder: Path, peers: Mapping[str, Path] = MappingProxyType({})
+) -> dict[str, Case]:
     """Return the cases available on this machine, by name. peers: further programs."""
 
     def bricks(instruction_set: str = "best", threads: int = 1, batch: int = BATCH) -> Case:
