@@ -14,6 +14,13 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kMostThreads = 1024;
+constexpr int kSpins = 1000;  // some 20 us
+
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
 
 /// Blocks all signals in this thread, and in the threads that it starts, until destroyed.
 class SignalsBlocked {
@@ -55,6 +62,11 @@ void Crew::work(std::size_t threads, const std::function<void(std::size_t)>& job
   job(0);
   std::unique_lock lock(mutex_);
   std::erase(tasks_, &task);
+  if (task.running == 0) return;
+  // The others are usually about to end, sooner than this thread could fall asleep and wake up.
+  lock.unlock();
+  for (int k = 0; k < kSpins && task.running != 0; ++k) pause();
+  lock.lock();
   has_ended_.wait(lock, [&] { return task.running == 0; });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -28,7 +29,8 @@ class Crew {
   struct Task {
     const std::function<void(std::size_t)>& job;
     std::size_t threads;
-    std::size_t begun = 1, running = 0;  // job(0) has begun, and is not counted as running
+    std::size_t begun = 1;                // job(0) has begun ...
+    std::atomic<std::size_t> running{0};  // ... and is not counted as running; changes only under the mutex
   };
 
   explicit Crew(int generation) : generation_(generation) {}
