@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <iterator>
 
 #include "uwsim/camera/kernels/block.h"
 
@@ -10,8 +8,14 @@ namespace uwsim {
 
 /// The number of lanes that are set.
 inline std::uint64_t count(const camera::BlockMask& mask) {
-  return static_cast<std::uint64_t>(std::count(std::begin(mask.at), std::end(mask.at), -1));
+  std::int32_t set = 0;
+  for (const std::int32_t lane : mask.at) set -= lane;
+  return static_cast<std::uint64_t>(set);
 }
-inline bool any(const camera::BlockMask& mask) { return count(mask) > 0; }
+inline bool any(const camera::BlockMask& mask) {
+  std::int32_t found = 0;
+  for (const std::int32_t lane : mask.at) found |= lane;
+  return found != 0;
+}
 
 }  // namespace uwsim

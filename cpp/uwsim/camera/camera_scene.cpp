@@ -90,12 +90,14 @@ std::vector<std::string> CameraScene::label_names() const {
 std::vector<std::uint8_t> CameraScene::classes_by_label() const { return classes_; }
 
 std::shared_ptr<const Ripples::Snapshot> CameraScene::ripples(double wind_m_s, double towards_rad, double time_s,
-                                                              double index, int threads) const {
+                                                              double index, int first_level, int threads) const {
   const std::lock_guard lock(mutex_);
   const bool same_wind =
       cached_ripples_ && cached_ripples_->wind_m_s == wind_m_s && cached_ripples_->towards_rad == towards_rad;
-  if (same_wind && cached_ripples_->time_s == time_s && cached_ripples_->index == index)
+  if (same_wind && cached_ripples_->time_s == time_s && cached_ripples_->index == index &&
+      cached_ripples_->snapshot->first_level <= first_level) {
     return cached_ripples_->snapshot;
+  }
   CachedRipples now{
       wind_m_s,
       towards_rad,
@@ -103,7 +105,7 @@ std::shared_ptr<const Ripples::Snapshot> CameraScene::ripples(double wind_m_s, d
       index,
       same_wind ? cached_ripples_->ripples : std::make_shared<const Ripples>(wind_m_s, towards_rad, seed_),
       nullptr};
-  now.snapshot = std::make_shared<const Ripples::Snapshot>(now.ripples->at(time_s, index, threads));
+  now.snapshot = std::make_shared<const Ripples::Snapshot>(now.ripples->at(time_s, index, first_level, threads));
   cached_ripples_ = std::move(now);
   return cached_ripples_->snapshot;
 }

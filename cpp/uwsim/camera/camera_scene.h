@@ -65,10 +65,10 @@ class CameraScene {
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
 
-  /// The ripples caused by a wind, at one time. The last result is cached, because several cameras may render pictures
-  /// of the same time.
+  /// The ripples caused by a wind, at one time, with the caustics from `first_level` on. The last result is cached,
+  /// because several cameras may render pictures of the same time.
   std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double time_s,
-                                                   double index, int threads) const;
+                                                   double index, int first_level, int threads) const;
 
  private:
   struct CachedRipples {

@@ -21,29 +21,27 @@ constexpr int kRays = kFine * kCells;
 
 using Grid = std::vector<float>;
 
-const float* slope_at(const Grid& slopes, int x, int y) {
-  return slopes.data() + 2 * ((y & kWrap) * kCells + (x & kWrap));
-}
-
 /// Slopes at a lattice of kRays x kRays rays, interpolated between the nodes.
 struct RaySlopes {
-  Grid x, y;
+  ImageBuffer<float> x{kRays * kRays}, y{kRays * kRays};
 };
 
 void fill_ray_slopes(const Grid& slopes, int row, RaySlopes& rays) {
   const int y = row / kFine;
   const float v = static_cast<float>(row % kFine) / kFine;
-  const auto between = [](const float* a, const float* b, float share, int part) {
-    return (1 - share) * a[part] + share * b[part];
-  };
-  for (int x = 0; x < kCells; ++x) {
-    const float *a = slope_at(slopes, x, y), *b = slope_at(slopes, x + 1, y);
-    const float *c = slope_at(slopes, x, y + 1), *d = slope_at(slopes, x + 1, y + 1);
-    for (int sub = 0; sub < kFine; ++sub) {
-      const float u = static_cast<float>(sub) / kFine;
-      const int at = row * kRays + x * kFine + sub;
-      rays.x[at] = (1 - v) * between(a, b, u, 0) + v * between(c, d, u, 0);
-      rays.y[at] = (1 - v) * between(a, b, u, 1) + v * between(c, d, u, 1);
+  const float* const low = slopes.data() + 2 * y * kCells;
+  const float* const high = slopes.data() + 2 * ((y + 1) & kWrap) * kCells;
+  const auto mixed = [](float a, float b, float share) { return (1 - share) * a + share * b; };
+  std::array<float, kCells + 1> below, above;  // at the nodes on both sides; the last repeats the first
+  for (int part = 0; part < 2; ++part) {
+    for (int x = 0; x < kCells; ++x) below[x] = low[2 * x + part], above[x] = high[2 * x + part];
+    below[kCells] = below[0], above[kCells] = above[0];
+    float* const out = (part == 0 ? rays.x : rays.y).data() + row * kRays;
+    for (int x = 0; x < kCells; ++x) {
+      for (int sub = 0; sub < kFine; ++sub) {
+        const float u = static_cast<float>(sub) / kFine;
+        out[x * kFine + sub] = mixed(mixed(below[x], below[x + 1], u), mixed(above[x], above[x + 1], u), v);
+      }
     }
   }
 }
@@ -127,11 +125,13 @@ Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
 
 }  // namespace
 
-std::vector<float> caustics_under(const std::vector<float>& slopes, double refractive_index, int threads) {
-  RaySlopes rays{Grid(kRays * kRays), Grid(kRays * kRays)};
-  for (int row = 0; row < kRays; ++row) fill_ray_slopes(slopes, row, rays);
+std::vector<float> caustics_under(const std::vector<float>& slopes, double refractive_index, int first_level,
+                                  int threads) {
+  RaySlopes rays;
+  for_rows(kRays, threads, [&](int row, int) { fill_ray_slopes(slopes, row, rays); });
   std::vector<float> caustics(static_cast<std::size_t>(kCells) * kCells * kLevels);
-  for_rows(kLevels, threads, [&](int level, int) {
+  for_rows(kLevels - first_level, threads, [&](int above, int) {
+    const int level = first_level + above;
     const Grid light = caustic_level(rays, kFirstCausticLevel_m * std::exp2(level), 1 - 1 / refractive_index);
     for (std::size_t k = 0; k < light.size(); ++k) caustics[k * kLevels + level] = light[k];
   });

@@ -30,7 +30,6 @@ LampGlow::LampGlow(const camera::View& view, const camera::Kernels& kernels, con
     sample(view, kernels, row);
     timer.add(kLampLight);
   });
-  for (int row = 1; row + 1 < rows_; ++row) find_smooth(row);
 }
 
 void LampGlow::show_in(camera::View& view) const {
@@ -58,10 +57,9 @@ void LampGlow::sample(const camera::View& view, const camera::Kernels& kernels, 
   }
 }
 
-/// Marks the blocks of a row where interpolating is accurate; never at the picture's edge, where a neighbour is
-/// missing.
-void LampGlow::find_smooth(int row) {
-  for (int column = 1; column + 1 < columns_; ++column) {
+void LampGlow::find_smooth(int row, int first, int last) {
+  if (row == 0 || row == rows_ - 1) return;
+  for (int column = std::max(first, 1); column < std::min(last, columns_ - 1); ++column) {
     const auto at = static_cast<std::size_t>(row * columns_ + column);
     const auto below = static_cast<std::size_t>(columns_);
     is_smooth_[at] = std::all_of(bands_.begin(), bands_.end(), [&](const std::vector<float>& band) {

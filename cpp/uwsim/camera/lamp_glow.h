@@ -19,10 +19,12 @@ class LampGlow {
 
   /// Sets pointers to the values, which are valid during the lifetime of this object.
   void show_in(camera::View& view) const;
+  /// Marks the blocks of a row, from column `first` to before `last`, where interpolating is accurate; never at the
+  /// picture's edge, where a neighbour is missing. Must precede their rendering.
+  void find_smooth(int row, int first, int last);
 
  private:
   void sample(const camera::View& view, const camera::Kernels& kernels, int row);
-  void find_smooth(int row);
 
   int columns_, rows_;  // of blocks
   std::array<std::vector<float>, 3> bands_;

@@ -10,6 +10,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kParticleCell_m = 0.25;
+constexpr double kCellRadius_m = 0.867 * kParticleCell_m;  // more than from its centre to a corner
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kSwirl_m = 0.03;  // more than particles swirl
 constexpr double kAlbedo = 0.5;
@@ -92,6 +93,9 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
   for (std::int64_t k = 0; k < count * count * count; ++k) {
     const Eigen::Array<std::int64_t, 3, 1> cell =
         first + Eigen::Array<std::int64_t, 3, 1>(k % count, k / count % count, k / (count * count));
+    const Eigen::Vector3d centre = (cell.cast<double>() + 0.5).matrix() * kParticleCell_m - lattice_eye;
+    if (centre.norm() > kReach_m + kSwirl_m + kCellRadius_m) continue;
+    if (optical_from_world.row(2).dot(centre) < kNearest_m - kSwirl_m - kCellRadius_m) continue;
     const std::uint64_t bits =
         mixed(mixed(mixed(key ^ static_cast<std::uint64_t>(cell.x())) ^ static_cast<std::uint64_t>(cell.y())) ^
               static_cast<std::uint64_t>(cell.z()));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
@@ -19,6 +20,22 @@ void assign(float (&to)[3], const Eigen::Vector3d& from) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from(k));
 }
 void assign(float (&to)[3], const Bands& from) { assign(to, Eigen::Vector3d(from.matrix())); }
+
+/// At least the upward part of every ray's direction in the picture, and at least 0. The highest ray is at the edge of
+/// the picture, unless the zenith is inside.
+float highest_ray(const camera::View& view) {
+  float highest = 0, widest = 1;
+  const auto look = [&](int column, int row) {
+    const int at = row * view.width + column;
+    const float x = view.ray_x[at], y = view.ray_y[at], length = std::sqrt(x * x + y * y + 1);
+    highest = std::max(highest, (view.right[2] * x + view.down[2] * y + view.ahead[2]) / length);
+    widest = std::max(widest, length);
+  };
+  for (int column = 0; column < view.width; ++column) look(column, 0), look(column, view.height - 1);
+  for (int row = 0; row < view.height; ++row) look(0, row), look(view.width - 1, row);
+  if (1.01f * view.ahead[2] * widest > 1) return 1;
+  return std::min(1.0f, highest + view.pixel_rad + 3 * view.wobble_rad);  // at most 2.2 wobble_rad along both axes
+}
 
 float wrapped(double x) { return static_cast<float>(x - kTextureRepeat_m * std::floor(x / kTextureRepeat_m)); }
 
@@ -49,7 +66,7 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
       !request.geometry_only && optics.wind_m_s > 0 && (view.has_surface || on.has(Effect::kCaustics));
   if (has_ripples) {
     ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, request.time_s, optics.water.refractive_index,
-                             request.threads);
+                             first_caustic_level(request), request.threads);
     view.slopes = ripples_->slopes.data();
     view.caustics = ripples_->caustics.data();
   }
@@ -82,6 +99,22 @@ void PreparedView::set_rays(const Camera& camera, const PictureRequest& request)
   assign(view.down, Eigen::Vector3d(-turn.col(2)));
   assign(view.ahead, Eigen::Vector3d(turn.col(0)));
   view.pixel_rad = static_cast<float>(1 / (view.has_offsets ? kWaterIndex * lens.fx : lens.fx));
+}
+
+/// Rays that nothing bends rise at most as far as the highest of them is seen, so that the points in view are at least
+/// as deep as the result, and none of them reaches the surface.
+int PreparedView::first_caustic_level(const PictureRequest& request) const {
+  if (!view.camera_in_water || view.has_offsets || view.moves || view.waves.values != nullptr) return 0;
+  const float up = highest_ray(view);
+  camera::Block block{};
+  camera::BlockFloats sight_m;
+  std::fill_n(block.in_water.at, camera::kBlockPixels, -1);
+  std::fill_n(block.direction.z.at, camera::kBlockPixels, up);
+  const camera::Kernels& kernels = request.kernels != nullptr ? *request.kernels : camera::kernels();
+  kernels.limit_to_sight(view, block, sight_m);
+  const float depth_m = view.surface_z - view.camera_z - up * sight_m.at[0];
+  const float level = std::floor(std::log2(depth_m / (view.to_sun_in_water[2] * camera::kFirstCausticLevel_m)));
+  return depth_m > 0 ? static_cast<int>(std::clamp(level, 0.0f, camera::kCausticLevels - 2.0f)) : 0;
 }
 
 /// During exposure and readout, the camera moves at constant velocity, and everything else is at rest.

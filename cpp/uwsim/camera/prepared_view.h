@@ -29,6 +29,8 @@ class PreparedView {
   void set_terrain(const World& world);
   void set_light(const Optics& optics, const PictureRequest& request);
   void set_lamps(const PictureRequest& request);
+  /// The first level of the caustics that the picture needs.
+  int first_caustic_level(const PictureRequest& request) const;
 
   std::optional<WaveGrid> waves_;  // where light meets the surface
   std::shared_ptr<const Ripples::Snapshot> ripples_;

@@ -32,8 +32,10 @@ constexpr float kCoarsePixel_rad = 6e-3f;
 // The number of pictures whose mean is a blurred picture. It is odd, so that one of them belongs to the middle of the
 // exposure.
 constexpr int kExposureParts = 15;
+// A row of blocks is rendered in this many parts, so that the threads finish at about the same time.
+constexpr int kRowParts = 4;
 
-/// The rendering of one picture. Rows of blocks are rendered in parallel, then rows of pixels are developed.
+/// The rendering of one picture. Parts of rows of blocks are rendered in parallel, then rows of pixels are developed.
 class Rendering {
  public:
   Rendering(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request)
@@ -66,16 +68,16 @@ class Rendering {
         !view_.moves && view_.pixel_rad < kCoarsePixel_rad) {
       glow_.emplace(view_, kernels_, request_, costs_).show_in(view_);
     }
-    const int rows = (view_.height + kBlockSide - 1) / kBlockSide;
-    root_luminance_.assign(static_cast<std::size_t>(rows), 0.0);
+    const int row_parts = kRowParts * ((view_.height + kBlockSide - 1) / kBlockSide);
+    root_luminance_.assign(static_cast<std::size_t>(row_parts), 0.0);
     const double shutter_s = camera_.sensor().shutter_s;
     if (view_.moves && shutter_s > 0 && !request_.geometry_only) parts_ = kExposureParts;
     for (int part = 0; part < parts_; ++part) {
       view_.part_s = static_cast<float>(shutter_s * ((part + 0.5) / parts_ - 0.5));
       is_middle_ = part == parts_ / 2;
-      for_rows(rows + 1, threads_, [&](int turn, int worker) {
+      for_rows(row_parts + 1, threads_, [&](int turn, int worker) {
         RenderCost& own = costs_[static_cast<std::size_t>(worker)];
-        if (turn > 0) return render_row(turn - 1, own);
+        if (turn > 0) return render_row_part(turn - 1, own);
         if (part == 0) find_particles(own);
       });
       if (parts_ > 1) add_exposure();
@@ -128,15 +130,19 @@ class Rendering {
     timer.add(kParticles);
   }
 
-  void render_row(int row, RenderCost& cost) {
+  void render_row_part(int row_part, RenderCost& cost) {
     TaskTimer timer(request_.measure, cost);
+    const int row = row_part / kRowParts, share = row_part % kRowParts;
+    const int columns = (view_.width + kBlockSide - 1) / kBlockSide;
+    const int first = share * columns / kRowParts, last = (share + 1) * columns / kRowParts;
+    if (glow_) glow_->find_smooth(row, first, last);
     Block block;
     HitPacket hits;
     camera::BlockFloats sight = Tracer::everywhere();
     const camera::GeometryPlanes geometry{picture_.depth_m.data(), picture_.normals_world.data(),
                                           picture_.labels.data(), picture_.classes.data(), classes_.data()};
-    for (int left = 0; left < view_.width; left += kBlockSide) {
-      const int top = row * kBlockSide;
+    for (int column = first; column < last; ++column) {
+      const int left = column * kBlockSide, top = row * kBlockSide;
       kernels_.primary_rays(view_, left, top, block);
       if (!request_.geometry_only) kernels_.start_paths(view_, block);
       if (!keeps_geometry_) kernels_.limit_to_sight(view_, block, sight);
@@ -158,7 +164,7 @@ class Rendering {
       for (std::size_t k = 0; k < kBlockPixels; ++k) {
         sums[k % kBlockSide] += pixels.at[k] ? static_cast<double>(root_luminance.at[k]) : 0.0;
       }
-      root_luminance_[static_cast<std::size_t>(row)] += (sums[0] + sums[1]) + (sums[2] + sums[3]);
+      root_luminance_[static_cast<std::size_t>(row_part)] += (sums[0] + sums[1]) + (sums[2] + sums[3]);
       timer.add(kDevelopment);
     }
   }
@@ -295,7 +301,7 @@ class Rendering {
   std::vector<float> shafts_;
   std::optional<LampGlow> glow_;
   std::vector<Particle> particles_;
-  // One per row of blocks, so that their sum does not depend on the number of threads
+  // One per part of a row of blocks, so that their sum does not depend on the number of threads
   std::vector<double> root_luminance_;
 };
 

@@ -67,11 +67,18 @@ void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes
   for (const Wave& w : waves_) now.push_back(std::polar(1.0, w.phase - std::fmod(w.omega_rad_s * time_s, kTau)));
   for_rows(kCells, threads, [&](int y, int) {
     std::array<Column, kMostWaves + 1> columns{};
-    for (std::size_t k = 0; k < waves_.size(); ++k) {
-      const Wave& w = waves_[k];
-      const Phasor phasor = now[k] * phasors[(w.j * y) & kWrap];
-      columns[w.i].x += w.slope_x * phasor;
-      columns[w.i].y += w.slope_y * phasor;
+    for (std::size_t k = 0; k < waves_.size();) {
+      const int i = waves_[k].i;
+      Column sum{};
+      for (; k < waves_.size() && waves_[k].i == i; ++k) {
+        const Wave& w = waves_[k];
+        // std::complex's product checks for NaN, which takes longer than the product.
+        const Phasor &a = now[k], &b = phasors[(w.j * y) & kWrap];
+        const Phasor phasor(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
+        sum.x += w.slope_x * phasor;
+        sum.y += w.slope_y * phasor;
+      }
+      columns[i] = sum;
     }
     std::array<float, kCells> row_x{}, row_y{};
     for (int i = 0; i <= kMostWaves; ++i) {
@@ -90,10 +97,11 @@ void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes
   });
 }
 
-Ripples::Snapshot Ripples::at(double time_s, double refractive_index, int threads) const {
+Ripples::Snapshot Ripples::at(double time_s, double refractive_index, int first_level, int threads) const {
   Snapshot snapshot;
+  snapshot.first_level = first_level;
   fill_slopes(time_s, threads, snapshot.slopes);
-  snapshot.caustics = caustics_under(snapshot.slopes, refractive_index, threads);
+  snapshot.caustics = caustics_under(snapshot.slopes, refractive_index, first_level, threads);
   return snapshot;
 }
 

@@ -26,8 +26,9 @@ class Ripples {
   struct Snapshot {
     std::vector<float> slopes;    ///< [cell y][cell x][slope x, slope y]
     std::vector<float> caustics;  ///< see caustics.h
+    int first_level;              ///< the first level of the caustics that was computed
   };
-  Snapshot at(double time_s, double refractive_index, int threads) const;
+  Snapshot at(double time_s, double refractive_index, int first_level, int threads) const;
 
  private:
   static constexpr int kMostWaves = 20;  // largest number of waves per tile along an axis

@@ -29,14 +29,15 @@ class ShaftCaster {
         rows_((view.height + kBlockSide - 1) / kBlockSide),
         light_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 1.0f) {}
 
-  /// A strip is two rows of blocks of values.
-  int strips() const { return (rows_ + kGroup - 1) / kGroup; }
+  /// A strip is half of two rows of blocks of values.
+  int strips() const { return 2 * ((rows_ + kGroup - 1) / kGroup); }
 
   void cast(int strip, RenderCost& cost) {
     TaskTimer timer(request_.measure, cost);
     Shadows shadows;
-    for (int left = 0; left < columns_; left += kGroup) {
-      const int top = strip * kGroup;
+    const int top = strip / 2 * kGroup, groups = (columns_ + kGroup - 1) / kGroup, half = (groups + 1) / 2;
+    const int first = strip % 2 == 0 ? 0 : half, last = strip % 2 == 0 ? half : groups;
+    for (int left = first * kGroup; left < last * kGroup; left += kGroup) {
       cast_shared(left, top, shadows, cost, timer);
       for (int part = 0; part < kShare * kShare; ++part) {
         const int x = part % kShare * kBlockSide, y = part / kShare * kBlockSide;
@@ -47,15 +48,23 @@ class ShaftCaster {
   }
 
   std::vector<float> smoothed() const {
-    std::vector<float> out(light_.size());
-    const auto at = [&](int x, int y) {
-      return light_[static_cast<std::size_t>(std::clamp(y, 0, rows_ - 1) * columns_ + std::clamp(x, 0, columns_ - 1))];
+    std::vector<float> across(light_.size()), out(light_.size());
+    const auto row_of = [this](auto& values, int y) { return values.data() + std::clamp(y, 0, rows_ - 1) * columns_; };
+    const auto mean = [](float before, float here, float after) {
+      return 0.25f * before + 0.5f * here + 0.25f * after;
     };
     for (int y = 0; y < rows_; ++y) {
-      for (int x = 0; x < columns_; ++x) {
-        const auto row = [&](int v) { return 0.25f * at(x - 1, v) + 0.5f * at(x, v) + 0.25f * at(x + 1, v); };
-        out[static_cast<std::size_t>(y * columns_ + x)] = 0.25f * row(y - 1) + 0.5f * row(y) + 0.25f * row(y + 1);
-      }
+      const float* const from = row_of(light_, y);
+      float* const to = row_of(across, y);
+      const int last = columns_ - 1;
+      to[0] = mean(from[0], from[0], from[std::min(1, last)]);
+      for (int x = 1; x < last; ++x) to[x] = mean(from[x - 1], from[x], from[x + 1]);
+      if (last > 0) to[last] = mean(from[last - 1], from[last], from[last]);
+    }
+    for (int y = 0; y < rows_; ++y) {
+      const float *before = row_of(across, y - 1), *here = row_of(across, y), *after = row_of(across, y + 1);
+      float* const to = row_of(out, y);
+      for (int x = 0; x < columns_; ++x) to[x] = mean(before[x], here[x], after[x]);
     }
     return out;
   }
@@ -85,7 +94,6 @@ class ShaftCaster {
     shadows.blocked = {};
     if (request_.effects.has(Effect::kShadows)) {
       kernels_.apply_water(view_, block);
-      block.normal = {};
       for (int k = 0; k < kSamples; ++k) {
         kernels_.shaft_sample_point(view_, sample_share(k), block);
         if (!any(block.needs_shadow_ray)) continue;

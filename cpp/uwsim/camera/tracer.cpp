@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/core/check.h"
@@ -69,10 +68,6 @@ void Tracer::cast(Block& block, const camera::BlockFloats& far_m, HitPacket& hit
   copy(block.label, hits.label);
   copy(block.primitive, hits.primitive);
   copy(block.normal.x, hits.normal_x), copy(block.normal.y, hits.normal_y), copy(block.normal.z, hits.normal_z);
-  for (std::size_t k = 0; k < kPacketRays; ++k) {
-    block.distance.at[k] = rays.active[k] ? block.distance.at[k] : std::numeric_limits<float>::infinity();
-    block.label[k] = rays.active[k] ? block.label[k] : kNothing;
-  }
 }
 
 void Tracer::refine(const HitPacket& hits, Block& block) const {
@@ -118,18 +113,9 @@ void Tracer::recast(const BlockMask& lanes, Block& block) const {
 }
 
 void Tracer::occluded(const Block& block, BlockMask& blocked, RayOrder order) const {
-  RayPacket rays = packet_of(block.point, block.to_light, block.needs_shadow_ray);
+  RayPacket rays = packet_of(block.shadow_from, block.to_light, block.needs_shadow_ray);
   rays.near_m.fill(kShadowStart_m);
   copy(rays.far_m, block.light_distance);
-  // Shadow rays start slightly off the surface, on the eye's side. The origins of inactive lanes, whose distance may be
-  // infinite, must also be finite: without AVX-512, Embree splits packets of sixteen, and Debian's build aborts the
-  // process if an origin is not finite.
-  for (std::size_t k = 0; k < kPacketRays; ++k) {
-    const float lift = 1e-3f + 2e-5f * std::min(block.distance.at[k], kFarthest_m);
-    rays.origin_x[k] += lift * block.normal.x.at[k];
-    rays.origin_y[k] += lift * block.normal.y.at[k];
-    rays.origin_z[k] += lift * block.normal.z.at[k];
-  }
   if (record_ != nullptr) record(rays, order, 1);
   std::array<std::int32_t, kPacketRays> found;
   rays_.occluded(anchor_world_m_, rays, found, order);

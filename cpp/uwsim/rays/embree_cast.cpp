@@ -29,8 +29,6 @@ struct CastContext {
   }
 };
 
-/// Without AVX-512, Embree splits packets and reads idle lanes as well; Debian's build aborts the process if an idle
-/// lane is not finite.
 void make_idle_lanes_finite(const std::int32_t* active, RTCRay16& rays) {
   std::int32_t all = -1;
   for (std::size_t k = 0; k < kPacketRays; ++k) all &= active[k];
@@ -108,6 +106,7 @@ void cast_in_float(RTCScene tree, const TileSurfaces& surfaces, const ExactRays&
                    FloatAnswer& answer) {
   RTCRayHit16 packet;
   fill(surfaces, rays, starts_m, packet);
+  make_idle_lanes_finite(rays.active.data(), packet.ray);
   intersect(tree, {&surfaces, &rays, starts_m, surfaces.tolerances().setback_m, &answer.round}, RayOrder::kCoherent,
             rays.active.data(), packet);
   read(packet, surfaces, answer);
@@ -164,14 +163,12 @@ const CastDetail& detail_of(const RTCIntersectContext* context) {
 
 void intersect(RTCSceneTy* tree, const CastDetail& detail, RayOrder order, const std::int32_t* active,
                RTCRayHit16& packet) {
-  make_idle_lanes_finite(active, packet.ray);
   CastContext context(detail, order);
   rtcIntersect16(active, tree, &context.embree, &packet);
 }
 
 void occluded(RTCSceneTy* tree, const CastDetail& detail, RayOrder order, const std::int32_t* active,
               RTCRay16& packet) {
-  make_idle_lanes_finite(active, packet);
   CastContext context(detail, order);
   rtcOccluded16(active, tree, &context.embree, &packet);
 }

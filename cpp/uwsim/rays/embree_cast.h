@@ -79,7 +79,8 @@ struct CastDetail {
 /// Returns the detail with which the cast was started.
 const CastDetail& detail_of(const RTCIntersectContext* context);
 
-/// Casts rays through a tree. The hit fields must be invalid beforehand.
+/// Casts rays through a tree. The hit fields must be invalid beforehand, and idle lanes finite: without AVX-512, Embree
+/// splits packets and reads idle lanes as well; Debian's build aborts the process if one of them is not finite.
 void intersect(RTCSceneTy* tree, const CastDetail& detail, RayOrder order, const std::int32_t* active,
                RTCRayHit16& packet);
 void occluded(RTCSceneTy* tree, const CastDetail& detail, RayOrder order, const std::int32_t* active, RTCRay16& packet);

@@ -19,8 +19,10 @@ void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, c
   static const RayKernels& kernels = ray_kernels();
   const Eigen::Vector3d shift = anchor_world_m - surfaces.middle_m();
   const Eigen::Vector3f near = shift.cast<float>();
-  kernels.fill_packet(rays.origin_x.data(), rays.near_m.data(), rays.far_m.data(), near.data(), out.org_x);
+  kernels.fill_packet(rays.origin_x.data(), rays.near_m.data(), rays.far_m.data(), rays.active.data(), near.data(),
+                      out.org_x);
   for (std::size_t k = 0; starts_m != nullptr && k < kPacketRays; ++k) {
+    if (rays.active[k] == 0) continue;
     out.org_x[k] = static_cast<float>(shift.x() + rays.origin_x[k] + starts_m[k] * rays.direction_x[k]);
     out.org_y[k] = static_cast<float>(shift.y() + rays.origin_y[k] + starts_m[k] * rays.direction_y[k]);
     out.org_z[k] = static_cast<float>(shift.z() + rays.origin_z[k] + starts_m[k] * rays.direction_z[k]);
@@ -44,6 +46,12 @@ void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vec
   }
   intersect(tree, detail, order, rays.active.data(), packet);
   if (round != nullptr && round->rays.made()) std::ranges::copy(packet.hit.primID, round->primitive.begin());
+  static const RayKernels& kernels = ray_kernels();
+  // Completed before it is copied: the kernel would have to wait for rows that were copied in narrower moves.
+  const bool others = kernels.complete_floats(
+      {packet.hit.geomID, packet.hit.primID, hits.label.data(), packet.hit.u, packet.hit.v, packet.ray.tfar,
+       packet.hit.Ng_x, packet.hit.Ng_y, packet.hit.Ng_z, packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z},
+      TileSurfaces::kOpenTerrain, static_cast<float>(surfaces.tolerances().raise_m));
   std::ranges::copy(packet.hit.u, hits.u.begin());
   std::ranges::copy(packet.hit.v, hits.v.begin());
   std::ranges::copy(packet.hit.Ng_x, hits.normal_x.begin());
@@ -51,12 +59,6 @@ void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vec
   std::ranges::copy(packet.hit.Ng_z, hits.normal_z.begin());
   std::ranges::copy(packet.ray.tfar, hits.distance_m.begin());
   std::ranges::copy(packet.hit.primID, hits.primitive.begin());
-  static const RayKernels& kernels = ray_kernels();
-  const bool others =
-      kernels.complete_floats({packet.hit.geomID, hits.primitive.data(), hits.label.data(), hits.u.data(),
-                               hits.v.data(), hits.distance_m.data(), packet.hit.Ng_x, packet.hit.Ng_y, packet.hit.Ng_z,
-                               packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z},
-                              TileSurfaces::kOpenTerrain, static_cast<float>(surfaces.tolerances().raise_m));
   for (std::size_t k = 0; starts_m != nullptr && k < kPacketRays; ++k) {
     hits.distance_m[k] = static_cast<float>(starts_m[k]) + hits.distance_m[k];
   }

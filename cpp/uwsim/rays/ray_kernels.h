@@ -78,8 +78,9 @@ struct RayKernels {
   /// Converts to float rays that start `setback_m` before their origins and reach slightly farther than far_m.
   void (*to_float)(const LaneRays& rays, const double* middle_m, double setback_m, const LaneFloats& floats);
   /// Shifts the origins of float rays (six rows of sixteen: origins, then directions) by (3,) and copies the others,
-  /// with near and far, to the rows of Embree's packet of sixteen rays.
-  void (*fill_packet)(const float* rays, const float* near_m, const float* far_m, const float* shift, float* packet);
+  /// with near and far, to the rows of Embree's packet of sixteen rays. Idle rays become finite: see embree_cast.h.
+  void (*fill_packet)(const float* rays, const float* near_m, const float* far_m, const std::int32_t* active,
+                      const float* shift, float* packet);
   /// Sets passes[k] to 0 if ray k's line stays outside an infinite cylinder, else to -1. The cylinder's axis is a point
   /// and a unit direction; if the direction is zero, the shape is a sphere about the point.
   void (*may_meet_round)(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,

@@ -43,21 +43,26 @@ void to_float(const LaneRays& rays, const double* middle_m, double setback_m, co
   }
 }
 
-void fill_packet(const float* rays, const float* near_m, const float* far_m, const float* shift, float* packet) {
+void fill_packet(const float* rays, const float* near_m, const float* far_m, const std::int32_t* active,
+                 const float* shift, float* packet) {
   enum Row { kOrigin = 0, kNear = 3, kDirection = 4, kTime = 7, kFar = 8, kMask = 9, kId = 10, kFlags = 11 };
   auto* const words = reinterpret_cast<std::uint32_t*>(packet);
   const float x = shift[0], y = shift[1], z = shift[2];
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {
-    packet[kOrigin * kLanes + k] = x + rays[k];
-    packet[(kOrigin + 1) * kLanes + k] = y + rays[kLanes + k];
-    packet[(kOrigin + 2) * kLanes + k] = z + rays[2 * kLanes + k];
-    packet[kNear * kLanes + k] = near_m[k];
-    packet[kDirection * kLanes + k] = rays[3 * kLanes + k];
-    packet[(kDirection + 1) * kLanes + k] = rays[4 * kLanes + k];
-    packet[(kDirection + 2) * kLanes + k] = rays[5 * kLanes + k];
+    const bool idle = active[k] == 0;
+    const float origin_x = x + rays[k], origin_y = y + rays[kLanes + k], origin_z = z + rays[2 * kLanes + k];
+    const float direction_x = rays[3 * kLanes + k], direction_y = rays[4 * kLanes + k];
+    const float direction_z = rays[5 * kLanes + k], near = near_m[k], far = far_m[k];
+    packet[kOrigin * kLanes + k] = idle ? 0 : origin_x;
+    packet[(kOrigin + 1) * kLanes + k] = idle ? 0 : origin_y;
+    packet[(kOrigin + 2) * kLanes + k] = idle ? 0 : origin_z;
+    packet[kNear * kLanes + k] = idle ? 0 : near;
+    packet[kDirection * kLanes + k] = idle ? 0 : direction_x;
+    packet[(kDirection + 1) * kLanes + k] = idle ? 0 : direction_y;
+    packet[(kDirection + 2) * kLanes + k] = idle ? 1 : direction_z;
     packet[kTime * kLanes + k] = 0;
-    packet[kFar * kLanes + k] = far_m[k];
+    packet[kFar * kLanes + k] = idle ? 0 : far;
   }
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {

@@ -23,8 +23,8 @@ struct RayPacket {
   alignas(64) std::array<std::int32_t, kPacketRays> active;  ///< -1 active, 0 idle
 };
 
-/// The first surface that each ray of a packet hit, in float, as found by Embree. Idle lanes are uninitialised, as are
-/// u, v and the normal of misses.
+/// The first surface that each ray of a packet hit, in float, as found by Embree. Idle lanes hit nothing; u, v and
+/// the normal of misses are uninitialised.
 struct HitPacket {
   using Lanes = std::array<float, kPacketRays>;
   alignas(64) Lanes distance_m;                                  ///< infinity for a miss

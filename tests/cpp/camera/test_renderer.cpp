@@ -10,6 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include "meshes.h"
 #include "uwsim/camera/parallel_rows.h"
@@ -225,6 +226,21 @@ TEST_F(Renderer, CausticsMoveWithTimeAndNoiseWithTheTick) {
   const Picture noisy = render(scene, *camera, optics, request);
   request.tick += 1;
   EXPECT_NE(noisy.rgb, render(scene, *camera, optics, request).rgb);
+}
+
+// A picture that computes only the caustics that it needs equals one of a scene that has all of them.
+TEST_F(Renderer, DeepPicturesNeedOnlyDeepCaustics) {
+  const auto computed_from = [&](const CameraScene& of, int level) {
+    return of.ripples(optics.wind_m_s, 0, 12.5, optics.water.refractive_index, level, 1)->first_level;
+  };
+  for (const auto& [z_m, pitch, expected] : {std::tuple(-8.0, 0.9, 4), {-4.6, 0.6, 3}, {-4.0, 0.1, 0}, {3.0, 0.4, 0}}) {
+    const PictureRequest request = from({-4, 0, z_m}, pitch);
+    const CameraScene some(scene, world.water, 7), all(scene, world.water, 7);
+    EXPECT_EQ(computed_from(all, 0), 0);
+    const Picture picture = render(some, *camera, optics, request);
+    expect_same(picture, render(all, *camera, optics, request), "all caustics");
+    EXPECT_EQ(computed_from(some, 4), expected) << z_m;
+  }
 }
 
 /// The cosine similarity of two pictures of particles: 1 for the same particles, about 0 for others.

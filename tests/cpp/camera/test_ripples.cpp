@@ -9,7 +9,7 @@ namespace {
 
 TEST(Ripples, CausticsConserveLightAndSlopesHaveTheVarianceOfCoxAndMunk) {
   const Ripples ripples(5, 0.3, 11);
-  const Ripples::Snapshot snapshot = ripples.at(3.7, 1.333, 2);
+  const Ripples::Snapshot snapshot = ripples.at(3.7, 1.333, 0, 2);
   for (int level = 0; level < camera::kCausticLevels; ++level) {
     double sum = 0, square = 0;
     for (std::size_t k = static_cast<std::size_t>(level); k < snapshot.caustics.size(); k += camera::kCausticLevels) {

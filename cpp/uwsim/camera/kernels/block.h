@@ -43,7 +43,8 @@ struct Block {
   BlockVectors veil;             ///< radiance scattered by the water on the first segment; for forward scattering
   BlockFloats first_reach;       ///< of the first segment
   // The light under test, which is added only if the path's shadow ray is not blocked:
-  BlockVectors unshadowed;  ///< radiance that it adds unless blocked
+  BlockVectors unshadowed;   ///< radiance that it adds unless blocked
+  BlockVectors shadow_from;  ///< where its shadow ray starts; finite in all lanes
   BlockVectors to_light;
   BlockFloats light_distance;
   BlockMask needs_shadow_ray;  ///< lanes where that light matters

@@ -14,6 +14,11 @@ UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
   return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
 }
 
+/// Shadow rays start slightly off the surface, on the eye's side. The distance is infinite where nothing is hit.
+UWSIM_LANES Vector shadow_start(const Block& block, Vector point, Vector normal) {
+  return point + normal * (1e-3f + 2e-5f * min(load(block.distance.at), splat(1e5f)));
+}
+
 /// Returns true if light adds more than View::untested_share to the radiance so far, summed over the bands.
 UWSIM_LANES Int matters(const View& view, Vector light, Vector so_far) {
   return light.x + light.y + light.z > view.untested_share * (so_far.x + so_far.y + so_far.z);
@@ -34,6 +39,7 @@ UWSIM_LANES void add_or_test(const View& view, Int lit, Vector light, Block& blo
 void shade_daylight(const View& view, Block& block) {
   apply_material(view, block);
   const Vector point = load(block.point), normal = load(block.normal);
+  store(block.shadow_from, shadow_start(block, point, normal));
   const Int lit = load(block.lit.at);
   const Float height = point.z + view.camera_z;
   const Float surface = waves_at(view, point.x, point.y).height;

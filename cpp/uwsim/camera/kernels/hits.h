@@ -32,8 +32,8 @@ UWSIM_LANES TerrainPlanes terrain_planes(const View& view, const std::uint32_t* 
   const Int base_at = select(is_upper, corner + (view.terrain_nx + 1), corner);
   const Double base = to_double(gather(view.heights, base_at));
   const Double sign = to_double(select(is_upper, splat(-1), splat(1)));
-  const Double beside_x = to_double(gather(view.heights, select(is_upper, corner + view.terrain_nx, corner + 1)));
-  const Double beside_y = to_double(gather(view.heights, select(is_upper, corner + 1, corner + view.terrain_nx)));
+  const Float east = gather(view.heights + 1, corner), north = gather(view.heights + view.terrain_nx, corner);
+  const Double beside_x = to_double(select(is_upper, north, east)), beside_y = to_double(select(is_upper, east, north));
   const Double per_m = sign * (1 / view.terrain_spacing);
   return {base, (beside_x - base) * per_m, (beside_y - base) * per_m, to_double(to_float(i + upper)),
           to_double(to_float(j + upper))};
@@ -64,7 +64,8 @@ void locate_hits(const View& view, Block& block) {
   __builtin_memcpy(label.part, block.label, sizeof(label.part));
   const Int hit = distance < 1e30f;
   const Int on_terrain = hit & (label == view.terrain_label);
-  Vector normal = unit(load(block.normal));
+  Vector normal = zero();
+  if (view.heights == nullptr || any(hit & ~on_terrain)) normal = unit(load(block.normal));
   if (view.heights != nullptr && any(on_terrain)) {
     refine_on_terrain(view, origin, direction, on_terrain, block, distance, normal);
   }

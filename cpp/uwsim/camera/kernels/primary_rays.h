@@ -49,10 +49,25 @@ UWSIM_LANES void set_rays(const View& view, int top, int scale, Float x, Float y
   if (view.moves) move_rays(view, lane_rows() * static_cast<float>(scale) + static_cast<float>(top), block);
 }
 
+/// The values of a picture at every `scale`th pixel.
+UWSIM_LANES Float sparse(const float* first, int width, int scale) {
+  Float value;
+  for (int k = 0; k < kLanes; ++k) value[k] = first[scale * (k / kBlockSide * width + k % kBlockSide)];
+  return value;
+}
+
 /// Lane k is pixel (left + scale (k % 4), top + scale (k / 4)). Lanes beyond the picture's edge are inactive and repeat
 /// the edge.
 void rays_through_pixels(const View& view, int left, int top, int scale, Block& block) {
   Float x, y, offset_x{}, offset_y{};
+  const int reach = scale * (kBlockSide - 1);
+  if (left + reach < view.width && top + reach < view.height) {
+    const int first = top * view.width + left;
+    const auto values = [&](const float* picture) { return sparse(picture + first, view.width, scale); };
+    if (view.has_offsets) offset_x = values(view.offset_x), offset_y = values(view.offset_y);
+    store(block.active.at, Int(-1));
+    return set_rays(view, top, scale, values(view.ray_x), values(view.ray_y), offset_x, offset_y, block);
+  }
   for (int k = 0; k < kLanes; ++k) {
     const int u = left + scale * (k % kBlockSide), v = top + scale * (k / kBlockSide);
     block.active.at[k] = u < view.width && v < view.height ? -1 : 0;

@@ -15,6 +15,7 @@ void shaft_sample_point(const View& view, float share, Block& block) {
   const Float depth = max(view.surface_z - (point.z + view.camera_z), Float{});
   store(block.distance.at, t);
   store(block.point, point);
+  store(block.shadow_from, point);
   store(block.to_light, broadcast(view.to_sun_in_water));
   store(block.light_distance.at, depth * (1 / view.to_sun_in_water[2]) + kShadowReach_m);
   store(block.needs_shadow_ray.at, load(block.active.at) & load(block.in_water.at));
