@@ -90,7 +90,7 @@ def _run(line: Line, folder: Path) -> NoReturn:
         resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE_BYTES, ADDRESS_SPACE_BYTES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         sys.argv = ["uwsim", *line.words]
-        from uwsim.cli.main import main
+        from uwsim.cli import main
 
         main()
     except SystemExit as end:

@@ -146,7 +146,7 @@ class Line:
 
 def commands() -> dict[str, list[Parameter]]:
     """Return the parameters of every command, as the program declares them."""
-    from uwsim.cli.main import app
+    from uwsim.cli.program import app
 
     return dict(_commands(app, ""))
 

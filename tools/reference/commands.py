@@ -8,7 +8,7 @@ from unittest import mock
 
 import typer
 
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 
 HEAD = """# Commands
 

@@ -1,5 +1,15 @@
 """The `uwsim` command."""
 
-from uwsim.cli.main import main
+from typing import NoReturn
+
+from uwsim.cli.signals import exit_on_signals
 
 __all__ = ["main"]
+
+
+def main() -> NoReturn:
+    """Run the command with the arguments of the process. Returns only by SystemExit."""
+    exit_on_signals()
+    from uwsim.cli.program import run_program  # takes most of the time in which a short command can be interrupted
+
+    run_program()

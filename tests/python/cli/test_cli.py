@@ -11,7 +11,7 @@ import typer
 from command_line import error_line, uwsim, uwsim_process
 from docs_pages import page_named
 from uwsim.cli.exit_codes import EXIT_CODES, INCOMPLETE
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.scenario.read.assets import assets_folder
 
 MAP = str(Path(__file__).parents[1] / "data" / "v1" / "survey" / "map.bt")

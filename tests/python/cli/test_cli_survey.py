@@ -56,27 +56,29 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "summary.json").is_file()
 
 
-@pytest.mark.parametrize("after_s", [0.05, 0.2, 0.4, 0.6, 0.8])
+@pytest.mark.parametrize("after_s", [0.01, 0.05, 0.1, 0.3, 0.5, 0.7])
 def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out")],
+        [sys.executable, "-c", "from uwsim.cli import main; print(flush=True); main()"]
+        + ["survey", "lake", "--out", str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         preexec_fn=hears_ctrl_c,
     )
+    process.stdout.readline()  # until here, Python's own handler is in force, and its imports may swallow an interrupt
     time.sleep(after_s)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=300)
-    if process.returncode != -signal.SIGINT and "init_import_site" not in errors:  # else Python itself had not started
-        assert process.returncode == 130 and "Traceback" not in errors, errors
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (130, "uwsim: interrupted\n")
 
 
 def test_ctrl_c_while_a_module_is_half_imported_ends_the_program() -> None:
     code = (
-        "import os, signal, sys, types; from uwsim.cli import main; m = sys.modules[main.__module__]\n"
+        "import os, signal, sys, types; from uwsim.cli import main, program\n"
         "for name in ('uwsim._core', 'uwsim.base.atomic_file'): sys.modules[name] = types.ModuleType(name)\n"
-        "m.app = lambda **_: os.kill(os.getpid(), signal.SIGINT)\n"
-        "m.main()"
+        "program.app = lambda **_: os.kill(os.getpid(), signal.SIGINT)\n"
+        "main()"
     )
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert (ended.returncode, ended.stderr) == (130, "uwsim: interrupted\n")

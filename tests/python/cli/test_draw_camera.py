@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from uwsim import Simulator
 from uwsim.cli.draw_camera import CameraRequest, set_up
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.cli.pose_option import parsed_pose
 
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from uwsim import Batch, Simulator
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.evidence.identification import MotionLog, identify, read_log
 from uwsim.evidence.identification.unknowns import parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from command_line import UWSIM
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.evidence import validate
 from uwsim.evidence.validate.check import Check, along, relative, within
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.evidence.validate import reality, run_suite
 
 DATA = Path(__file__).parents[4] / "shared/reality"

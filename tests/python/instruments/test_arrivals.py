@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.evidence.validate import sound
 from uwsim.evidence.validate.sound import computed, counterparts, kept_cases
 from uwsim.instruments.acoustics import arrivals

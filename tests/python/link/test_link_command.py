@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.link.rates import airtime_share, send_rates
 from uwsim.link.trial import run_trial
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen

@@ -187,8 +187,8 @@ def test_the_sources_keep_the_rule(rule: Rule, applies_to: str) -> None:
         (file_length, "tools/setup", "\n" * (LINE_LIMIT + 1), "\n" * LINE_LIMIT),
         (only_core_from_uwsim, "python/uwsim/a.py", "from uwsim import Simulator", "from uwsim import _core, scenario"),
         (only_core_from_uwsim, "python/uwsim/a.py", "def f():\n    import uwsim", "import uwsim.mapping.ranging"),
-        (eager_imports, "python/uwsim/cli/main.py", "from uwsim import survey", "def f():\n    import uwsim.survey"),
-        (eager_imports, "python/uwsim/cli/main.py", "import numpy as np", "import typer\nfrom pathlib import Path"),
+        (eager_imports, "python/uwsim/cli/program.py", "from uwsim import survey", "def f():\n    import uwsim.survey"),
+        (eager_imports, "python/uwsim/cli/program.py", "import numpy as np", "import typer\nfrom pathlib import Path"),
         (eager_imports, "python/uwsim/cli/sonar.py", "import uwsim.cli.draw_sonar", "import uwsim.cli.options"),
     ],
 )

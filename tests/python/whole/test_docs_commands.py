@@ -13,7 +13,7 @@ from ruamel.yaml import YAML
 
 import docs_pages
 from uwsim.campaigns.sweeps.spec import SweepSpec
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 from uwsim.exercises import Exercise
 from uwsim.scenario.schema import schema
 

@@ -10,7 +10,7 @@ import pytest
 import typer
 
 from docs_pages import PAGES, ROOT
-from uwsim.cli.main import app
+from uwsim.cli.program import app
 
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md", *PAGES, *sorted(ROOT.glob("cpp/**/*.md"))]
 SOURCES = {".py", ".pyi", ".h", ".cpp", ".cmake", ".js", ".css", ".j2", ".toml", ".yml", ".md", ".svg"}

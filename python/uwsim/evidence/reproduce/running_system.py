@@ -19,7 +19,7 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.nodes.chain import INSERTED, NODES
 from uwsim.live import LiveSimulator
 
-NODES_PROGRAM = "from uwsim.cli.main import main; main()"
+NODES_PROGRAM = "from uwsim.cli import main; main()"
 PATIENCE_S = 60.0
 LISTEN_S = 4.0  # of simulated time
 SIMULATOR = "/uwsim"

@@ -1,4 +1,4 @@
-"""The `uwsim` command: its subcommands, and the handling of errors and signals.
+"""The `uwsim` command: its subcommands, and the handling of errors.
 
 Each subcommand has a separate file and imports its dependencies when it runs, so that --help is fast.
 """
@@ -28,7 +28,7 @@ from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
 from uwsim.cli.doctor import doctor
 from uwsim.cli.exercise import exercise
-from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
+from uwsim.cli.exit_codes import FAILED, exit_code_help
 from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
 from uwsim.cli.groups import CommandsByHeading
@@ -46,6 +46,7 @@ from uwsim.cli.ros import app as ros_app
 from uwsim.cli.run import run
 from uwsim.cli.scenario import app as scenario_app
 from uwsim.cli.serve import serve
+from uwsim.cli.signals import exit_interrupted
 from uwsim.cli.sonar import sonar
 from uwsim.cli.station import station
 from uwsim.cli.survey import survey
@@ -99,10 +100,8 @@ _add("Scenarios and maps", vehicle, parameters, decompose, scenario=scenario_app
 _add("Check", validate, identify, fingerprint, reproduce, bench=bench_app)
 
 
-def main() -> NoReturn:
+def run_program() -> NoReturn:
     """Run the command. A user's mistake produces one line on stderr and a non-zero exit code, without a traceback."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _exit_on_signal)
     _spare_address_space()
     gc.set_threshold(COLLECT_EVERY)
     atexit.register(gc.freeze)  # otherwise the interpreter would search all objects for garbage before it ends
@@ -117,7 +116,7 @@ def main() -> NoReturn:
         _require_no_empty_word(sys.argv[1:])
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C
-        _exit_on_signal(signal.SIGINT, None)
+        exit_interrupted(signal.SIGINT, None)
     except (ValueError, OSError, MemoryError, ImportError) as error:  # ImportError: no memory for a library
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
@@ -172,18 +171,6 @@ def _print_error(message: str) -> None:
 def _printable(text: str) -> str:
     """Escape control characters for the terminal, since names in an untrusted file may contain any."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-
-
-def _exit_on_signal(number: int, frame: object) -> NoReturn:
-    """End the process immediately: an exception during an import could be swallowed or leave a module half imported."""
-    for module, function in (
-        ("uwsim.base.atomic_file", "remove_unfinished"),
-        ("uwsim._core", "remove_unfinished_files"),
-    ):
-        if remove := getattr(sys.modules.get(module), function, None):  # None while the module is being imported
-            remove()  # of all threads
-    os.write(2, b"uwsim: interrupted\n")
-    os._exit(INTERRUPTED)
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:

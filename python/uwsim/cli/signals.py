@@ -1,0 +1,33 @@
+"""The end of the program by Ctrl-C or SIGTERM."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from typing import NoReturn
+
+from uwsim.cli.exit_codes import INTERRUPTED
+
+
+def exit_on_signals() -> None:
+    """End the process immediately on SIGINT and SIGTERM.
+
+    To be called before the program's imports. Python's own handler would raise KeyboardInterrupt within them, which could
+    be swallowed, leave a module half imported, or leave the lock of all imports held, on which other threads would wait
+    forever.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, exit_interrupted)
+
+
+def exit_interrupted(number: int, frame: object) -> NoReturn:
+    """End the process immediately, without unfinished files. For use as a signal handler."""
+    for module, function in (
+        ("uwsim.base.atomic_file", "remove_unfinished"),
+        ("uwsim._core", "remove_unfinished_files"),
+    ):
+        if remove := getattr(sys.modules.get(module), function, None):  # None while the module is being imported
+            remove()  # of all threads
+    os.write(2, b"uwsim: interrupted\n")
+    os._exit(INTERRUPTED)
