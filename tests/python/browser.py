@@ -93,9 +93,9 @@ def desk(
             context.close()
 
 
-def until(condition: Callable[[], object], what: str) -> None:
+def until(condition: Callable[[], object], what: str, wait_s: float = WAIT_S) -> None:
     """Wait until a condition is true; raise AssertionError on timeout."""
-    end = time.monotonic() + WAIT_S
+    end = time.monotonic() + wait_s
     while not condition():
         assert time.monotonic() < end, f"waited in vain for {what}"
         time.sleep(0.02)

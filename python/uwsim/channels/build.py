@@ -30,10 +30,13 @@ FAN_XYZW = (
 def message(name: str, /, **fields: Any) -> Any:
     """Return a message of a type such as "sensor_msgs/msg/Imu". Omitted fields get their ROS defaults."""
     cls, defaults = _plan(name)
-    if not fields.keys() <= defaults.keys():
-        raise AttributeError(f"{name}: has no field {min(fields.keys() - defaults.keys())!r}")
     if len(fields) == len(defaults):
-        return cls(**fields)
+        try:
+            return cls(**fields)
+        except TypeError:  # an unknown field
+            pass
+    if unknown := fields.keys() - defaults.keys():
+        raise AttributeError(f"{name}: has no field {min(unknown)!r}")
     return cls(**{field: fields[field] if field in fields else make() for field, make in defaults.items()})
 
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
@@ -17,6 +16,7 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 20.0
 TOPIC = "odometry/estimate"
+POSE_ERRORS = np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])  # of Navigator.covariance
 
 
 def has_estimate(source: Source) -> bool:
@@ -71,9 +71,10 @@ def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.fl
     the velocity error.
     """
     errors, turn = estimate.covariance, estimate.pose.world_from_body[:3, :3]
-    x, y, z = estimate.velocity.linear_body_m_s
-    to_pose = block_diag(np.eye(3), turn)
-    pose = to_pose @ errors[np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])] @ to_pose.T
+    x, y, z = estimate.velocity.linear_body_m_s.tolist()
+    to_pose = np.eye(6)
+    to_pose[3:, 3:] = turn
+    pose = to_pose @ errors[POSE_ERRORS] @ to_pose.T
     to_twist = np.zeros((6, 9))
     to_twist[:3, :3], to_twist[:3, 3:6] = turn.T, [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
     to_twist[3:, 6:] = -np.eye(3)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim import _core
+from uwsim.base.quaternions import about_z
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.covariance import UNKNOWN, isotropic, of_velocity, variance
@@ -253,7 +254,7 @@ def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
     return build.message(
         "sensor_msgs/msg/Imu",
         header=header,
-        orientation=build.quaternion(build.mount_xyzw((90.0 - math.degrees(value), 0.0, 0.0))),
+        orientation=build.quaternion(about_z(0.5 * math.pi - value)),
         orientation_covariance=np.diag([UNOBSERVED, UNOBSERVED, errors.variance("heading")]).ravel(),
         angular_velocity_covariance=unknown,
         linear_acceleration_covariance=unknown,

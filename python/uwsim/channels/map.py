@@ -23,6 +23,7 @@ from uwsim.mapping import OccupancyMap, ranging
 from uwsim.mapping.ping_to_map import Box, placed_echoes
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.hull import hull_box_m
+from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.simulator import Simulator
 
 PLACED = "placed_ping"
@@ -68,6 +69,7 @@ class PingMap:
         self._pings = pings
         self._map: OccupancyMap | None = None
         self._newest_ns = -1
+        self._hull: tuple[VehicleModel, Box] | None = None
         self._worker = ThreadPoolExecutor(1, "uwsim-map")
         self._waiting: deque[Future[None]] = deque()
         self._whole, self._news = _Late(PUBLISH_NS), _Late(CHANGES_NS)
@@ -153,7 +155,7 @@ class PingMap:
             self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
         self._newest_ns = taken.ping.time_ns
-        points_odom = mapped_points(self._pings, taken, hull_box_m(self._source.model(sim)))
+        points_odom = mapped_points(self._pings, taken, self._hull_box_m(sim))
         self._queue(points_odom, taken.odom_from_sonar[:3, 3], self._pings.model.range_max_m)
 
     def _queue(self, points_odom: NDArray[np.float32], origin_m: NDArray[np.float64], reach_m: float) -> None:
@@ -170,9 +172,16 @@ class PingMap:
         header = build.header(stamp_ns, self._source.frame("odom"))
         pose = build.pose(sonar[:3, 3], Rotation.from_matrix(sonar[:3, :3]).as_quat())
         scan = scan_of(self._pings, taken)
-        ranges_m = np.where(on_hull(scan, taken, hull_box_m(self._source.model(sim))), np.float32(np.inf), scan.ranges)
+        ranges_m = np.where(on_hull(scan, taken, self._hull_box_m(sim)), np.float32(np.inf), scan.ranges)
         angles = {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
         return build.message(PLACED_PING, header=header, sonar=pose, ranges=ranges_m, **angles)
+
+    def _hull_box_m(self, sim: Simulator) -> Box:
+        """Return the box in which echoes are of the vehicle itself."""
+        model = self._source.model(sim)
+        if self._hull is None or self._hull[0] is not model:
+            self._hull = model, hull_box_m(model)
+        return self._hull[1]
 
     def _note_changes(self) -> Any:
         """Move changes from the map to the list of changes, on the worker thread."""

@@ -11,6 +11,7 @@ from uwsim.operator.station.flights import Bounds
 
 PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
 ABOVE_M = 5.0
+FLIGHT_S = 240.0  # of real time, for two minutes of simulated time that are recorded, mapped and shown
 
 
 def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_path: Path):
@@ -38,7 +39,8 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
             page.mouse.click(box["x"] + x, box["y"] + y)
         page.fill("[aria-label='Speed [m/s]']", "0.8")
         page.click(".chart-tools >> text=Fly")
-        until(lambda: "all waypoints are reached" in page.inner_text(".view.is-large .scene-note"), "the pipeline")
+        note = lambda: page.inner_text(".view.is-large .scene-note")
+        until(lambda: "all waypoints are reached" in note(), "the pipeline", FLIGHT_S)
         live = here.station.present().live
         there = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(there[:2] - PIPELINE) < 4.0 and abs(there[2] + bed_m - ABOVE_M) < 2.0
