@@ -1,7 +1,8 @@
 """Settings for all tests: Hypothesis uses the same examples in every run; figures are small and open no window."""
 
+import gc
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 import pytest
 from hypothesis import settings
@@ -14,6 +15,17 @@ from uwsim.scenario import build_world, load
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Exclude the modules and the tests themselves from garbage collections, which would take 8 % of a run's time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.fixture(autouse=True, scope="session")
