@@ -18,10 +18,14 @@ class Node:
 
 @pytest.fixture(autouse=True)
 def enabled() -> Iterator[None]:
+    were_frozen = gc.get_freeze_count() > 0
     gc.enable()
+    gc.unfreeze()
     yield
     gc.enable()
     gc.unfreeze()
+    if were_frozen:
+        gc.freeze()
 
 
 def test_no_collection_in_the_block_and_none_due_after_it() -> None:

@@ -86,7 +86,7 @@ class CameraComponent:
     def _stream_message(self, number: int, video: VideoStream) -> Any:
         mount = self._craft.vehicle.cameras[self._name].mount
         flags = 0 if video.is_paused else RUNNING
-        plain = flags, RATE_HZ, *video.size, 1000 * BITRATE_KBIT_S, 0, round(mount.horizontal_fov_deg)
+        plain = flags, RATE_HZ, *video.size, 1000 * BITRATE_KBIT_S, 0, round(mount.field_of_view_deg)
         if number == 270:
             return self._mav.video_stream_status_encode(STREAM, *plain)
         name, uri = self._name.encode()[:31], str(video.target.port).encode()

@@ -78,6 +78,7 @@ class Parameters(Mapping[str, Any]):
         """Start over with another scenario that has the same names, without applying it."""
         self._original = self._running = scenario
         self._changes: dict[str, Any] = {}
+        self._tree: tuple[Scenario, dict[str, Node]] | None = None
 
     def adopt(self, changes: Mapping[str, Any], running: Scenario) -> None:
         """Start with changes that have already been applied, which turned the scenario into `running`."""
@@ -109,13 +110,13 @@ class Parameters(Mapping[str, Any]):
         self.update({name: value})
 
     def __iter__(self) -> Iterator[str]:
-        return iter(_listed(nodes(self._running)))
+        return iter(_listed(self._all()))
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
     def __contains__(self, name: object) -> bool:
-        return isinstance(name, str) and find(self._running, name) is not None
+        return self._find(name) is not None
 
     def list(self, prefix: str = "") -> list[str]:
         """Return the names of all effective values at or below a name.
@@ -123,7 +124,7 @@ class Parameters(Mapping[str, Any]):
         Raises UnknownParameterError, which suggests the most similar name, if there are none.
         """
         above = self._node(prefix) if prefix else None
-        found = [*_listed(nodes(self._running, prefix))]
+        found = [*_listed(nodes(self._running, prefix) if prefix else self._all())]
         if above is not None and not found:
             raise UnknownParameterError(f"parameters[{prefix!r}]: {self._why_none(above)}")
         return found
@@ -231,7 +232,7 @@ class Parameters(Mapping[str, Any]):
 
     def _spread(self, name: str, value: Any, into: dict[str, Any]) -> None:
         """Add a change to `into`; a change to a group is split into changes to its values."""
-        node = find(self._running, name)
+        node = self._find(name)
         if isinstance(value, Mapping) and node is not None and node.type is None and node.place not in table.WHOLE:
             for key, item in value.items():
                 self._spread(f"{name}.{key}", item, into)
@@ -260,19 +261,33 @@ class Parameters(Mapping[str, Any]):
         return self._node(name).place
 
     def _default(self, name: str) -> Any:
-        node = find(self._original, name)
+        node = self._find(name) if self._running is self._original else find(self._original, name)
         return None if node is None else plain(node.value)
 
+    def _all(self) -> dict[str, Node]:
+        """Return all leaves and groups by name."""
+        made = self._tree
+        if made is None or made[0] is not self._running:
+            self._tree = made = self._running, nodes(self._running)
+        return made[1]
+
+    def _find(self, name: object) -> Node | None:
+        """Return the node with this name, or None. Does not make the whole tree, which changes with every value."""
+        made = self._tree
+        if made is None or made[0] is not self._running or not isinstance(name, str):
+            return find(self._running, name)
+        return made[1].get(name)
+
     def _node(self, name: str) -> Node:
-        node = find(self._running, name) if isinstance(name, str) else None
+        node = self._find(name)
         if node is None:
-            rule = table.why_fixed(str(name)) or "there is none" + did_you_mean(str(name), nodes(self._running))
+            rule = table.why_fixed(str(name)) or "there is none" + did_you_mean(str(name), self._all())
             raise UnknownParameterError(f"parameters[{name!r}]: {rule}")
         return node
 
     def _renamed(self, text: str) -> str:
         """Replace the scenario key in an error message with the parameter name."""
-        found = [node for node in nodes(self._running).values() if node.place and _begins(text, node.key)]
+        found = [node for node in self._all().values() if node.place and _begins(text, node.key)]
         if not found:
             return text
         nearest = max(found, key=lambda node: len(node.key))

@@ -144,7 +144,8 @@ def is_absent(model: Model, field: str) -> bool:
     """Return whether a field does not apply to a model because the model specifies its alternative."""
     if field in ("max_force_n", "max_torque_nm", "battery") or field.endswith("_matrix"):
         return getattr(model, field) is None
-    return getattr(model, field + "_matrix", None) is not None
+    matrix = field + "_matrix"
+    return matrix in type(model).model_fields and getattr(model, matrix) is not None
 
 
 LISTS = {("water", "current")}
