@@ -221,7 +221,8 @@ def test_after_a_kill_all_but_the_last_second_reads_and_replays(tmp_path: Path) 
     assert process.stdout is not None
     process.stdout.readline()
     size = path.stat().st_size
-    while path.stat().st_size < size + 50_000:  # at least one flush
+    # Until at least one flush is complete
+    while path.stat().st_size < size + 50_000 or "odom" not in recording.open(path).channels:
         process.stdout.readline()
     process.send_signal(signal.SIGKILL)
     process.wait()
