@@ -37,7 +37,7 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
         for depth_m in (10.0, bed_m - ABOVE_M):
             page.fill("[aria-label='Depth of waypoints [m]']", str(depth_m))
             page.mouse.click(box["x"] + x, box["y"] + y)
-        page.fill("[aria-label='Speed [m/s]']", "0.8")
+        page.fill("[aria-label='Speed [m/s]']", "1.5")
         page.click(".chart-tools >> text=Fly")
         note = lambda: page.inner_text(".view.is-large .scene-note")
         until(lambda: "all waypoints are reached" in note(), "the pipeline", FLIGHT_S)
