@@ -13,9 +13,8 @@ from uwsim.cli.exit_codes import INTERRUPTED
 def exit_on_signals() -> None:
     """End the process immediately on SIGINT and SIGTERM.
 
-    To be called before the program's imports. Python's own handler would raise KeyboardInterrupt within them, which could
-    be swallowed, leave a module half imported, or leave the lock of all imports held, on which other threads would wait
-    forever.
+    Call this before the program's imports. Python's own handler would raise KeyboardInterrupt within them, which could
+    be swallowed, leave a module half imported, or leave the lock of all imports held, so that other threads hang.
     """
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, exit_interrupted)

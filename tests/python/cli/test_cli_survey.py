@@ -11,7 +11,6 @@ import pytest
 
 from command_line import (
     BLANK,
-    UWSIM,
     error_line,
     files_limited_to,
     hears_ctrl_c,
@@ -58,9 +57,9 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("after_s", [0.01, 0.05, 0.1, 0.3, 0.5, 0.7])
 def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_path: Path) -> None:
+    program = "from uwsim.cli import main; print(flush=True); main()"
     process = subprocess.Popen(
-        [sys.executable, "-c", "from uwsim.cli import main; print(flush=True); main()"]
-        + ["survey", "lake", "--out", str(tmp_path / "out")],
+        [sys.executable, "-c", program, "survey", "lake", "--out", str(tmp_path / "out")],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from uwsim import Simulator
 from uwsim.cli.draw_camera import CameraRequest, set_up
-from uwsim.cli.program import app
 from uwsim.cli.pose_option import parsed_pose
+from uwsim.cli.program import app
 
 
 def run(*words: str | Path) -> tuple[int, str, BaseException | None]:

@@ -39,8 +39,8 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
             page.mouse.click(box["x"] + x, box["y"] + y)
         page.fill("[aria-label='Speed [m/s]']", "1.5")
         page.click(".chart-tools >> text=Fly")
-        note = lambda: page.inner_text(".view.is-large .scene-note")
-        until(lambda: "all waypoints are reached" in note(), "the pipeline", FLIGHT_S)
+        note = page.locator(".view.is-large .scene-note")
+        until(lambda: "all waypoints are reached" in note.inner_text(), "the pipeline", FLIGHT_S)
         live = here.station.present().live
         there = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(there[:2] - PIPELINE) < 4.0 and abs(there[2] + bed_m - ABOVE_M) < 2.0

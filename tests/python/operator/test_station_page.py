@@ -305,7 +305,7 @@ def test_buttons_act_and_values_grey(running, tmp_path):
     page.keyboard.press("v")
     page.wait_for_timeout(100)
     page.click("#record")
-    page.wait_for_timeout(700)
+    page.wait_for_timeout(1200)  # a browser hands over what it has recorded once a second
     page.click("#record")
     until(lambda: page.evaluate("1") and len(saved) == 3, "a picture, a video with its telemetry")
     files = {Path(found.suggested_filename).suffix: Path(found.path()).read_bytes() for found in saved}

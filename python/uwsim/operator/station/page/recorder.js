@@ -130,6 +130,7 @@ export class Recorder {
       if (running === this.#running && running.bytes > FILE_BYTES) this.#goOn();
     };
     recorder.start(1000);
+    this.#compose(canvas); // a busy page may call the timer late
     running.timer = setInterval(() => this.#compose(canvas), 1000 / FRAMES_PER_S);
     this.#running = running;
   }
@@ -148,9 +149,12 @@ export class Recorder {
     clearInterval(timer);
     save(new Blob([rows.join('\n'), '\n'], { type: 'text/csv' }), `${stem}.csv`);
     if (!recorder) return;
-    recorder.onstop = () => save(new Blob(chunks, { type }), `${stem}.${type.includes('mp4') ? 'mp4' : 'webm'}`);
+    recorder.onstop = () => {
+      const video = new Blob(chunks, { type });
+      if (video.size) save(video, `${stem}.${type.includes('mp4') ? 'mp4' : 'webm'}`);
+      toast(video.size ? WORDS.savedVideo(stem) : WORDS.savedWithoutVideo(stem));
+    };
     recorder.stop();
-    toast(WORDS.savedVideo(stem));
   }
 
   // The large view with its overlays, and the values below it.

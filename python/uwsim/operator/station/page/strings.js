@@ -535,6 +535,7 @@ const ENGLISH = {
     record: 'Record',
     saved: (name) => `Saved ${name}`,
     savedVideo: (name) => `Saved ${name}: video and telemetry`,
+    savedWithoutVideo: (name) => `Saved ${name}: telemetry only, since the browser had not yet recorded a picture`,
     stop: 'Stop recording',
   },
   replay: {

@@ -531,6 +531,8 @@ export const GERMAN = {
     record: 'Aufzeichnen',
     saved: (name) => `${name} gespeichert`,
     savedVideo: (name) => `${name} gespeichert: Video und Telemetrie`,
+    savedWithoutVideo: (name) =>
+      `${name} gespeichert: nur Telemetrie, denn der Browser hatte noch kein Bild aufgezeichnet`,
     stop: 'Aufzeichnung beenden',
   },
   replay: {
