@@ -30,6 +30,19 @@ double open_unit(std::uint32_t high, std::uint32_t low) {
   return (static_cast<double>(bits) + 0.5) * 0x1p-52;
 }
 
+Block block(std::uint64_t tick, std::uint32_t index, std::uint32_t stream, std::uint64_t key) {
+  return philox4x32({static_cast<std::uint32_t>(tick), static_cast<std::uint32_t>(tick >> 32), index, stream}, key);
+}
+
+/// Two independent standard normal draws in polar coordinates (Box and Muller 1958).
+struct Polar {
+  double radius, angle_rad;
+};
+
+Polar polar(const Block& b) {
+  return {std::sqrt(-2 * std::log(open_unit(b[0], b[1]))), 2 * std::numbers::pi * open_unit(b[2], b[3])};
+}
+
 /// FNV-1a, 32 bits.
 std::uint32_t fnv1a(std::string_view text) {
   std::uint32_t hash = 2166136261u;
@@ -42,19 +55,18 @@ std::uint32_t fnv1a(std::string_view text) {
 RandomStream::RandomStream(std::uint64_t seed, std::string_view name) : key_(seed), stream_(fnv1a(name)) {}
 
 double RandomStream::uniform(std::uint64_t tick, std::uint32_t index) const {
-  const Block b =
-      philox4x32({static_cast<std::uint32_t>(tick), static_cast<std::uint32_t>(tick >> 32), index, stream_}, key_);
+  const Block b = block(tick, index, stream_, key_);
   return open_unit(b[0], b[1]);
 }
 
-double RandomStream::normal(std::uint64_t tick, std::uint32_t index) const { return normals(tick, index)[0]; }
+double RandomStream::normal(std::uint64_t tick, std::uint32_t index) const {
+  const Polar drawn = polar(block(tick, index, stream_, key_));
+  return drawn.radius * std::cos(drawn.angle_rad);
+}
 
 std::array<double, 2> RandomStream::normals(std::uint64_t tick, std::uint32_t index) const {
-  const Block b =
-      philox4x32({static_cast<std::uint32_t>(tick), static_cast<std::uint32_t>(tick >> 32), index, stream_}, key_);
-  const double radius = std::sqrt(-2 * std::log(open_unit(b[0], b[1])));
-  const double angle = 2 * std::numbers::pi * open_unit(b[2], b[3]);
-  return {radius * std::cos(angle), radius * std::sin(angle)};
+  const Polar drawn = polar(block(tick, index, stream_, key_));
+  return {drawn.radius * std::cos(drawn.angle_rad), drawn.radius * std::sin(drawn.angle_rad)};
 }
 
 }  // namespace uwsim
