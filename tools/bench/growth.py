@@ -126,7 +126,7 @@ def triangles(count: int) -> Callable[[], Costs]:
 
     def prepare() -> float:
         fresh = bed(cells, rng.uniform())  # a bed that is known already would be shared
-        return spent_s(lambda: _core.RayScene(fresh))
+        return spent_s(lambda: _core.RayScene(fresh).prepare())
 
     def ping() -> None:
         scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], beams, 100.0)
