@@ -74,6 +74,7 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
       footprint_(fan, spec.figures.beam_width_across_rad, spec.figures.beam_width_along_rad, spec.rays_per_beam),
       profile_(sound_speed_profile(water)),
       absorption_(absorption_column(water, spec.figures.frequency_hz, spec.acidity_ph, bottom_m)),
+      volume_strength_(spec.volume_strength_db ? std::pow(10, *spec.volume_strength_db / 10) : 0),
       figure_db_(spec.figures.figure_db() - fan.gain_db),
       detector_(spec.figures, spec.range_noise),
       speckle_(stream.key(), spec.figures),

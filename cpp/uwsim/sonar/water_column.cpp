@@ -76,11 +76,11 @@ void AcousticMultibeam::add_targets(const Transmission& sent, double time_s, Oth
 
 /// The volume's echo from one range cell, as a ratio of the source's intensity.
 double AcousticMultibeam::reverberation(const Transmission& sent, std::size_t beam, double range_m) const {
-  if (!spec_.volume_strength_db) return 0;
+  if (volume_strength_ == 0) return 0;
   const double range = std::max(range_m, 0.01);
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   const double depth_m = std::max(0.0, sent.depth_m - range * axis_world.z());
-  return std::pow(10, *spec_.volume_strength_db / 10) * spec_.figures.beam_solid_angle_sr() *
+  return volume_strength_ * spec_.figures.beam_solid_angle_sr() *
          footprint_.widening(beam) * sent.cell_m / (range * range) * lost(sent, depth_m, 2 * range);
 }
 
@@ -107,7 +107,7 @@ void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_
   };
   for (const RayEcho& echo : surface) add(echo);
   for (const RayEcho& echo : others) add(echo);
-  if (spec_.volume_strength_db) {
+  if (volume_strength_ > 0) {
     const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
     double water_m = axis_world.z() > 0 ? sent.depth_m / axis_world.z() : fan_.range_max_m;
     for (const RayEcho& echo : surface) water_m = std::min(water_m, double{echo.range_m});
