@@ -160,7 +160,7 @@ class AcousticMultibeam {
   SoundSpeedProfile profile_;
   AbsorptionColumn absorption_;
   double volume_strength_;  ///< of the water per cubic metre, as a ratio; 0 if the water returns no echo
-  double figure_db_;  ///< signal-to-noise ratio of a lossless echo, minus the model's gain
+  double figure_db_;        ///< signal-to-noise ratio of a lossless echo, minus the model's gain
   BottomDetector detector_;
   SpeckleField speckle_;
   float share_sr_;   ///< solid angle of one ray of an unsteered beam

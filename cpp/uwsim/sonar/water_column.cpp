@@ -80,8 +80,8 @@ double AcousticMultibeam::reverberation(const Transmission& sent, std::size_t be
   const double range = std::max(range_m, 0.01);
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   const double depth_m = std::max(0.0, sent.depth_m - range * axis_world.z());
-  return volume_strength_ * spec_.figures.beam_solid_angle_sr() *
-         footprint_.widening(beam) * sent.cell_m / (range * range) * lost(sent, depth_m, 2 * range);
+  return volume_strength_ * spec_.figures.beam_solid_angle_sr() * footprint_.widening(beam) * sent.cell_m /
+         (range * range) * lost(sent, depth_m, 2 * range);
 }
 
 void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_t beam,
