@@ -133,11 +133,13 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
     page.evaluate("station.views.enlarge('chart')")
     when(page, "station.chart.frame.scale > 5")
 
-    def pin():  # where it is now: the frame may change once more after the chart has been enlarged
+    # Between the pin's tip and its number, whose white edge reaches almost to the pin's. Computed each time, since the
+    # frame may change once more after the chart has been enlarged.
+    def pin():
         return page.evaluate(
             """() => { const canvas = station.chart.canvas, ratio = canvas.width / canvas.clientWidth;
             const [x, y] = station.chart.frame.at(station.inspection.notes[0].position_m);
-            return [...canvas.getContext('2d').getImageData((x + 5) * ratio, (y - 14) * ratio, 1, 1).data]; }"""
+            return [...canvas.getContext('2d').getImageData(x * ratio, (y - 6) * ratio, 1, 1).data]; }"""
         )
 
     until(lambda: np.abs(np.subtract(pin()[:3], [255, 122, 102])).max() < 30, "the colour of defects")
