@@ -144,6 +144,7 @@ def test_an_action_has_its_keys_and_its_goal_a_result(peer, live, graph):
         assert call(peer, f"{own}/send_goal", kinds["send_goal"], sent).accepted
         response = call(peer, f"{own}/get_result", kinds["get_result"], asked)
         assert response.status == SUCCEEDED and response.result.success
+        until(lambda: len(fed) == 3, "the goal's statuses, which may arrive after its result")
         arrays = [from_bytes(one.payload.to_bytes(), "action_msgs/msg/GoalStatusArray") for one in fed]
         assert [array.status_list[-1].status for array in arrays] == [1, 2, SUCCEEDED]
 
