@@ -27,6 +27,7 @@ from uwsim import Simulator
 from uwsim.bridges.ardusub import ArduSub, prepared
 from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Home
 from uwsim.recording import Recorder
+from uwsim.recording.diff import diff
 from uwsim.recording.reader import Recording
 from uwsim.scenario import load
 
@@ -295,6 +296,16 @@ def flown(binary: Path, defaults: str, path: Path, print_row: Callable[[Row], No
     return digest.hexdigest()
 
 
+def differences(first: Path, second: Path) -> list[str]:
+    """Return a line for each channel whose messages differ between two recordings, and for each other difference."""
+    one, other = Recording(first), Recording(second)
+    found = diff(one, other)
+    lines = [f"/{each.topic}: {each.messages} messages differ, first at tick {each.tick}: {each.text}"
+             for each in found.partings]  # fmt: skip
+    states = {recording.end.state if recording.end else "" for recording in (one, other)}
+    return [*lines, *found.notes, *(["the states at the end differ"] if len(states) > 1 else [])]
+
+
 class Speed(NamedTuple):
     """Simulated seconds per second; processor time per frame [us] of this thread's steps, pings and the firmware."""
 
@@ -355,7 +366,10 @@ def main() -> int:
         digests = [
             flown(binary, defaults, out / f"{run}.mcap", print_row if run == 1 else lambda row: None) for run in (1, 2)
         ]
+        differing = differences(out / "1.mcap", out / "2.mcap")
     print(f"digests of two flights: {' '.join(digests)}")
+    for line in differing:
+        print(f"     {line}")
     failed.extend([] if digests[0] == digests[1] else ["the same bytes twice"])
     found = speed(binary, defaults)
     print(f"{found.factor:.1f} times real time with the sonar at 10 Hz")

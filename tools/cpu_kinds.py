@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -21,19 +22,19 @@ KINDS = {
     "C library without FMA and AVX2": {"GLIBC_TUNABLES": NO_FMA},
     "all of these": {"UWSIM_INSTRUCTION_SET": "portable", "GLIBC_TUNABLES": NO_FMA},
 }
+SCENARIOS, SEEDS = ("cove", "lagoon", "lake", "pool", "reservoir"), range(201, 221)
+"""The pictures of all cameras at the start, besides those of the flights."""
 FLY = """
 import sys
 import numpy as np
-from uwsim.evidence.fingerprint import results
-np.savez(sys.argv[1], *[array for _, array in results()])
+from tools.cpu_kinds import all_results
+np.savez(sys.argv[1], *[array for _, array in all_results()])
 """
 
 
 def main() -> None:
     """Print the differences from this machine's default: the number of array elements and the largest gap."""
-    from uwsim.evidence.fingerprint import results
-
-    names = [name for name, _ in results()]
+    names = [name for name, _ in all_results()]
     with tempfile.TemporaryDirectory() as folder:
         here = _flown(Path(folder) / "here.npz", {})
         for kind, variables in KINDS.items():
@@ -42,6 +43,23 @@ def main() -> None:
                 pairs = [(a, b) for name, a, b in zip(names, here, found, strict=True) if name == part]
                 if any(a.tobytes() != b.tobytes() for a, b in pairs):
                     print(f"| {kind} | {part} | {_gap(pairs)} |")
+    pictures = sum(name.startswith("pictures at") for name in names)
+    print(f"{pictures} pictures at the start of {len(SCENARIOS)} scenarios, {len(SEEDS)} seeds")
+
+
+def all_results() -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the arrays of the fingerprint's flights, then pictures, each with the name of its part."""
+    from uwsim import Simulator
+    from uwsim.evidence.fingerprint import results
+
+    yield from results()
+    for scenario in SCENARIOS:
+        with Simulator(scenario) as sim:
+            for seed in SEEDS:
+                sim.reset(seed=seed)
+                for vehicle in sim.vehicles.values():
+                    for camera in vehicle.cameras.values():
+                        yield f"pictures at the start of {scenario}", camera.capture().rgb
 
 
 def _flown(path: Path, variables: dict[str, str]) -> list[np.ndarray]:

@@ -120,14 +120,14 @@ def checkout(name: str) -> Path:
 
 def ratios(tree: Path, rounds: int) -> dict[str, float]:
     """Run the benchmarks of a source tree that has been built, and return the ratios that they report."""
-    figures: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, options in PEERS.items():
             output = Path(folder) / f"{name}.json"
             command = [tree / ".venv/bin/uwsim", "bench", name, *options, "--rounds", str(rounds), "--json", output]
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
-            figures[name] = json.loads(output.read_text())
-    return {name: value for name, ratio in RATIOS.items() if (value := _at(figures, ratio.path)) is not None}
+            results[name] = json.loads(output.read_text())
+    return {name: value for name, ratio in RATIOS.items() if (value := _at(results, ratio.path)) is not None}
 
 
 def table(old: list[dict[str, float]], new: list[dict[str, float]], *names: str) -> list[str]:
@@ -153,10 +153,10 @@ def machine() -> dict[str, Any]:
     return {"processor": processor, "cores": os.cpu_count()}
 
 
-def _at(figures: Any, path: tuple[str, ...]) -> float | None:
+def _at(results: Any, path: tuple[str, ...]) -> float | None:
     for key in path:
-        figures = figures.get(key, {})
-    return None if figures == {} else float(f"{figures:.4g}")
+        results = results.get(key, {})
+    return None if results == {} else float(f"{results:.4g}")
 
 
 def _git(folder: Path, *arguments: str) -> str:

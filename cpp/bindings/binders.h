@@ -18,6 +18,6 @@ void bind_camera(pybind11::module_& m);
 void bind_mapping(pybind11::module_& m);
 void bind_estimation(pybind11::module_& m);
 void bind_sim(pybind11::module_& m);
-void bind_bridges(pybind11::module_& m);
+void bind_autopilots(pybind11::module_& m);
 
 }  // namespace uwsim::bindings

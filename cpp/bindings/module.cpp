@@ -17,5 +17,5 @@ PYBIND11_MODULE(_core, m) {
   bind_mapping(m);
   bind_estimation(m);
   bind_sim(m);
-  bind_bridges(m);
+  bind_autopilots(m);
 }

@@ -88,7 +88,7 @@ __all__: list[str] = [
     "Simulation",
     "SimulationSpec",
     "SolidProperties",
-    "SonarFigures",
+    "SonarParameters",
     "SonarSpec",
     "SoundSpeedProfile",
     "SpotLamp",
@@ -809,7 +809,7 @@ class Arrival:
     @property
     def turns(self) -> int: ...
 
-class SonarFigures:
+class SonarParameters:
     """
     Parameters of an active sonar: transmitter, receiver and detector. Levels re 1 uPa (at 1 m).
     """
@@ -849,14 +849,14 @@ class SonarFigures:
     @directivity_index_db.setter
     def directivity_index_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
-    def figure_db(self) -> float:
-        """
-        SL + processing gain + DI - NL
-        """
-    @property
     def frequency_hz(self) -> float: ...
     @frequency_hz.setter
     def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def lossless_snr_db(self) -> float:
+        """
+        SL + processing gain + DI - NL
+        """
     @property
     def noise_level_db(self) -> float:
         """
@@ -2076,7 +2076,7 @@ class AcousticSpec:
     """
 
     false_detections: bool
-    figures: SonarFigures
+    parameters: SonarParameters
     range_noise: bool
     def __init__(self) -> None: ...
     def check(self) -> None:
@@ -2195,12 +2195,12 @@ class ImagingSonar:
     def __init__(
         self,
         kind: str,
-        figures: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
+        parameters: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
         strengths_db: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
         materials: collections.abc.Sequence[BottomMaterial] = [],
     ) -> None:
         """
-        figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label; NaN
+        parameters: values by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label; NaN
         selects the strength of the bottom or of solids. materials: by label; a material with a seabed scatters
         like that seabed, and all materials reflect sound that bounces more than once. Raises ValueError naming
         the parameter.
@@ -2890,7 +2890,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 2
+    save_version: typing.ClassVar[int] = 3
     def __init__(
         self,
         *,
@@ -2916,18 +2916,33 @@ class NavigationFilter:
         station_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         range_std: typing.SupportsFloat | typing.SupportsIndex,
         bearing_std: typing.SupportsFloat | typing.SupportsIndex,
+        range_step: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        period_s: typing.SupportsFloat | typing.SupportsIndex = 1.0,
     ) -> int:
         """
-        Add an aid that measures the position relative to the station, world axes [m].
+        Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which
+        ranges are rounded, or 0 if their noise is larger. period_s: time between fixes.
         """
     def add_depth(
         self,
         lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         std: typing.SupportsFloat | typing.SupportsIndex,
         bias: BiasModel,
+        wave_std: typing.SupportsFloat | typing.SupportsIndex,
     ) -> int:
         """
-        Add an aid that measures depth [m].
+        Add an aid that measures depth [m]. wave_std: standard deviation of the head of the waves' pressure before
+        the first reading [m]; the filter then adapts it; 0: no waves, ever.
+        """
+    def add_dock(
+        self,
+        position_std: typing.SupportsFloat | typing.SupportsIndex,
+        attitude_std: typing.SupportsFloat | typing.SupportsIndex,
+        velocity_std: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> int:
+        """
+        Add an aid that measures the pose of a vehicle that a dock holds at rest: position of the IMU, then
+        orientation x, y, z, w, with constant errors [m, rad, m/s].
         """
     def add_doppler(
         self,
@@ -3614,7 +3629,8 @@ class BatteryState:
 
 class Ping:
     """
-    One multibeam ping. Arrays are read-only, with one value per beam.
+    One multibeam ping. Arrays are read-only, with one value per beam. A ping that Sonar.ping() took also has
+    `chain`, from pings to a map, and `world_from_body` (4, 4), which copies do not have.
     """
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
@@ -4131,7 +4147,7 @@ class LinkWater:
     The propagation of sound between transducers.
     """
     def __init__(self, spec: LinkSpec, water: Water) -> None: ...
-    def hear(self, scene: RayScene, from_world_m: typing.Any, to_world_m: typing.Any) -> Reception:
+    def receive(self, scene: RayScene, from_world_m: typing.Any, to_world_m: typing.Any) -> Reception:
         """
         Return how a packet would be received, between two points at rest.
         """
@@ -4443,7 +4459,7 @@ def arrivals(
 
 def bit_error(modulation: Modulation, fading: bool, gamma: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
 def bottom_echo(
-    sonar: SonarFigures,
+    sonar: SonarParameters,
     bottom: BottomMaterial,
     range_m: typing.SupportsFloat | typing.SupportsIndex,
     incidence_rad: typing.SupportsFloat | typing.SupportsIndex,

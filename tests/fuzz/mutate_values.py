@@ -9,7 +9,7 @@ from typing import Any
 from tests.fuzz.readers import Values
 
 JUNK: tuple[Any, ...] = (
-    *(None, True, False, 0, 1, -1, 0.5, -0.0, 1e-320, 1e308, -1e308, 2**31, 2**63, -(2**63), 2**70),
+    *(None, True, False, 0, 1, -1, 0.5, -0.0, 1e-320, 1e308, -1e308, 2**31, 2**63, -(2**63), 2**70, 10**400),
     *("", "x", "nan", "../up", "/dev/zero", "\0", "a" * 5000, [], {}, [[]], [0], {"": 0}),
     *(float("nan"), float("inf"), [[[[[[[[]]]]]]]], list(range(100))),
 )
@@ -44,7 +44,7 @@ def _change(whole: Any, path: Path, rng: Random) -> None:
         parent[rng.choice((f"{key}x", "", "name", "0"))] = value
     elif how == 2:
         parent[key] = json.loads(json.dumps(_at(whole, rng.choice(_paths(whole)[1:])), default=str))
-    elif how == 3 and isinstance(value, int | float):
+    elif how == 3 and isinstance(value, int | float) and abs(value) < 1e300:
         parent[key] = rng.choice((-value, value + 1, value * 1e6, value / 1e6, int(value) if abs(value) < 1e9 else 0))
     else:
         parent[key] = rng.choice(JUNK)

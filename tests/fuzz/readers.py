@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from tests.fuzz import text_readers
 
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
@@ -72,23 +73,21 @@ def _mesh(suffix: str) -> Callable[[bytes, Path], Any]:
 
 def _raster(suffix: str) -> Callable[[bytes, Path], Any]:
     def read(data: bytes, folder: Path) -> bytes:
-        from uwsim.scenario.build.terrain_raster import raster_heights
-        from uwsim.scenario.spec.terrain import RasterTerrain
+        from uwsim.scenario.terrains.raster import RasterTerrain
 
         file = _written(folder / f"terrain{suffix}", data)
-        heights = raster_heights(RasterTerrain(source="raster", file=file, spacing_m=1.0, water_level_m=0))
+        heights = RasterTerrain(source="raster", file=file, spacing_m=1.0, water_level_m=0).heights()
         return hashlib.sha256(heights).digest()
 
     return read
 
 
 def _image(data: bytes, folder: Path) -> bytes:
-    from uwsim.scenario.build.terrain_image import image_heights
-    from uwsim.scenario.spec.terrain import ImageTerrain
+    from uwsim.scenario.terrains.image import ImageTerrain
 
     file = _written(folder / "terrain.png", data)
     spec = ImageTerrain(source="image", file=file, size_m=(20, 10), spacing_m=1.0, black_m=-9, white_m=-1)
-    return image_heights(spec).tobytes()
+    return spec.heights().tobytes()
 
 
 def _current(suffix: str) -> Callable[[bytes, Path], Any]:
@@ -206,7 +205,7 @@ def _commands(data: bytes, _: Path) -> bytes:
     """Read a recording's commands, one per line, ten steps apart. A refused one changes nothing."""
     from uwsim.channels import Table
     from uwsim.recording.commands import command_from
-    from uwsim.recording.replay import give
+    from uwsim.recording.replay import execute
 
     sim, begin = simulator_to_restore()
     table = Table(sim)
@@ -214,7 +213,7 @@ def _commands(data: bytes, _: Path) -> bytes:
         for line in data.decode().splitlines():
             before = sim.save_state()
             try:
-                give(sim, table, command_from(line))
+                execute(sim, table, command_from(line))
                 sim.step(10)
             except ValueError:
                 assert sim.save_state() == before, line
@@ -251,8 +250,8 @@ def _cdr(data: bytes, _: Path) -> Any:
 
     An accepted one is the same after it is written and read.
     """
-    from uwsim.channels.cdr import encode
-    from uwsim.channels.messages import from_bytes
+    from uwsim.channels.ros.cdr import encode
+    from uwsim.channels.ros.messages import from_bytes
 
     if not data:
         return None
@@ -319,7 +318,8 @@ def _json(value: Any) -> bytes:
 
 JSON = Values(json.loads, _json)
 JSON_LINES = Values(
-    lambda data: [json.loads(line) for line in data.splitlines()], lambda lines: b"\n".join(map(_json, lines))
+    lambda data: [json.loads(line) for line in data.splitlines()],
+    lambda lines: b"\n".join(map(_json, lines if isinstance(lines, list) else [lines])),
 )
 
 
@@ -372,6 +372,11 @@ READERS = {
         for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")
     },
     "sweep": Reader(_sweep, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "exercise": Reader(text_readers.exercise, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "json": Reader(text_readers.json_text, ("json",), has_end=_without_end, values=JSON),
+    "mapping": Reader(text_readers.mapping, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "motion_csv": Reader(text_readers.motion_log(".csv"), ("csv",), has_end=_without_end),
+    "motion_mcap": Reader(text_readers.motion_log(".mcap"), ("mcap", "rosbags"), has_end=_without_end),
     "profile": Reader(_profile, ("csv",), has_end=_without_end),
     "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),
     "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),

@@ -52,6 +52,12 @@ DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/CO
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
 PROFILE = b"# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
+MAPPING = b"""time_s: t
+position_m: [x, y, z]
+orientation_xyzw: [a, b, c, d]
+effort: [e, null, null, null, null, null]
+noise: {position: 0.02, attitude: 5e-3}
+"""
 SWEEP = b"""description: two speeds
 scenario: cove
 method: sobol
@@ -251,6 +257,25 @@ def _notes() -> list[bytes]:
     return [_core.saved_notes(saved, scenario_fingerprint(sim.scenario), build_fingerprint()).encode()]
 
 
+def _motion_log() -> list[bytes]:
+    rows = [f"{0.1 * k:.1f},{0.02 * k:.2f},0,-9,0,0,0,1,{0.3 if k < 12 else -0.2}" for k in range(30)]
+    return ["\n".join(["t,x,y,z,a,b,c,d,e", *rows, ""]).encode()]
+
+
+def _motion_recording() -> list[bytes]:
+    from uwsim import Simulator
+    from uwsim.recording import Recorder
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.mcap"
+        sim = Simulator("pool", seed=3)
+        with Recorder(sim, path, topics=("odom", "telemetry")):
+            sim.rov.release()
+            sim.rov.set_effort(surge=0.3)
+            sim.advance(3.0)
+        return [path.read_bytes()]
+
+
 def _commands() -> list[bytes]:
     return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
 
@@ -302,8 +327,8 @@ def _recordings() -> list[bytes]:
 
 
 def _cdr() -> list[bytes]:
-    from uwsim.channels.cdr import encode
-    from uwsim.channels.messages import default_message
+    from uwsim.channels.ros.cdr import encode
+    from uwsim.channels.ros.messages import default_message
 
     return [bytes([number]) + bytes(encode(default_message(name))) for number, name in enumerate(CDR_TYPES)]
 
@@ -332,6 +357,11 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "scenario": _scenarios,
     **{kind: _parts(f"{kind.removesuffix('s')}s") for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")},
     "sweep": lambda: [SWEEP],
+    "exercise": _parts("exercises"),
+    "json": lambda: [b'{"points_m": [[1, 2.5, -3e2]], "speed": NaN}', b'[1, [true, null], "x"]\n'],
+    "mapping": lambda: [MAPPING],
+    "motion_csv": _motion_log,
+    "motion_mcap": _motion_recording,
     "profile": lambda: [PROFILE],
     "track_csv": lambda: [TRACK],
     "track_npz": _track_npz,

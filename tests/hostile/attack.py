@@ -30,7 +30,7 @@ WORKS_ON = frozenset({"validate", "reproduce", "fingerprint", "compare"})
 TELL_MORE = frozenset({"sweep", "fleet", "doctor", "validate", "compare", "scenario check", "dataset"})
 """Commands that end with 1 after printing lines of findings."""
 PRELOADED = ("cli.map", "mapping", "figures.style")
-ALL_PRELOADED = (*PRELOADED, "flight.survey.run", "flight.fly", "recording", "bridges")
+ALL_PRELOADED = (*PRELOADED, "flight.survey", "flight.fly", "recording", "bridges")
 
 
 @dataclass(frozen=True)

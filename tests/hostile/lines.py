@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import os
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,6 +76,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "diff": (["run.mcap", "run.mcap"], {}),
     "parameters": (["pool.yaml", "rov"], {}),
     "vehicle": (["remus100"], {"out": "vehicle.html"}),
+    "tune": (["remus100"], {"generations": "0", "population": "1", "out": "tuned"}),
     "sonar": (["pool.yaml"], {"kind": "fan", "out": "sonar.png"}),
     "link": (["pool.yaml"], {"out": "link.png"}),
     "rays": (["pool.yaml"], {"source": "0,0,-1", "receiver": "2,0,-1", "out": "rays.png"}),
@@ -146,21 +147,24 @@ class Line:
 
 def commands() -> dict[str, list[Parameter]]:
     """Return the parameters of every command, as the program declares them."""
-    from uwsim.cli.program import app
+    from uwsim.base.sockets import load_all
+    from uwsim.cli.groups import SOCKET
 
-    return dict(_commands(app, ""))
+    return dict(_commands(load_all(SOCKET), ""))
 
 
-def _commands(program: typer.Typer, prefix: str) -> Iterator[tuple[str, list[Parameter]]]:
-    for registered in program.registered_commands:
-        assert registered.callback is not None
-        yield (
-            prefix + (registered.name or registered.callback.__name__.replace("_", "-")),
-            list(_parameters(registered.callback)),
-        )
-    for group in program.registered_groups:
-        if prefix + str(group.name) not in NOT_TRIED:
-            yield from _commands(group.typer_instance, f"{prefix}{group.name} ")
+def _commands(found: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, list[Parameter]]]:
+    from uwsim.cli.flags import expanded
+
+    for name, each in found.items():
+        if not isinstance(each, typer.Typer):
+            yield prefix + name, list(_parameters(expanded(each)))
+        elif prefix + name not in NOT_TRIED:
+            of_group = {
+                command.name or command.callback.__name__.replace("_", "-"): command.callback
+                for command in each.registered_commands
+            }
+            yield from _commands(of_group, f"{prefix}{name} ")
 
 
 def _parameters(callback: Any) -> Iterator[Parameter]:

@@ -18,6 +18,7 @@ isFound("box.setAttribute('title', 'open');", 'open');
 isFound("class A { title = '3D map'; }", '3D map');
 isFound("const NAMES = { up: 'Turn up' };", 'Turn up');
 isFound("button('Assign', act);", 'Assign');
+isFound("show('starting …');", 'starting …');
 isFound('class A { #private() { return `in ${this.#a} steps`; } }', 'in \uE000 steps');
 isFound("context.fillText('far', 1, 2);", 'far');
 

@@ -70,13 +70,13 @@ assert.equal(pixelsBelow(90, 0, 320), null);
 
 // The time to contact at a constant speed is range over speed; receding, at rest or without an echo there is none.
 const approached = (range_of, closing = new Closing()) => {
-  for (let k = 0; k <= 40; k += 1) closing.take(range_of(0.1 * k), 0.1 * k);
+  for (let k = 0; k <= 40; k += 1) closing.add(range_of(0.1 * k), 0.1 * k);
   return closing;
 };
 near(approached((t) => 5 - 0.8 * t).time_s, (5 - 3.2) / 0.8, 0.05);
 for (const none of [(t) => 5 + t, () => 5, () => NaN, () => Infinity]) assert.equal(approached(none).time_s, Infinity);
 const again = approached((t) => 5 - t);
-assert.equal(again.take(3, 0), Infinity); // after a restart
+assert.equal(again.add(3, 0), Infinity); // after a restart
 const around = new Map([
   ['bed', approached((t) => 5 - t)],
   ['fore', approached((t) => 4.4 - t)],
@@ -88,7 +88,7 @@ assert.equal(soonest(new Map([['port', around.get('port')]])), null);
 // A collision stays until it is acknowledged; each alarm is logged once, when it begins; another run begins empty.
 const log = new AlarmLog();
 const quiet = { collisions: 2, alarms: [], hold_note: '' };
-const take = (changes, time_s) => log.take({ ...quiet, ...changes }, time_s);
+const take = (changes, time_s) => log.update({ ...quiet, ...changes }, time_s);
 take({}, 1);
 take({ collisions: 3, collision_warning: true, proximity_warning: true }, 2);
 take({ collisions: 3, proximity_warning: true, alarms: ['water inside'] }, 3);
@@ -134,10 +134,10 @@ for (const axes of [
   [-0.7, -1, 0.01],
   [0.9, 1, 0],
 ])
-  learnt.take(axes);
+  learnt.add(axes);
 assert.deepEqual(learnt.ranges, { 0: stick, 1: trigger });
 const pushed = new Calibration([0.1, -1, 0]);
-pushed.take([-0.9, -1, 0]);
+pushed.add([-0.9, -1, 0]);
 assert.deepEqual(pushed.moved, { axis: 0, sign: -1 });
 assert.equal(new Calibration([0.5, 0, 0]).moved, null);
 

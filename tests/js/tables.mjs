@@ -1,27 +1,28 @@
-// Each table of the page's strings has the topics, keys and parameters of the English one, and no empty text.
+// Each file of the page's strings has the topics and keys of the English one, no empty text, and shows the same values.
 import assert from 'node:assert/strict';
 
-import { LANGUAGES, TABLES } from '../../python/uwsim/operator/station/page/strings.js';
+import { FILES, LANGUAGES, STRINGS } from '../../python/uwsim/operator/station/page/strings.js';
 
-function compare(path, english, other, language) {
-  const at = `${language}: ${path}`;
-  assert.equal(typeof other, typeof english, `${at}: is ${typeof other}`);
-  if (typeof english === 'function') assert.equal(other.length, english.length, `${at}: has other parameters`);
-  else if (typeof english === 'object') {
-    assert.deepEqual(Object.keys(other).toSorted(), Object.keys(english).toSorted(), at);
-    for (const key of Object.keys(english)) compare(`${path}.${key}`, english[key], other[key], language);
-  } else assert.ok(other.trim(), `${at}: is empty`);
+const VALUE = /\{(\w+)\}|\[(\w+)(?==\w+\?|\?)/g;
+const shown = (text) => new Set([...text.matchAll(VALUE)].map((found) => found[1] ?? found[2]));
+
+function compare(path, english, other) {
+  assert.equal(typeof other, typeof english, path);
+  if (typeof english === 'object') {
+    assert.deepEqual(Object.keys(other).toSorted(), Object.keys(english).toSorted(), path);
+    for (const key of Object.keys(english)) compare(`${path}.${key}`, english[key], other[key]);
+  } else {
+    assert.ok(other.trim(), `${path}: is empty`);
+    const given = path.match(/\((.*)\)$/)?.[1].split(', ') ?? [];
+    assert.deepEqual(shown(other), new Set(given), `${path}: shows other values than its key names`);
+  }
 }
 
-assert.deepEqual(LANGUAGES, ['system', ...Object.keys(TABLES)]);
-for (const [language, table] of Object.entries(TABLES)) compare('', TABLES.en, table, language);
+assert.deepEqual(LANGUAGES, ['system', ...Object.keys(FILES)]);
+for (const [language, file] of Object.entries(FILES)) compare(language, FILES.en, file);
 
-// A parameter that English shows, another language shows, too: each is given a value of its own.
-const marks = (text) => new Set(text.match(/§\d/g));
-for (const [topic, words] of Object.entries(TABLES.en))
-  for (const [key, english] of Object.entries(words)) {
-    if (typeof english !== 'function' || /^(values|sheet)$/.test(key)) continue;
-    const given = Array.from({ length: english.length }, (_, k) => `§${k}`);
-    for (const [language, table] of Object.entries(TABLES))
-      assert.deepEqual(marks(table[topic][key](...given)), marks(english(...given)), `${language}: ${topic}.${key}`);
-  }
+// A text is filled with its values, which are not filled again.
+const { alarms, gamepadDialog, replay } = STRINGS;
+assert.equal(alarms.ahead('{name}'), 'Contact ahead: {name}');
+assert.deepEqual([replay.eventCount(1), replay.eventCount(2)], ['1 event', '2 events']);
+assert.deepEqual([gamepadDialog.axis(3, true), gamepadDialog.axis(3, false)], ['axis 3, reversed', 'axis 3']);

@@ -9,11 +9,10 @@ import { parsers } from '../../build/js/node_modules/prettier/plugins/acorn.mjs'
 
 const HERE = dirname(fileURLToPath(import.meta.url));
 const PAGE = process.argv[2] ?? join(HERE, '../../python/uwsim/operator/station/page');
-const TABLES = /^strings(_\w+)?\.js$/;
 const LETTER = /\p{L}/u;
 // Two words, a capitalized one, the end of a sentence, or a word beside a value (\uE000).
 const WORDS =
-  /\p{L}{2,}[,:;]?[ ’']\p{L}|^\p{Lu}\p{Ll}+[.:]?$|\p{L}{2,}[.!?…]$|\uE000 \p{L}{2,}|\p{L}{2,}:? \uE000|^ \p{L}/u;
+  /\p{L}{2,}[,:;]?[ ’']\p{L}|^\p{Lu}\p{Ll}+[.:]?$|\p{L}{2,}( …|[.!?…])$|\uE000 \p{L}{2,}|\p{L}{2,}:? \uE000|^ \p{L}/u;
 const UNITS = /(?<!\p{L})(m|cm|km|s|ms|min|h|dB|Hz|kHz|MB|kPa|m\/s|x)(?!\p{L})/gu;
 const CODES = /^(Key[A-Z]|Digit\d|Semicolon|Quote|Comma|Period|Equal|Minus|Backquote|Space|Escape|Enter|Tab)$/; // of keys
 const GENERATED = /wire[\\/]messages\.js$/;
@@ -34,7 +33,7 @@ const SHOWN =
   /^(title|label|placeholder|alt|text|hint|textContent|aria-(label|description|roledescription|valuetext))$/;
 // Functions whose arguments nobody reads.
 const UNREAD =
-  /^(querySelector|querySelectorAll|closest|matches|getElementById|byId|addEventListener|removeEventListener|getContext|toggle|add|remove|contains|getItem|setItem|Event|matchMedia|test|setProperty|getPropertyValue|isTypeSupported|createElement|getExtension|fetch|URL|startsWith|endsWith|includes|shader)$/;
+  /^(all|first|querySelector|querySelectorAll|closest|matches|getElementById|byId|addEventListener|removeEventListener|getContext|toggle|add|remove|contains|getItem|setItem|Event|matchMedia|test|setProperty|getPropertyValue|isTypeSupported|createElement|getExtension|fetch|URL|startsWith|endsWith|includes|shader)$/;
 const QUIET =
   /^(className|type|role|id|htmlFor|autocomplete|inputMode|cursor|font|fillStyle|strokeStyle|textAlign|textBaseline|rel|target|download|href|src|value|code|style)$/;
 
@@ -120,7 +119,7 @@ function* files(folder) {
   for (const entry of readdirSync(folder, { withFileTypes: true })) {
     const path = join(folder, entry.name);
     if (entry.isDirectory() && entry.name !== 'vendor') yield* files(path);
-    else if (entry.name.endsWith('.js') && !TABLES.test(entry.name) && !GENERATED.test(path)) yield path;
+    else if (entry.name.endsWith('.js') && !GENERATED.test(path)) yield path;
   }
 }
 

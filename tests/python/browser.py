@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
@@ -13,11 +12,14 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge import server
+from uwsim.exercises import Exercise
 from uwsim.operator.station import Site, Station
 from uwsim.operator.station.flights import Bounds
+from waiting import until
 
 CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # from tools/apt-packages-dev.txt, in place of Playwright's build
 SOFTWARE_GL = "--enable-unsafe-swiftshader"
+AXE = Path(__file__).parents[2] / "build/js/node_modules/axe-core/axe.min.js"
 WAIT_S = 60.0  # timeout for every wait; generous because the machine may be busy
 
 
@@ -62,7 +64,9 @@ class Desk:
         page = self.open(**options)
         page.wait_for_selector("#station:not([hidden])")
         if is_patient:
-            page.evaluate("() => { setInterval(() => { station.station.bridge.heardMs = performance.now(); }, 100); }")
+            page.evaluate(
+                "() => void setInterval(() => { station.station.bridge.receivedMs = performance.now(); }, 100)"
+            )
         when(page, "station.telemetry.message && station.station.state.pilot")
         return page
 
@@ -93,12 +97,15 @@ def desk(
             context.close()
 
 
-def until(condition: Callable[[], object], what: str, wait_s: float = WAIT_S) -> None:
-    """Wait until a condition is true; raise AssertionError on timeout."""
-    end = time.monotonic() + wait_s
-    while not condition():
-        assert time.monotonic() < end, f"waited in vain for {what}"
-        time.sleep(0.02)
+@contextmanager
+def exercise_desk(browser: Browser, folder: Path, exercise: Exercise, **options: object) -> Iterator[Desk]:
+    """Serve a station at which an exercise is flown. options: further arguments of `Station`."""
+    station = Station(is_fixed=True, truth=False, folder=folder, **options)  # type: ignore[arg-type]
+    with RosbridgeServer(None, guests=[station], site=Site(station)) as serving, station.serving(serving.show):
+        station.run_exercise(exercise)
+        yield Desk(browser, station, serving)
+        for context in list(browser.contexts):
+            context.close()
 
 
 def shows(page: Page, selector: str, text: str) -> None:
@@ -109,3 +116,11 @@ def shows(page: Page, selector: str, text: str) -> None:
 def when(page: Page, expression: str) -> None:
     """Wait until a JavaScript expression is true in a page. (Playwright's own wait needs eval, which pages forbid.)"""
     until(lambda: page.evaluate(f"Boolean({expression})"), expression)
+
+
+def judge(page: Page, what: str) -> None:
+    """Run axe to find accessibility problems for users with a screen reader, a keyboard or low vision."""
+    page.evaluate(AXE.read_text())
+    found = page.evaluate("axe.run({runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']})")
+    wrong = [(each["id"], [node["html"][:120] for node in each["nodes"]]) for each in found["violations"]]
+    assert not wrong, f"{what}: {wrong}"

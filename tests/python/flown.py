@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from uwsim import Simulator
 from uwsim.recording import Recorder
@@ -10,10 +11,12 @@ from uwsim.recording import Recorder
 FLOWN_S = 6.0
 
 
-def fly(path: Path, yaw: float = 0.2, recorder: type[Recorder] = Recorder, end_s: float = FLOWN_S) -> Path:
-    """Fly in the pool with changing efforts, recorded to a path, which is returned."""
+def fly(
+    path: Path, yaw: float = 0.2, recorder: type[Recorder] = Recorder, end_s: float = FLOWN_S, **options: Any
+) -> Path:
+    """Fly in the pool with changing efforts, recorded with options to a path, which is returned."""
     sim = Simulator("pool", seed=3)
-    with recorder(sim, path, is_light=True):
+    with recorder(sim, path, is_light=True, **options):
         sim.rov.undock()
         for k in range(int(2 * end_s)):
             sim.rov.set_effort(surge=0.4, yaw=yaw * (k % 3))

@@ -2,11 +2,15 @@
 
 import re
 import socket
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
 PATIENCE_S = 60.0
 LISTENS = "0A"  # code of the LISTEN state in /proc/net/tcp
+LOOPBACK = {"0100007F", "00000000000000000000000001000000"}  # 127.0.0.1 and ::1
+Socket = tuple[str, str]
+"""A protocol and an address."""
 UPGRADE = {
     "Connection": "Upgrade",
     "Upgrade": "websocket",
@@ -25,9 +29,8 @@ def family(pid: int) -> Iterator[int]:
             yield from family(int(child))
 
 
-def listening(pid: int) -> set[int]:
-    """Return the TCP ports on which a process and its descendants listen."""
-    ports = set()
+def sockets(pid: int) -> Iterator[tuple[str, str, int, str]]:
+    """Yield the table, address in hexadecimal, port and state of each socket of a process and its descendants."""
     for member in family(pid):
         own = set()
         for link in Path(f"/proc/{member}/fd").iterdir():
@@ -37,12 +40,26 @@ def listening(pid: int) -> set[int]:
                 continue
             if found is not None:
                 own.add(found[1])
-        for table in ("tcp", "tcp6"):
+        for table in ("tcp", "tcp6", "udp", "udp6"):
             for line in Path(f"/proc/{member}/net/{table}").read_text().splitlines()[1:]:
                 fields = line.split()
-                if fields[3] == LISTENS and fields[9] in own:
-                    ports.add(int(fields[1].rpartition(":")[2], 16))
-    return ports
+                if fields[9] in own:
+                    address, _, port = fields[1].rpartition(":")
+                    yield table, address, int(port, 16), fields[3]
+
+
+def listening(pid: int) -> set[int]:
+    """Return the TCP ports on which a process and its descendants listen."""
+    return {port for table, _, port, state in sockets(pid) if table.startswith("tcp") and state == LISTENS}
+
+
+def receiving(pid: int) -> Counter[Socket]:
+    """Return the number of sockets on which a process and its descendants listen or receive datagrams."""
+    return Counter(
+        (table[:3].upper(), "127.0.0.1" if address in LOOPBACK else "all addresses")
+        for table, address, _, state in sockets(pid)
+        if table.startswith("udp") or state == LISTENS
+    )
 
 
 def status(port: int, method: str = "GET", path: str = "/", body: bytes = b"", **fields: str) -> int:

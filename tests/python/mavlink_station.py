@@ -139,10 +139,3 @@ def station_at(vehicle: MavlinkVehicle, system: int = 255) -> Station:
 
 def interval(station: Station, number: int, interval_us: float) -> int:
     return station.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, interval_us)
-
-
-def until(condition: Callable[[], object], limit_s: float = PATIENCE_S) -> None:
-    end = time.monotonic() + limit_s
-    while not condition():
-        assert time.monotonic() < end, "not in time"
-        time.sleep(0.01)

@@ -7,10 +7,10 @@ import time
 
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.bridges.ros2.zenoh_names import Entity
-from uwsim.channels import build
-from uwsim.channels.cdr import encode
-from uwsim.channels.messages import from_bytes
-from uwsim.channels.service_types import load_service_types
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.ros.messages import from_bytes
+from uwsim.channels.ros.service_types import load_service_types
 
 NAME, TYPE = "lights/front", "std_srvs/srv/SetBool"
 LOOK_S, PATIENCE_S = 0.2, 30.0

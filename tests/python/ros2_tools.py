@@ -3,8 +3,7 @@
 import os
 import socket
 import struct
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -19,10 +18,11 @@ from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name
 from uwsim.bridges.ros2.idl import idl_type
 from uwsim.bridges.ros2.qos import reader_qos, writer_qos
 from uwsim.bridges.ros2.settings import SAFE_DOMAIN_MAX, unicast_port
-from uwsim.channels import build
-from uwsim.channels.cdr import encode
-from uwsim.channels.messages import from_bytes
-from uwsim.channels.service_types import request_type, response_type
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.ros.messages import from_bytes
+from uwsim.channels.ros.service_types import request_type, response_type
+from waiting import until
 
 PATIENCE_S = 30.0
 
@@ -44,15 +44,6 @@ def free_domain() -> int:
                 continue
             return domain
     raise RuntimeError("every ROS 2 domain of this machine is in use")
-
-
-def until(condition: Callable[[], Any], what: str = "it") -> Any:
-    """Wait until a condition is true and return its value."""
-    deadline = time.monotonic() + PATIENCE_S
-    while not (value := condition()):
-        assert time.monotonic() < deadline, f"{what} did not happen"
-        time.sleep(0.005)
-    return value
 
 
 class Peer:

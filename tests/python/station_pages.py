@@ -9,7 +9,7 @@ import cbor2
 from websockets.sync.client import connect
 
 from uwsim.bridges import RosbridgeServer
-from uwsim.channels.messages import typed_array
+from uwsim.channels.ros.messages import typed_array
 from uwsim.operator.station import Site, Station
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.wire import Refused

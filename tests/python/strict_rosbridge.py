@@ -1,4 +1,7 @@
-"""A stand-in for a ROS 1 rosbridge_server that refuses what rosbridge_library refuses, and reports it as it does."""
+"""A stand-in for a ROS 1 rosbridge_server that refuses what rosbridge_library refuses, and reports it as it does.
+
+It reports a refusal on /rosout alone, as rosbridge_library's `Protocol.log` does.
+"""
 
 import json
 import math
@@ -10,7 +13,7 @@ from typing import Any
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import Server, ServerConnection, serve
 
-from uwsim.channels.message_types import Kind, fields, resolve
+from uwsim.channels.ros.message_types import Kind, fields, resolve
 
 PACKAGES = {
     "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs", "sensor_msgs", "std_msgs",
@@ -66,13 +69,13 @@ def _check_one(value: Any, base: str, path: str) -> None:
 
 
 class StrictRosbridge:
-    """The server. published: accepted messages by topic. statuses: what was refused, and why. services: offered."""
+    """The server. published: accepted messages by topic. refused: the log's lines on refusals. services: offered."""
 
     def __init__(self) -> None:
         self.published: dict[str, list[dict[str, Any]]] = {}
         self.types: dict[str, str] = {}
         self.services: dict[str, str] = {}
-        self.statuses: list[str] = []
+        self.refused: list[str] = []
         self.arrived = threading.Condition()
         self.url = ""
         self._lock = threading.Lock()
@@ -87,9 +90,10 @@ class StrictRosbridge:
                     self._operate(operation, connection)
                 except RefusedError as refusal:
                     with self.arrived:
-                        self.statuses.append(f"{operation['op']}: {refusal}")
+                        self.refused.append(f"{operation['op']}: {refusal}")
                         self.arrived.notify_all()
-                    connection.send(json.dumps({"op": "status", "level": "error", "msg": self.statuses[-1]}))
+                    identity = f" [id: {operation['id']}]" if "id" in operation else ""
+                    self._log(f"[Client {id(connection)}]{identity} {self.refused[-1]}")
         except ConnectionClosed:
             pass
 
@@ -108,9 +112,13 @@ class StrictRosbridge:
             connection.send(json.dumps(answer))
         elif op == "publish":
             if topic not in self.types:
-                raise RefusedError(f"Cannot infer topic type for topic {topic} as it is not yet advertised")
+                raise RefusedError(f"Cannot infer topic type for topic /{topic} as it is not yet advertised")
             _check_one(operation["msg"], resolve(self.types[topic])[0], topic)
             self._relay(topic, operation["msg"])
+
+    def _log(self, text: str) -> None:
+        line = {"header": {"seq": 1}, "level": 8, "name": "/rosbridge_websocket", "msg": text}
+        self._relay("rosout", line)
 
     def _relay(self, topic: str, message: dict[str, Any]) -> None:
         text = json.dumps({"op": "publish", "topic": topic, "msg": _with_null(message)})
@@ -125,7 +133,7 @@ class StrictRosbridge:
     def wait(self, condition: Any) -> None:
         """Wait for something to arrive."""
         with self.arrived:
-            assert self.arrived.wait_for(condition, 60.0), (list(self.published), self.statuses)
+            assert self.arrived.wait_for(condition, 60.0), (list(self.published), self.refused)
 
 
 def _with_null(value: Any) -> Any:

@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from uwsim.bridges import RosbridgeServer
-from uwsim.flight.remote import fly_remote
+from uwsim.bridges.remote.flight import fly_remote
 from uwsim.live import LiveSimulator
 from uwsim.missions import OwnVehicle, Steps, goto, turn_to
 from uwsim.operator.station import Site, Station
@@ -27,12 +27,7 @@ SIZE = (800, 500)
 EVERY_S, SHOWN_MS, QUALITY = 2.0, 160, 42
 LIMIT_BYTES = 2_000_000
 EMPTY_FRAMES = 10  # until all views have pictures: the animation shows something from its first frame
-LARGE = {
-    0.0: "front",
-    14.0: "scene",
-    84.0: "front",
-    100.0: "scene",
-}  # the large view, by time since the start [s]
+LARGE = {0.0: "front", 14.0: "scene", 84.0: "front", 100.0: "scene"}  # the large view, by time since the start [s]
 ALONG_M = ((-100.0, -30.0), (-65.0, -21.0), (-30.0, -12.0))  # the pipeline
 
 

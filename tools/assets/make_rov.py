@@ -83,10 +83,7 @@ def pods() -> list[Manifold]:
 
 def sonar_head() -> list[Manifold]:
     """Return the multibeam head: a drum across the bow, on an arm from the frame."""
-    return [
-        rod((0.53, -0.12, -0.18), (0.53, 0.12, -0.18), 0.07),
-        box((0.33, -0.03, -0.24), (0.50, 0.03, -0.18)),
-    ]
+    return [rod((0.53, -0.12, -0.18), (0.53, 0.12, -0.18), 0.07), box((0.33, -0.03, -0.24), (0.50, 0.03, -0.18))]
 
 
 def thrusters() -> list[Manifold]:

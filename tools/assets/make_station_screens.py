@@ -74,9 +74,7 @@ def open_page(browser: Browser, url: str, **options: object) -> Page:
     return page
 
 
-def main(
-    extra: Annotated[Path | None, typer.Option(help="Folder for further screens.")] = None,
-) -> None:
+def main(extra: Annotated[Path | None, typer.Option(help="Folder for further screens.")] = None) -> None:
     """Draw the two screenshots."""
     station = Station(offered="lake")
     with (

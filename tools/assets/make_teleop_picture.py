@@ -25,12 +25,12 @@ async def main() -> None:
         live.command("place", vehicle="rov", position_world_m=PLACE_M, orientation_xyzw=ALONG_XYZW).result()
         app = TeleopApp(Connection(server.url, Hands()), "lake", Gamepads())
         async with app.run_test(size=SCREEN) as pilot:
-            app.hands.tells_releases = True
-            app.take("w")
-            app.take("q")
-            app.take("]")
+            app.hands.reports_releases = True
+            app.press("w")
+            app.press("q")
+            app.press("]")
             await pilot.pause(3.0)
-            app.take("m")
+            app.press("m")
             await pilot.pause(0.5)
             picture = app.export_screenshot(title="uwsim teleop")
         app.connection.stop()

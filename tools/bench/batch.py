@@ -9,16 +9,17 @@ plain members on one thread by processor time.
 from __future__ import annotations
 
 import gc
-import json
 import statistics
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import alternated, console, medians, ratio, spent_s
 from rich.table import Table
 
 from uwsim import Batch, Scenario, Simulator
@@ -26,8 +27,6 @@ from uwsim.batch import BatchController
 from uwsim.navigation.control import Controller
 from uwsim.scenario import load
 from uwsim.scenario.spec.failsafe import Failsafe
-
-console = Console()
 
 HELD_STEPS = 10
 START_M = (-60.0, -28.0, -10.0)  # in the middle of the lake's water
@@ -53,32 +52,28 @@ def main(
     scenario: Annotated[str, typer.Option(help="A scenario in which START_M is in open water.")] = "lake",
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured.")] = 7,
     steps: Annotated[int, typer.Option(min=1, help="Steps of all members together in a measurement.")] = 100_000,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     lone = Simulator(scenario, threads=1)
     lone.rov.place(START_M)
     cases = [(n, threads) for n in (1, 16, MANY) for threads in (1, 2) if n >= threads]
     batches = {case: placed(scenario, *case) for case in cases}
-    per_round = [
-        {"lone": loop_s(lone, steps), **{case: batch_s(batch, steps) for case, batch in batches.items()}}
-        for _ in range(rounds)
-    ]
+    measures: dict[str, Callable[[], float]] = {"lone": lambda: loop_s(lone, steps)}
+    for (n, threads), batch in batches.items():
+        measures[f"n={n},threads={threads}"] = lambda batch=batch: batch_s(batch, steps)
+    found = alternated(measures, rounds)
     table = Table("case", "steps/s", "of the lone simulator", title=f"{scenario}: steps of all members a second")
-    figures: dict[str, float] = {}
-    for case in per_round[0]:
-        name = case if isinstance(case, str) else f"n={case[0]},threads={case[1]}"
-        rate = statistics.median(1 / turn[case] for turn in per_round)
-        ratio = statistics.median(turn["lone"] / turn[case] for turn in per_round)
-        figures |= {f"{name}_steps_s": rate, f"{name}/lone": ratio}
-        table.add_row(name, f"{rate:,.0f}", f"{ratio:.2f}")
-    figures["member_kb"] = member_kb(scenario)
+    results: dict[str, float] = {}
+    for name, each_s in found.items():
+        rate, of_lone = statistics.median(1 / s for s in each_s), ratio(found["lone"], each_s)
+        results |= {f"{name}_steps_s": rate, f"{name}/lone": of_lone}
+        table.add_row(name, f"{rate:,.0f}", f"{of_lone:.2f}")
+    results["member_kb"] = member_kb(scenario)
     console.print(table)
-    figures |= two_threads(batches[MANY, 1], batches[MANY, 2], rounds, steps)
-    figures |= programs(scenario, rounds) | pings(scenario, rounds) | control(scenario, rounds)
-    console.print(f"a member of 256, its sensors read once: {figures['member_kb']:.0f} kB of resident memory")
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    results |= two_threads(batches[MANY, 1], batches[MANY, 2], rounds, steps)
+    results |= programs(scenario, rounds) | pings(scenario, rounds) | control(scenario, rounds)
+    console.print(f"a member of 256, its sensors read once: {results['member_kb']:.0f} kB of resident memory")
+    return results
 
 
 def placed(scenario: str | Scenario, n: int, threads: int) -> Batch:
@@ -122,7 +117,7 @@ def two_threads(one: Batch, two: Batch, rounds: int, steps: int) -> dict[str, fl
             alone_s = batch_s(halves[0], steps)
             limits.append(2 * alone_s / max(pool.map(batch_s, halves, (steps, steps))))
     gain, limit = statistics.median(gains), statistics.median(limits)
-    share = statistics.median(gain / limit for gain, limit in zip(gains, limits, strict=True))
+    share = ratio(gains, limits)
     console.print(f"n = {MANY}: two threads over one {gain:.2f}; two batches of half the size, apart {limit:.2f}")
     console.print(f"share of what this machine gains {share:.2f}")
     return {"two_threads/one": gain, "two_batches/one": limit, "two_threads/two_batches": share}
@@ -133,21 +128,20 @@ def programs(scenario: str, rounds: int) -> dict[str, float]:
     plain = load(scenario)
     cases = {"plain": Batch(plain, n=FEW, threads=1)}
     cases |= {name: Batch(plain, n=FEW, faults=faults, threads=1) for name, faults in FAULTS.items()}
-    cases |= {name: Batch(guarded(plain, figures), n=FEW, threads=1) for name, figures in FAILSAFES.items()}
-    per_round = [{name: cpu_s(batch) for name, batch in cases.items()} for _ in range(rounds)]
+    cases |= {name: Batch(guarded(plain, failsafe), n=FEW, threads=1) for name, failsafe in FAILSAFES.items()}
+    found = alternated({name: partial(cpu_s, batch) for name, batch in cases.items()}, rounds)
     table = Table("aboard", "of a plain member's step", title=f"{scenario}: {FEW} members, one thread, processor time")
-    figures: dict[str, float] = {}
+    results = {f"{name}/plain": ratio(times_s, found["plain"]) for name, times_s in found.items()}
     for name in cases:
-        figures[f"{name}/plain"] = statistics.median(turn[name] / turn["plain"] for turn in per_round)
-        table.add_row(name, f"{figures[f'{name}/plain']:.2f}")
+        table.add_row(name, f"{results[f'{name}/plain']:.2f}")
     console.print(table)
-    return figures
+    return results
 
 
-def guarded(scenario: Scenario, figures: Failsafe) -> Scenario:
+def guarded(scenario: Scenario, failsafe: Failsafe) -> Scenario:
     """Return the scenario with a failsafe on its first vehicle."""
     first, *others = scenario.vehicles
-    return scenario.model_copy(update={"vehicles": (first.model_copy(update={"failsafe": figures}), *others)})
+    return scenario.model_copy(update={"vehicles": (first.model_copy(update={"failsafe": failsafe}), *others)})
 
 
 def cpu_s(batch: Batch) -> float:
@@ -164,27 +158,25 @@ def cpu_s(batch: Batch) -> float:
 
 def pings(scenario: str, rounds: int) -> dict[str, float]:
     """Return the processor time of a member's ping in both modes, relative to a single simulator."""
-    figures: dict[str, float] = {}
+    results: dict[str, float] = {}
     for mode in ("geometry", "physics"):
         change = {f"{load(scenario).vehicles[0].name}.sonar.mode": mode}
         batch, lone = Batch(scenario, n=FEW, parameters=change, threads=1), Simulator(scenario, threads=1)
         lone.parameters.update(change)
         batch.place(START_M)
         lone.rov.place(START_M)
-        ratios, batch_us = [], []
-        for _ in range(rounds):
+
+        def together(batch: Batch = batch) -> float:
             batch.step(1)
-            begin = time.process_time()
-            batch.ping()
-            each_s = (time.process_time() - begin) / FEW
+            return 1e6 * spent_s(batch.ping) / FEW
+
+        def alone(lone: Simulator = lone) -> float:
             lone.step(1)
-            begin = time.process_time()
-            lone.rov.sonar.ping()
-            ratios.append(each_s / (time.process_time() - begin))
-            batch_us.append(1e6 * each_s)
-        figures |= {f"ping_{mode}_us": statistics.median(batch_us), f"ping_{mode}/lone": statistics.median(ratios)}
-        console.print(f"a ping in {mode} mode: {statistics.median(batch_us):.0f} us a member")
-    return figures
+            return 1e6 * spent_s(lone.rov.sonar.ping)
+
+        results |= against_lone(f"ping_{mode}", together, alone, rounds)
+        console.print(f"a ping in {mode} mode: {results[f'ping_{mode}_us']:.0f} us a member")
+    return results
 
 
 def control(scenario: str, rounds: int) -> dict[str, float]:
@@ -193,19 +185,19 @@ def control(scenario: str, rounds: int) -> dict[str, float]:
     batch.place(START_M)
     lone.rov.place(START_M)
     together, alone = BatchController(batch), Controller(lone.rov)
-    ratios, batch_us = [], []
-    for _ in range(rounds):
-        begin = time.process_time()
-        for _ in range(PERIODS):
-            together.hold(START_M, 0.3)
-        each_s = (time.process_time() - begin) / (CONTROLLED * PERIODS)
-        begin = time.process_time()
-        for _ in range(PERIODS):
-            alone.hold(START_M, 0.3)
-        ratios.append(each_s / ((time.process_time() - begin) / PERIODS))
-        batch_us.append(1e6 * each_s)
-    console.print(f"a control period: {statistics.median(batch_us):.2f} us a member")
-    return {"control_us": statistics.median(batch_us), "control/lone": statistics.median(ratios)}
+
+    def period_us(controller: BatchController | Controller, members: int) -> float:
+        return 1e6 * spent_s(lambda: [controller.hold(START_M, 0.3) for _ in range(PERIODS)]) / (members * PERIODS)
+
+    results = against_lone("control", lambda: period_us(together, CONTROLLED), lambda: period_us(alone, 1), rounds)
+    console.print(f"a control period: {results['control_us']:.2f} us a member")
+    return results
+
+
+def against_lone(name: str, together: Callable[[], float], alone: Callable[[], float], rounds: int) -> dict[str, float]:
+    """Return a member's time [us], and its ratio to that of a single simulator."""
+    found = alternated({"together": together, "alone": alone}, rounds)
+    return {f"{name}_us": medians(found)["together"], f"{name}/lone": ratio(found["together"], found["alone"])}
 
 
 def member_kb(scenario: str, n: int = 256) -> float:
@@ -223,9 +215,3 @@ def member_kb(scenario: str, n: int = 256) -> float:
 def resident_kb() -> int:
     """Return the resident memory of this process."""
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * PAGE_KB
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench batch")

@@ -7,9 +7,6 @@ ratios are computed per round. A step is one of the environment, which includes 
 
 from __future__ import annotations
 
-import json
-import runpy
-import statistics
 import tempfile
 import time
 from collections.abc import Callable
@@ -19,14 +16,12 @@ from typing import Annotated, Any
 import gymnasium
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import NativePeer, alternated, console, medians, native_program, ratio, spent_s
 from rich.table import Table
 
 import uwsim.learning  # noqa: F401, registers the environments
 from uwsim import Batch
 from uwsim.learning.eye import EFFECTS
-
-console = Console()
 
 MEMBERS, SIDE = 256, 84
 THREADS = (1, 2)
@@ -36,10 +31,8 @@ GOAL = 4000.0  # environment steps of all members a second, on two threads
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often to measure each case; medians are reported.")] = 9,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
-    camera = runpy.run_path(str(Path(__file__).with_name("camera.py")))
     cases: dict[str, Callable[[], float]] = {}
     peers = []
     with tempfile.TemporaryDirectory() as folder:
@@ -48,48 +41,32 @@ def main(
             env.reset(seed=0)
             env.step(np.zeros(env.action_space.shape, np.float32))
             cases[f"pictures, threads = {threads}"] = pictures(env.episodes.batch)
-            if threads == THREADS[0] and (program := camera["bare_rays_program"]()) is not None:
+            if threads == THREADS[0] and (program := native_program("embree_bare_rays")):
                 file = Path(folder) / "rays"
                 rays = write_rays(file, env.episodes.batch)
                 for count in THREADS:
-                    peers.append(camera["BareEmbree"]([str(program), str(file), str(count), "quads"]))
-                    cases[f"Embree alone, threads = {count}"] = wall_time(peers[-1])
+                    peers.append(NativePeer(program, file, count, "quads"))
+                    cases[f"Embree alone, threads = {count}"] = lambda peer=peers[-1]: peer.times_s()[0]
             cases[f"environment steps, threads = {threads}"] = steps(env)
-        if not peers:
-            console.print("skipping Embree alone: embree_bare_rays is not installed with the package (run tools/setup)")
-        per_round = [{name: measure() for name, measure in cases.items()} for _ in range(rounds + 1)][1:]
+        found = alternated(cases, rounds, warm_up=True)
         for peer in peers:
             peer.close()
-    figures = {name: statistics.median(turn[name] for turn in per_round) for name in cases}
-    ratios = compared(per_round)
+    results, ratios = medians(found), compared(found)
     if peers:
         console.print(f"{MEMBERS} pictures of {SIDE} x {SIDE} pixels: {rays:,} rays")
-    console.print(_table(figures, ratios))
-    if json_file is not None:
-        json_file.write_text(json.dumps({"seconds": figures, "ratios": ratios}, indent=2) + "\n", encoding="utf-8")
+    console.print(_table(results, ratios))
+    return {"seconds": results, "ratios": ratios}
 
 
 def pictures(batch: Batch) -> Callable[[], float]:
     """Return a function that renders a picture of each member and returns the seconds of wall time."""
-    return lambda: timed(lambda: batch.capture("front", EFFECTS, size=(SIDE, SIDE)))
+    return lambda: spent_s(lambda: batch.capture("front", EFFECTS, size=(SIDE, SIDE)), time.perf_counter)
 
 
 def steps(env: Any) -> Callable[[], float]:
     """Return a function that takes an environment step in each member and returns the seconds of wall time."""
     actions = np.zeros(env.action_space.shape, np.float32)
-    return lambda: timed(lambda: env.step(actions))
-
-
-def wall_time(peer: Any) -> Callable[[], float]:
-    """Return a function that makes the peer cast its rays once and returns the seconds of wall time."""
-    return lambda: peer.times_s()[0]
-
-
-def timed(call: Callable[[], object]) -> float:
-    """Return the seconds of wall time that a call takes."""
-    begun = time.perf_counter()
-    call()
-    return time.perf_counter() - begun
+    return lambda: spent_s(lambda: env.step(actions), time.perf_counter)
 
 
 def write_rays(file: Path, batch: Batch) -> int:
@@ -110,34 +87,27 @@ def write_rays(file: Path, batch: Batch) -> int:
     return int(np.count_nonzero(every["active"]))
 
 
-def compared(per_round: list[dict[str, float]]) -> dict[str, float]:
+def compared(found: dict[str, list[float]]) -> dict[str, float]:
     """Return medians of the per-round ratios."""
-
-    def ratio(one: str, other: str) -> float:
-        return statistics.median(turn[one] / turn[other] for turn in per_round)
-
     ratios = {}
     for threads in THREADS:
-        if (peer := f"Embree alone, threads = {threads}") in per_round[0]:
-            ratios[f"pictures / Embree alone, threads = {threads}"] = ratio(f"pictures, threads = {threads}", peer)
+        if (peer := f"Embree alone, threads = {threads}") in found:
+            name = f"pictures / Embree alone, threads = {threads}"
+            ratios[name] = ratio(found[f"pictures, threads = {threads}"], found[peer])
     for case in ("pictures", "Embree alone", "environment steps"):
-        if f"{case}, threads = 1" in per_round[0]:
-            ratios[f"{case}, two threads over one"] = ratio(f"{case}, threads = 1", f"{case}, threads = 2")
+        if f"{case}, threads = 1" in found:
+            ratios[f"{case}, two threads over one"] = ratio(
+                found[f"{case}, threads = 1"], found[f"{case}, threads = 2"]
+            )
     return ratios
 
 
-def _table(figures: dict[str, float], ratios: dict[str, float]) -> Table:
+def _table(results: dict[str, float], ratios: dict[str, float]) -> Table:
     table = Table("case", "us a member", "members/s", "goal", title="medians, wall time")
-    for name, seconds in figures.items():
+    for name, seconds in results.items():
         rate = MEMBERS / seconds
         goal = f"{GOAL:,.0f}: {'met' if rate >= GOAL else 'missed'}" if name == "environment steps, threads = 2" else ""
         table.add_row(name, f"{1e6 * seconds / MEMBERS:.0f}", f"{rate:,.0f}", goal)
-    for name, ratio in ratios.items():
-        table.add_row(name, f"{ratio:.2f}", "", "")
+    for name, value in ratios.items():
+        table.add_row(name, f"{value:.2f}", "", "")
     return table
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench batch_camera")

@@ -6,23 +6,19 @@ use wall time. The peer is the bare image, `Camera.capture` with all effects, wh
 
 from __future__ import annotations
 
-import json
-import statistics
 import tempfile
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from rich.console import Console
+from _harness import console, medians, ratio
 from rich.table import Table
 
 from uwsim.campaigns.datasets import make_dataset
 from uwsim.campaigns.datasets.frame import FrameJob, file_name, folders, make_frame
 from uwsim.campaigns.datasets.spec import DatasetSpec, Product
 from uwsim.campaigns.datasets.studio import digest_of, studio_of
-
-console = Console()
 
 CASES: dict[str, tuple[Product, ...]] = {
     "rgb": ("rgb",),
@@ -38,26 +34,24 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
     frames: Annotated[int, typer.Option(min=0, help="Frames that the workers make; 0: no dataset.")] = 200,
     workers: Annotated[int, typer.Option(min=1, help="Number of worker processes.")] = 2,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure the parts alternately, then a whole dataset."""
     width, _, height = size.partition("x")
     pixels = int(width), int(height)
-    figures = parts(scenario, pixels, rounds)
+    results = parts(scenario, pixels, rounds)
     if frames:
         with tempfile.TemporaryDirectory() as folder, console.status(f"{frames} frames on {workers} workers"):
             made = make_dataset(scenario, folder, frames, workers=workers, size=pixels)
             bytes_each = sum(path.stat().st_size for path in Path(folder).rglob("*.*") if path.is_file()) / frames
-        figures |= {
+        results |= {
             f"usual, frames/s on {workers} workers, wall": made.frames_per_s,
             "usual, kB a frame": bytes_each / 1e3,
         }
-    table = Table("figure", "value", title=f"datasets of {scenario}, {size} pixels")
-    for name, value in figures.items():
+    table = Table("result", "value", title=f"datasets of {scenario}, {size} pixels")
+    for name, value in results.items():
         table.add_row(name, f"{value:,.2f}")
     console.print(table)
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    return results
 
 
 def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]:
@@ -87,8 +81,7 @@ def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]
             if number:  # the first warms up
                 for name, seconds in row.items():
                     cost_ms[name].append(1e3 * seconds)
-    figures = {f"{name}, ms": statistics.median(values) for name, values in cost_ms.items()}
-    for name in CASES:
-        ratios = [each / alone for each, alone in zip(cost_ms[name], cost_ms["bare picture"], strict=True)]
-        figures[f"{name}, against the bare picture"] = statistics.median(ratios)
-    return figures
+    results = {f"{name}, ms": value for name, value in medians(cost_ms).items()}
+    return results | {
+        f"{name}, against the bare picture": ratio(cost_ms[name], cost_ms["bare picture"]) for name in CASES
+    }

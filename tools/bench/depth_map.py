@@ -6,24 +6,21 @@ them equally; results are medians over the rounds. The exact ranges are the mult
 
 from __future__ import annotations
 
-import json
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import alternated, console, ratio, spent_s
 from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator, _core
 from uwsim.instruments.sonars.depth_map import DepthMap, Difference, difference, ranges_m
-
-console = Console()
 
 TILT_RAD = np.radians(30.0)  # as in the lake's survey
 ALTITUDE_M = 8.0
@@ -44,16 +41,19 @@ class Method:
     name: str
     rays: int
     run: Callable[[int], Any]
-    seconds: list[float]
+    seconds: list[float] = field(default_factory=list)
     off: Difference | None = None
+
+    def ping_s(self, places: int) -> float:
+        """Return the processor time of a ping."""
+        return spent_s(lambda: [self.run(k) for k in range(places)], time.thread_time) / places
 
 
 def main(
     model: Annotated[int, typer.Option(min=1, max=4, help="EM 2040 variant.")] = 2,
     places: Annotated[int, typer.Option(min=1, help="Pings, spread over the survey's area.")] = 40,
     rounds: Annotated[int, typer.Option(min=1, help="How often each method is measured; medians are reported.")] = 5,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Compare ranges and cost."""
     sim = Simulator("lake", sonar_model=model, threads=1)
     poses = _poses(sim, places)
@@ -61,16 +61,11 @@ def main(
     exact = [np.asarray(methods[0].run(k)) for k in range(places)]
     for method in methods[1:]:
         method.off = difference(np.concatenate([method.run(k) for k in range(places)]), np.concatenate(exact))
-    for turn in range(rounds):
-        with console.status(f"round {turn + 1} of {rounds}"):
-            for method in methods:
-                begun = time.thread_time()
-                for k in range(places):
-                    method.run(k)
-                method.seconds.append((time.thread_time() - begun) / places)
+    found = alternated({k: partial(method.ping_s, places) for k, method in enumerate(methods)}, rounds)
+    for k, method in enumerate(methods):
+        method.seconds = found[k]
     console.print(_table(methods, sim.rov.sonar.model, places))
-    if json_file is not None:
-        json_file.write_text(json.dumps(_figures(methods), indent=2) + "\n", encoding="utf-8")
+    return _results(methods)
 
 
 def _poses(sim: Simulator, count: int) -> list[np.ndarray]:
@@ -101,7 +96,7 @@ def _rays(sim: Simulator, poses: list[np.ndarray]) -> Method:
         found = sim.scene.cast(poses[k][None, :3, 3], flat @ poses[k][:3, :3].T, model.range_max_m).ranges_m
         return np.where(found < model.range_max_m, found, np.inf)
 
-    return Method("a ray for each beam", model.beams, run, [])
+    return Method("a ray for each beam", model.beams, run)
 
 
 def _depth_map(sim: Simulator, poses: list[np.ndarray], setting: tuple[int, int, int, bool, int]) -> Method:
@@ -115,21 +110,20 @@ def _depth_map(sim: Simulator, poses: list[np.ndarray], setting: tuple[int, int,
     angles = _angles_rad(sonar)
     notes = [f"{cameras} cameras"] * (cameras > 1) + ["interpolated"] * interpolate + [f"{bits} bits"] * (bits > 0)
     name = ", ".join([f"{width} x {height}", *notes])
-    return Method(name, model.rays, lambda k: ranges_m(sim, poses[k], angles, model), [])
+    return Method(name, model.rays, lambda k: ranges_m(sim, poses[k], angles, model))
 
 
-def _figures(methods: list[Method]) -> dict[str, dict[str, float]]:
+def _results(methods: list[Method]) -> dict[str, dict[str, float]]:
     """Return for each method the seconds per ping, the cost relative to rays in each round, and the range errors."""
-    figures = {}
+    results = {}
     for method in methods:
-        ratio = statistics.median(own / rays for own, rays in zip(method.seconds, methods[0].seconds, strict=True))
-        figure: dict[str, float] = {
+        result: dict[str, float] = {
             "rays": method.rays,
             "ping_s": statistics.median(method.seconds),
-            "cost_ratio": ratio,
+            "cost_ratio": ratio(method.seconds, methods[0].seconds),
         }
-        figures[method.name] = figure | ({} if method.off is None else vars(method.off))
-    return figures
+        results[method.name] = result | ({} if method.off is None else vars(method.off))
+    return results
 
 
 def _table(methods: list[Method], model: _core.MultibeamModel, places: int) -> Table:
@@ -138,14 +132,18 @@ def _table(methods: list[Method], model: _core.MultibeamModel, places: int) -> T
     table.add_column("depth image", no_wrap=True)
     for column in ("rays", "us", "cost", "mean mm", "95 % mm", "max m", "lost", "false"):
         table.add_column(column, justify="right")
-    for name, figure in _figures(methods).items():
-        row = [f"{figure['rays']:,.0f}", f"{1e6 * figure['ping_s']:.0f}", f"{figure['cost_ratio']:.2f}"]
-        if "mean_m" in figure:
-            row += [f"{1e3 * figure['mean_m']:.1f}", f"{1e3 * figure['percentile_95_m']:.1f}", f"{figure['max_m']:.2f}"]
-            row += [f"{figure['missed']:.0f}", f"{figure['invented']:.0f}"]
+    for name, result in _results(methods).items():
+        row = [
+            f"{result['rays']:,.0f}",
+            f"{1e6 * result['ping_s']:.0f}",
+            f"{result['cost_ratio']:.2f}",
+        ]
+        if "mean_m" in result:
+            row += [
+                f"{1e3 * result['mean_m']:.1f}",
+                f"{1e3 * result['percentile_95_m']:.1f}",
+                f"{result['max_m']:.2f}",
+            ]
+            row += [f"{result['missed']:.0f}", f"{result['invented']:.0f}"]
         table.add_row(name, *row)
     return table
-
-
-if __name__ == "__main__":
-    typer.run(main)

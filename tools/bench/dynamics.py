@@ -7,8 +7,6 @@ reported. Each case runs on one thread and is measured by that thread's processo
 from __future__ import annotations
 
 import functools
-import json
-import statistics
 import subprocess
 import time
 from collections.abc import Callable
@@ -17,15 +15,13 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import alternated, console, goal_cells, medians, native_program, new_table, ratio
 from rich.table import Table
 
-from uwsim import Simulator, _core
+from uwsim import Simulator
 from uwsim.scenario import VehicleEntry, load
 from uwsim.scenario.spec.scenario import Dynamics
 from uwsim.scenario.spec.water import JonswapSurface
-
-console = Console()
 
 VEHICLE = "bluerov2_heavy"
 STEP_S = 0.005
@@ -51,8 +47,7 @@ def main(
     plot: Annotated[Path, typer.Option(help="The file for the plot of cost against the number of vehicles.")] = Path(
         "dynamics_vehicles.png"
     ),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the results to this JSON file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     cases: dict[str, Callable[[], float]] = {
         "open_water": Flight(depth_m=10.0, steps=500, repeats=20),
@@ -66,44 +61,32 @@ def main(
         "under_waves": Flight(depth_m=3.0, steps=100, repeats=10, waves=True),
         **{f"vehicles_{count}": Flight(depth_m=10.0, steps=200, repeats=2, count=count) for count in COUNTS},
     }
-    if (bare := bare_step_program()) is not None:
+    if bare := native_program("bullet_bare_step"):
         cases["bare_bullet"] = lambda: bare_bullet(bare)
-    else:
-        console.print("without bare Bullet: bullet_bare_step is not installed beside the package (run tools/setup)")
     if (peer := pybullet_peer()) is not None:
         cases["pybullet"] = peer(on_bed=False)
         cases["pybullet_resting"] = peer(on_bed=True)
     else:
         console.print("without pybullet: not installed (pip install pybullet)")
-    rates: dict[str, list[float]] = {name: [] for name in cases}
-    for round_index in range(rounds):
-        with console.status(f"round {round_index + 1} of {rounds}"):
-            for name, measure in cases.items():
-                rates[name].append(measure())
-    figures = summarise(rates)
-    console.print(_table(figures))
-    _draw(figures, plot)
+    results = summarise(alternated(cases, rounds))
+    console.print(_table(results))
+    _draw(results, plot)
     console.print(f"cost against the number of vehicles: {plot}")
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    return results
 
 
 def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
     """Return the median steps per second of each case, and the medians of the per-round ratios."""
-
-    def ratio(name: str, peer: str) -> float:
-        return statistics.median(a / b for a, b in zip(rates[name], rates[peer], strict=True))
-
-    figures = {name: statistics.median(values) for name, values in rates.items()}
-    figures["real_time_factor"] = figures["open_water"] * STEP_S
-    figures["resting_real_time_factor"] = figures["resting"] * STEP_S
+    results = medians(rates)
+    results["real_time_factor"] = results["open_water"] * STEP_S
+    results["resting_real_time_factor"] = results["resting"] * STEP_S
     if "bare_bullet" in rates:
-        figures["against_bare_bullet"] = ratio("open_water", "bare_bullet")
-        figures["above_bottom_against_bare_bullet"] = ratio("above_bottom", "bare_bullet")
+        results["against_bare_bullet"] = ratio(rates["open_water"], rates["bare_bullet"])
+        results["above_bottom_against_bare_bullet"] = ratio(rates["above_bottom"], rates["bare_bullet"])
     if "pybullet" in rates:
-        figures["against_pybullet"] = ratio("open_water", "pybullet")
-        figures["resting_against_pybullet"] = ratio("resting", "pybullet_resting")
-    return figures
+        results["against_pybullet"] = ratio(rates["open_water"], rates["pybullet"])
+        results["resting_against_pybullet"] = ratio(rates["resting"], rates["pybullet_resting"])
+    return results
 
 
 class Flight:
@@ -194,12 +177,6 @@ def _lowest_m(vehicle: VehicleEntry) -> float:
     return float(vehicle_hull(vehicle.model)[0][:, 2].min())
 
 
-def bare_step_program() -> Path | None:
-    """Return the path of the native peer, which is installed next to the compiled module, or None if it is missing."""
-    program = Path(_core.__file__).parent / "bench" / "native" / "bullet_bare_step"
-    return program if program.is_file() else None
-
-
 def bare_bullet(program: Path) -> float:
     """Return steps per second of Bullet's stepSimulation with one free body, run in its own process."""
     steps = 100_000
@@ -263,7 +240,7 @@ class PybulletPeer:
         return steps / (time.thread_time() - started_s)
 
 
-def _table(figures: dict[str, float]) -> Table:
+def _table(results: dict[str, float]) -> Table:
     rows = [
         ("open water", "open_water", None),
         ("0.5 m above the bottom", "above_bottom", None),
@@ -278,14 +255,12 @@ def _table(figures: dict[str, float]) -> Table:
         ("pybullet and NumPy", "pybullet", None),
         ("pybullet and NumPy, resting on a plane", "pybullet_resting", None),
     ]
-    table = Table(title=f"{VEHICLE} over the lake, step {1e3 * STEP_S:g} ms, one core: medians", title_justify="left")
-    table.add_column("case")
-    for column in ("steps/s", "us per step", "goal", "met"):
-        table.add_column(column, justify="right")
+    title = f"{VEHICLE} over the lake, step {1e3 * STEP_S:g} ms, one core: medians"
+    table = new_table(title, "case", "steps/s", "us per step", "goal", "met")
     for label, key, goal in rows:
-        if key in figures:
-            rate = figures[key]
-            table.add_row(label, f"{rate:,.0f}", f"{1e6 / rate:.3f}", *_goal(rate, goal))
+        if key in results:
+            rate = results[key]
+            table.add_row(label, f"{rate:,.0f}", f"{1e6 / rate:.3f}", *goal_cells(rate, goal))
     table.add_section()
     for label, key in (
         ("open water / Bullet's bare step", "against_bare_bullet"),
@@ -295,26 +270,20 @@ def _table(figures: dict[str, float]) -> Table:
         ("real-time factor", "real_time_factor"),
         ("real-time factor, resting", "resting_real_time_factor"),
     ):
-        if key in figures:
-            table.add_row(label, f"{figures[key]:,.2f}", "", *_goal(figures[key], GOALS.get(key)))
+        if key in results:
+            table.add_row(label, f"{results[key]:,.2f}", "", *goal_cells(results[key], GOALS.get(key)))
     table.add_section()
     for count in COUNTS:
-        rate = figures[f"vehicles_{count}"]
+        rate = results[f"vehicles_{count}"]
         table.add_row(f"{count} vehicles", f"{rate:,.0f}", f"{1e6 / rate:.2f}", "", "")
     return table
 
 
-def _goal(value: float, goal: float | None) -> tuple[str, str]:
-    if goal is None:
-        return "", ""
-    return f"{goal:,g}", "[green]yes[/]" if value >= goal else "[red]no[/]"
-
-
-def _draw(figures: dict[str, float], path: Path) -> None:
+def _draw(results: dict[str, float], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     counts = np.array(COUNTS)
-    cost_us = np.array([1e6 / figures[f"vehicles_{count}"] for count in COUNTS])
+    cost_us = np.array([1e6 / results[f"vehicles_{count}"] for count in COUNTS])
     figure, panel = plt.subplots(figsize=(6, 4), layout="constrained")
     panel.plot(counts, cost_us, "o-", label="measured")
     panel.plot(counts, counts * cost_us[-1] / counts[-1], "--", alpha=0.6, label="linear")
@@ -323,9 +292,3 @@ def _draw(figures: dict[str, float], path: Path) -> None:
     panel.legend()
     figure.savefig(path, dpi=120)
     plt.close(figure)
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench dynamics")

@@ -7,12 +7,10 @@ in logarithms of cost and size: 1 is proportional, 0 does not depend on the size
 
 from __future__ import annotations
 
-import json
 import runpy
 import statistics
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +18,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import console, new_table, spent_s
 from rich.table import Table
 
 from uwsim import Batch, Simulator, _core, recording
@@ -29,8 +27,6 @@ from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 from uwsim.scenario import VehicleEntry, load
 from uwsim.scenario.spec.vehicle import load_vehicle
-
-console = Console()
 
 SIDE_M, DEPTH_M = 200.0, 30.0  # of the bed below the pings
 FAN_RAD = np.radians(60.0)  # to each side
@@ -59,8 +55,7 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each size is measured. Medians are reported.")] = 5,
     only: Annotated[list[str] | None, typer.Option(help="Measure only this panel; may be repeated.")] = None,
     plot: Annotated[Path, typer.Option(help="The file for the sheet of panels.")] = Path("growth.png"),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all sizes alternately, print the slopes and draw a sheet with one panel for each kind of size."""
     unknown = set(only or ()) - {growth.name for growth in GROWTHS}
     if unknown:
@@ -75,8 +70,7 @@ def main(
     console.print(table(found))
     draw(found, plot)
     console.print(str(plot))
-    if json_file is not None:
-        json_file.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+    return found
 
 
 def measured(growth: Growth, rounds: int) -> dict[str, Any]:
@@ -96,12 +90,9 @@ def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
     return float(np.polyfit(np.log(sizes[half:]), np.log(costs[half:]), 1)[0])
 
 
-def spent_s(call: Callable[[], object], repeats: int = 1) -> float:
+def mean_s(call: Callable[[], object], repeats: int = 20) -> float:
     """Return the mean processor time of a call."""
-    began_s = time.process_time()
-    for _ in range(repeats):
-        call()
-    return (time.process_time() - began_s) / repeats
+    return spent_s(lambda: [call() for _ in range(repeats)]) / repeats
 
 
 def bed(cells: int, lowered_m: float = 0.0) -> _core.World:
@@ -131,7 +122,7 @@ def triangles(count: int) -> Callable[[], Costs]:
     def ping() -> None:
         scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], beams, 100.0)
 
-    return lambda: {"a ping of 512 beams": spent_s(ping, 20), "preparing the bed": prepare()}
+    return lambda: {"a ping of 512 beams": mean_s(ping), "preparing the bed": prepare()}
 
 
 def beams(count: int) -> Callable[[], Costs]:
@@ -142,7 +133,7 @@ def beams(count: int) -> Callable[[], Costs]:
     def ping() -> None:
         scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], directions, 100.0)
 
-    return lambda: {"a ping": spent_s(ping, 20)}
+    return lambda: {"a ping": mean_s(ping)}
 
 
 def vehicles(count: int) -> Callable[[], Costs]:
@@ -249,9 +240,11 @@ GROWTHS = (
 
 def table(found: dict[str, dict[str, Any]]) -> Table:
     """Return the costs at the smallest and the largest size, and the slopes."""
-    shown = Table(title="processor time; slope: over the larger half of the sizes", title_justify="left")
-    for column in ("size", "operation", "cost at the smallest", "at the largest", "slope"):
-        shown.add_column(column, justify="left" if column in ("size", "operation") else "right")
+    title, columns = (
+        "processor time; slope: over the larger half of the sizes",
+        ("cost at the smallest", "at the largest"),
+    )
+    shown = new_table(title, "size", "operation", *columns, "slope", texts=2)
     for panel in found.values():
         for name, costs in panel["cost_s"].items():
             ends = [f"{size:,}: {readable(cost)}" for size, cost in ((panel["sizes"][k], costs[k]) for k in (0, -1))]
@@ -286,9 +279,3 @@ def draw(found: dict[str, dict[str, Any]], path: Path) -> None:
         axes.grid(alpha=0.25)
         axes.legend(fontsize=7.5, frameon=False, loc="upper left")
     save_figure(figure, path)
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench growth")

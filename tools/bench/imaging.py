@@ -11,8 +11,6 @@ machine.
 
 from __future__ import annotations
 
-import json
-import runpy
 import statistics
 import tempfile
 import time
@@ -22,13 +20,11 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from _harness import NativePeer, alternated, console, goal_cells, medians, native_program, new_table, ratio, spent_s
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator
-
-console = Console()
 
 PLACE_M = (-67.0, -52.0, -26.0)  # two metres above the bed, in front of a gate
 STEP_M = 0.3
@@ -43,41 +39,27 @@ COHERENT = 2
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often to measure each case; medians are reported.")] = 15,
     threads: Annotated[int, typer.Option(min=1, help="Threads of the case that is measured in wall time.")] = 2,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
-    camera = runpy.run_path(str(Path(__file__).with_name("camera.py")))
     cases: dict[str, Callable[[], float]] = {
         "picture": Pictures(1, time.process_time),
         "wall": Pictures(threads, time.perf_counter),
     }
-    seconds: dict[str, list[float]] = {}
     peers = []
     with tempfile.TemporaryDirectory() as folder:
-        if (program := camera["bare_rays_program"]()) is not None:
+        if program := native_program("embree_bare_rays"):
             for shape, columns in SHAPES.items():
                 file = Path(folder) / shape
                 write_rays(file, columns, GRID_RAYS if shape == "grid" else None)
-                peers.append(camera["BareEmbree"]([str(program), str(file), "1", "quads"]))
-                cases[shape] = peers[-1].processor_s
-        else:
-            console.print("skipping Embree alone: embree_bare_rays is not installed with the package (run tools/setup)")
-        for turn in range(rounds + 1):
-            with console.status(f"round {turn} of {rounds}"):
-                for name, case in cases.items():
-                    elapsed_s = case()
-                    if turn > 0:  # the first round warms up
-                        seconds.setdefault(name, []).append(elapsed_s)
+                peers.append(NativePeer(program, file, 1, "quads"))
+                cases[shape] = lambda peer=peers[-1]: peer.times_s()[1]
+        seconds = alternated(cases, rounds, warm_up=True)
         for peer in peers:
             peer.close()
-    figures = {f"{name}_ms": 1e3 * statistics.median(values) for name, values in seconds.items()}
-    for shape in SHAPES:
-        if shape in seconds:
-            ratios = [a / b for a, b in zip(seconds["picture"], seconds[shape], strict=True)]
-            figures[f"picture/{shape}"] = statistics.median(ratios)
-    console.print(_table(figures, threads))
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    results = {f"{name}_ms": 1e3 * value for name, value in medians(seconds).items()}
+    results |= {f"picture/{shape}": ratio(seconds["picture"], seconds[shape]) for shape in SHAPES if shape in seconds}
+    console.print(_table(results, threads))
+    return results
 
 
 class Pictures:
@@ -91,9 +73,7 @@ class Pictures:
         rov, elapsed_s = self._sim.rov, []
         for k in range(PLACES):
             rov.place((PLACE_M[0] + STEP_M * k, *PLACE_M[1:]))
-            begun = self._clock()
-            rov.imaging_sonars["forward_looking"].look()
-            elapsed_s.append(self._clock() - begun)
+            elapsed_s.append(spent_s(rov.imaging_sonars["forward_looking"].look, self._clock))
         return statistics.median(elapsed_s)
 
 
@@ -149,7 +129,7 @@ def write_rays(file: Path, columns: int, grid_rays: int | None) -> None:
         packets.tofile(out)
 
 
-def _table(figures: dict[str, float], threads: int) -> Table:
+def _table(results: dict[str, float], threads: int) -> Table:
     labels = {
         "picture_ms": "a picture, processor time of one thread",
         "wall_ms": f"a picture, wall time of {threads} threads",
@@ -160,18 +140,9 @@ def _table(figures: dict[str, float], threads: int) -> Table:
         "picture/square": "a picture against the second, one thread",
         "picture/grid": "a picture against the third, one thread",
     }
-    table = Table(title="forward-looking sonar on the lake, 125,000 rays: medians", title_justify="left")
-    for column in ("case", "ms or ratio", "goal", "met"):
-        table.add_column(column, justify="left" if column == "case" else "right")
+    title = "forward-looking sonar on the lake, 125,000 rays: medians"
+    table = new_table(title, "case", "ms or ratio", "goal, at most", "met")
     for key, label in labels.items():
-        if key in figures:
-            goal = GOALS.get(key)
-            met = "" if goal is None else "[green]yes[/]" if figures[key] <= goal else "[red]no[/]"
-            table.add_row(label, f"{figures[key]:.2f}", "" if goal is None else f"at most {goal:g}", met)
+        if key in results:
+            table.add_row(label, f"{results[key]:.2f}", *goal_cells(results[key], GOALS.get(key), at_most=True))
     return table
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench imaging")

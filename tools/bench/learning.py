@@ -7,24 +7,21 @@ requires an idle machine. Actions are random; episodes end and restart as in tra
 
 from __future__ import annotations
 
-import json
 import os
 import runpy
-import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import gymnasium
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import alternated, console, medians, ratio
 from rich.table import Table
 
 import uwsim.learning  # noqa: F401, registers the environments
-
-console = Console()
 
 COUNTS = (1, 16, 256)
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -40,8 +37,7 @@ MARINEGYM_SOURCE = "MarineGym, arXiv:2503.09203, abstract: frames a second on an
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured. Medians are reported.")] = 7,
     seconds: Annotated[float, typer.Option(min=0.01, help="About how long each case takes in a round.")] = 0.3,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     cores = len(os.sched_getaffinity(0))
     cases: dict[str, Callable[[float], Rate]] = {}
@@ -55,17 +51,13 @@ def main(
         cases["pybullet and NumPy, one vehicle"] = peer
     else:
         console.print("without pybullet: not installed (pip install pybullet)")
-    per_round = []
-    for index in range(rounds):
-        with console.status(f"round {index + 1} of {rounds}"):
-            per_round.append({name: measure(seconds) for name, measure in cases.items()})
-    figures = {name: statistics.median(turn[name].own for turn in per_round) for name in cases}
-    ratios = compared(per_round, cores)
-    console.print(rates_table(figures))
+    found = alternated({name: partial(measure, seconds) for name, measure in cases.items()}, rounds)
+    results = medians({name: [rate.own for rate in rates] for name, rates in found.items()})
+    ratios = compared(found, cores)
+    console.print(rates_table(results))
     console.print(ratios_table(ratios))
     console.print(f"on paper: {MARINEGYM:,} ({MARINEGYM_SOURCE})")
-    if json_file is not None:
-        json_file.write_text(json.dumps({"steps_s": figures, "ratios": ratios}, indent=2) + "\n", encoding="utf-8")
+    return {"steps_s": results, "ratios": ratios}
 
 
 class Rate(NamedTuple):
@@ -129,31 +121,29 @@ def pybullet_step() -> Callable[[float], Rate] | None:
     return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten pybullet steps are one period of uwsim/StationKeeping-v1
 
 
-def compared(per_round: list[dict[str, Rate]], cores: int) -> dict[str, float]:
+def compared(found: dict[str, list[Rate]], cores: int) -> dict[str, float]:
     """Return medians of the per-round ratios."""
 
-    def ratio(one: str, other: str) -> float:
-        return statistics.median(turn[one].own / turn[other].own for turn in per_round)
+    def against(one: str, other: str) -> float:
+        return ratio(*([rate.own for rate in found[name]] for name in (one, other)))
 
     most, ratios = max(COUNTS), {}
     for threads in sorted({1, cores}):
         case, tail = f"n = {most}, threads = {threads}", f", {threads} thread(s)"
-        ratios[f"proprioception / bare C++ step{tail}"] = ratio(f"proprioception, {case}", f"bare C++ step, {case}")
+        ratios[f"proprioception / bare C++ step{tail}"] = against(f"proprioception, {case}", f"bare C++ step, {case}")
     for kind in KINDS if cores > 1 else ():
         few, many = (f"{kind}, n = {most}, threads = {threads}" for threads in (1, cores))
-        ratios[f"{kind}, {cores} threads / 1"] = statistics.median(
-            turn[many].wall / turn[few].wall for turn in per_round
-        )
-    if "pybullet and NumPy, one vehicle" in per_round[0]:
+        ratios[f"{kind}, {cores} threads / 1"] = ratio(*([rate.wall for rate in found[name]] for name in (many, few)))
+    if "pybullet and NumPy, one vehicle" in found:
         one = f"proprioception, n = {most}, threads = 1"
-        ratios["proprioception / pybullet and NumPy, 1 thread"] = ratio(one, "pybullet and NumPy, one vehicle")
+        ratios["proprioception / pybullet and NumPy, 1 thread"] = against(one, "pybullet and NumPy, one vehicle")
     return ratios
 
 
-def rates_table(figures: dict[str, float]) -> Table:
+def rates_table(results: dict[str, float]) -> Table:
     """Return the rates as a table."""
     table = Table("case", "environment steps/s", title="environment steps of all members a second: medians")
-    for name, rate in figures.items():
+    for name, rate in results.items():
         table.add_row(name, f"{rate:,.0f}")
     return table
 
@@ -165,9 +155,3 @@ def ratios_table(ratios: dict[str, float]) -> Table:
         goal = f"{GOAL:g}: {'met' if value >= GOAL else 'missed'}" if "bare" in name else ""
         table.add_row(name, f"{value:.2f}", goal)
     return table
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench learning")

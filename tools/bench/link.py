@@ -6,14 +6,12 @@ ratios is reported. Times are CPU times of the process, on one thread.
 
 from __future__ import annotations
 
-import json
 import statistics
-import time
-from pathlib import Path
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Any
 
 import typer
-from rich.console import Console
+from _harness import alternated, console, ratio, spent_s
 
 from uwsim import Simulator
 from uwsim.scenario import VehicleEntry, load
@@ -23,35 +21,28 @@ VEHICLES = 20
 LIMIT = 1.2
 EFFORT = 0.2
 MESSAGE_BYTES = 21  # the nine values of the panel
-console = Console()
 
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="Rounds; medians over them are reported.")] = 11,
     steps: Annotated[int, typer.Option(min=1, help="Steps of each case in a round.")] = 2000,
     vehicle: Annotated[str, typer.Option(help="The vehicles' model.")] = "bluerov2_heavy",
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the results to this JSON file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print the medians of their ratios to a step without a link."""
     cases = {"no link": Fleet(None, vehicle)}
     cases |= {modem: Fleet(modem, vehicle) for modem in ("ideal_acoustic", "s2cm_hs", "micromodem")}
     cases["s2cm_hs, aloha"] = Fleet("s2cm_hs", vehicle, access="aloha")
-    times: dict[str, list[float]] = {name: [] for name in cases}
-    for _ in range(rounds):
-        for name, fleet in cases.items():
-            times[name].append(fleet.step_s(steps))
-    figures = {}
+    times = alternated({name: partial(fleet.step_s, steps) for name, fleet in cases.items()}, rounds)
+    results = {}
     for name, fleet in cases.items():
-        ratio = statistics.median(a / b for a, b in zip(times[name], times["no link"], strict=True))
-        us = 1e6 * statistics.median(times[name])
-        figures[name] = {"step_us": us, "ratio": ratio, "delivered_per_s": fleet.delivered_per_s()}
-        verdict = "" if name == "no link" else f", {'within' if ratio <= LIMIT else 'BEYOND'} {LIMIT:g}"
+        share, us = ratio(times[name], times["no link"]), 1e6 * statistics.median(times[name])
+        results[name] = {"step_us": us, "ratio": share, "delivered_per_s": fleet.delivered_per_s()}
+        verdict = "" if name == "no link" else f", {'within' if share <= LIMIT else 'BEYOND'} {LIMIT:g}"
         console.print(
-            f"{name:16s} {us:8.1f} us a step, {ratio:5.3f} of a step without{verdict}; "
-            f"{figures[name]['delivered_per_s']:.1f} messages a simulated second delivered"
+            f"{name:16s} {us:8.1f} us a step, {share:5.3f} of a step without{verdict}; "
+            f"{results[name]['delivered_per_s']:.1f} messages a simulated second delivered"
         )
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=1))
+    return results
 
 
 class Fleet:
@@ -80,22 +71,16 @@ class Fleet:
 
     def step_s(self, steps: int) -> float:
         """Return the mean CPU time of a step; messages are submitted once per simulated second, outside the timing."""
-        spent_s, sim = 0.0, self._sim
+        elapsed_s, sim = 0.0, self._sim
         per_second = round(1.0 / sim.step_s)
         for _ in range(max(1, steps // per_second)):
             if sim.link is not None:
                 for name in sim.vehicles:
                     sim.link.send(name, "station", "state", bytes(MESSAGE_BYTES), priority=1, replaces=True)
-            began_s = time.process_time()
-            sim.step(per_second)
-            spent_s += time.process_time() - began_s
-        return spent_s / (max(1, steps // per_second) * per_second)
+            elapsed_s += spent_s(partial(sim.step, per_second))
+        return elapsed_s / (max(1, steps // per_second) * per_second)
 
     def delivered_per_s(self) -> float:
         """Return the number of messages delivered per simulated second so far."""
         link = self._sim.link
         return 0.0 if link is None else sum(one.delivered for one in link.counts()) / self._sim.time_s
-
-
-if __name__ == "__main__":
-    typer.run(main)

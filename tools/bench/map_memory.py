@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 import resource
-import subprocess
 import sys
 import tempfile
 import time
@@ -19,15 +18,13 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from _harness import child, console, new_table, result_of
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from uwsim import _core
 from uwsim.figures.style import ACCENT, INK, add_legend, label_axes, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
-
-console = Console()
 
 ALTITUDE_M, TILT_DEG, BEAMS, FAN_DEG, RANGE_M = 8.0, 7.0, 1025, 170.0, 95.0
 LEG_M, LEG_SPACING_M = 1000.0, 80.0
@@ -44,30 +41,21 @@ def main(
     plot: Annotated[Path, typer.Option(help="File for the plot of time and memory against distance.")] = Path(
         "map_memory.png"
     ),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-    one: Annotated[bool, typer.Option(hidden=True, help="Run one case in this process; 0 MB is no limit.")] = False,
-) -> None:
+) -> dict[str, Any]:
     """Fly the track twice, compare the maps, print and plot the results."""
-    if one:
-        print(json.dumps(fly(track_km, resolution, step, limit_mb or None, threads)))
-        return
     cases = {}
     for name, limit in (("no limit", 0.0), (f"limit {limit_mb:g} MB", limit_mb)):
-        options = {"track-km": track_km, "resolution": resolution, "step": step, "limit-mb": limit, "threads": threads}
-        words = [f"--{key}={value}" for key, value in options.items()]
         with console.status(name):
-            done = subprocess.run([sys.executable, __file__, "--one", *words], check=True, capture_output=True)
-        cases[name] = json.loads(done.stdout)
+            cases[name] = result_of(child(__file__, track_km, resolution, step, limit, threads), limit_s=None)
     console.print(_table(cases))
     draw(plot, cases)
     console.print(str(plot))
-    if json_file is not None:
-        json_file.write_text(json.dumps(cases, indent=2) + "\n", encoding="utf-8")
     first, second = cases.values()
     for suffix in ("ot", "bt"):
         if first[suffix] != second[suffix]:
             raise SystemExit(f"the .{suffix} of the two maps differ")
         console.print(f"the .{suffix} of both are the same bytes")
+    return cases
 
 
 def hills(width_m: float, height_m: float, rng: np.random.Generator) -> _core.World:
@@ -171,9 +159,7 @@ def peak_mb() -> float:
 def _table(cases: dict[str, dict[str, Any]]) -> Table:
     first = next(iter(cases.values()))
     title = f"{first['pings']:,} pings of {BEAMS} beams over {first['samples'][-1][0] / 1000:g} km"
-    table = Table(title=title, title_justify="left")
-    for column in ("", *cases):
-        table.add_column(column, justify="left" if column == "" else "right")
+    table = new_table(title, "", *cases)
     rows = (
         ("map, s", "map_s", ".1f"), ("rays, s", "rays_s", ".1f"), ("peak of the process, MB", "peak_mb", ",.0f"),
         ("of it while flying, MB", "map_peak_mb", ",.0f"), ("peak after the .ot, MB", "peak_after_ot_mb", ",.0f"),
@@ -207,6 +193,5 @@ def draw(path: Path, cases: dict[str, dict[str, Any]]) -> None:
 
 
 if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench map_memory")
+    *lengths, one_limit_mb, one_threads = map(float, sys.argv[1:])
+    print(json.dumps(fly(*lengths, one_limit_mb or None, int(one_threads))))

@@ -10,7 +10,6 @@ the median of several consecutive brick insertions, each into a new map.
 
 from __future__ import annotations
 
-import json
 import os
 import statistics
 import subprocess
@@ -19,21 +18,20 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
 import typer
+from _harness import alternated, console, goal_cells, native_program, new_table, ratio
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from uwsim import _core
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import build_world, load
-
-console = Console()
 
 ALTITUDE_M, SPACING_M, START_M = 8.0, 0.1, (-60.0, 0.0)
 NO_ECHO_M = 5.0  # a beam without an echo becomes a point this far beyond the range
@@ -108,8 +106,7 @@ def main(
         list[Path] | None,
         typer.Option(help="A program with octomap_insert's usage that inserts with another library; may be repeated."),
     ] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     if only not in ("", *WORKLOADS):
         raise ValueError(f"--only {only}: must be one of {', '.join(WORKLOADS)}")
@@ -119,19 +116,18 @@ def main(
             raise ValueError(f"--peer {program}: must be a program")
     chosen = {name: work for name, work in WORKLOADS.items() if only in ("", name)}
     seabed = Seabed()
-    figures: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, work in chosen.items():
             for resolution_m, pings in work.pings.items():
                 scans = seabed.scans(work, pings)
                 cases = make_cases(scans, resolution_m, Path(folder), peers)
-                figures[f"{name} {resolution_m:g}"] = measure(f"{name} {resolution_m:g}", cases, rounds)
-    console.print(_table(figures))
+                results[f"{name} {resolution_m:g}"] = measure(f"{name} {resolution_m:g}", cases, rounds)
+    console.print(_table(results))
     if memory and "A" in chosen:
-        figures["memory"] = peak_memory(seabed.scans(WORKLOADS["A"], MEMORY_PINGS), 0.2)
-        console.print(_memory_line(figures["memory"]))
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        results["memory"] = peak_memory(seabed.scans(WORKLOADS["A"], MEMORY_PINGS), 0.2)
+        console.print(_memory_line(results["memory"]))
+    return results
 
 
 class Seabed:
@@ -179,11 +175,9 @@ def make_cases(
     cases: dict[str, Case] = {}
     path = folder / "scans.bin"
     scans.write(path)
-    if (program := octomap_program()) is not None:
+    if program := native_program("octomap_insert"):
         for mode in ("eager", "lazy"):
             cases[f"stock_{mode}"] = lambda mode=mode: native(program, path, resolution_m, scans.range_m, mode)
-    else:
-        console.print("stock OctoMap left out: octomap_insert is not installed beside the package (run tools/setup)")
     for name, own in peers.items():
         cases[name] = lambda own=own: native(own, path, resolution_m, scans.range_m, "eager")
     if (peer := pyoctomap_peer(scans, resolution_m)) is not None:
@@ -197,21 +191,15 @@ def make_cases(
 
 def measure(name: str, cases: dict[str, Case], rounds: int) -> dict[str, float]:
     """Return medians of the times, and of their ratios to stock eager in the same round."""
-    costs: dict[str, list[Cost]] = {case: [] for case in cases}
-    for turn in range(rounds):
-        with console.status(f"{name} m: round {turn + 1} of {rounds}"):
-            for case, run in cases.items():
-                costs[case].append(run())
-    figures = {}
-    for case, found in costs.items():
-        wall = case == "bricks_2"
-        figures[f"{case}_ms"] = statistics.median(cost.wall_ms if wall else cost.processor_ms for cost in found)
+    costs = alternated(cases, rounds, what=f"{name} m: ")
+    results = {}
+    for case in cases:
+        clock = attrgetter("wall_ms" if case == "bricks_2" else "processor_ms")
+        times_ms = list(map(clock, costs[case]))
+        results[f"{case}_ms"] = statistics.median(times_ms)
         if "stock_eager" in cases and case != "stock_eager":
-            figures[f"{case}_ratio"] = statistics.median(
-                stock.wall_ms / cost.wall_ms if wall else stock.processor_ms / cost.processor_ms
-                for stock, cost in zip(costs["stock_eager"], found, strict=True)
-            )
-    return figures
+            results[f"{case}_ratio"] = ratio(map(clock, costs["stock_eager"]), times_ms)
+    return results
 
 
 def median(costs: list[Cost]) -> Cost:
@@ -253,12 +241,6 @@ class Stopwatch:
     def __exit__(self, *error: object) -> None:
         scale = 1e3 / self._pings
         self.cost = Cost(scale * (time.process_time() - self._start[0]), scale * (time.perf_counter() - self._start[1]))
-
-
-def octomap_program() -> Path | None:
-    """Return the path of octomap_insert, which is installed with the compiled module."""
-    program = Path(_core.__file__).parent / "bench" / "native" / "octomap_insert"
-    return program if program.is_file() else None
 
 
 def native(program: Path, path: Path, resolution_m: float, range_m: float, mode: str) -> Cost:
@@ -311,7 +293,7 @@ print(peak_kb() - before)
 
 def peak_memory(scans: Scans, resolution_m: float) -> dict[str, float]:
     """Return the peak growth of a process while all scans are inserted [MB]."""
-    figures = {}
+    results = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("points", scans.points_m), ("counts", scans.counts), ("origins", scans.origins_m)):
             np.save(Path(folder) / f"{name}.npy", array)
@@ -320,17 +302,14 @@ def peak_memory(scans: Scans, resolution_m: float) -> dict[str, float]:
                 arguments = [folder, engine, str(resolution_m), str(scans.range_m), str(BATCH)]
                 command = [sys.executable, "-c", MEMORY_SCRIPT, *arguments]
                 said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-            figures[f"{engine}_mb"] = int(said) / 1024
-    figures["share"] = figures["bricks_mb"] / figures["octomap_mb"]
-    return figures
+            results[f"{engine}_mb"] = int(said) / 1024
+    results["share"] = results["bricks_mb"] / results["octomap_mb"]
+    return results
 
 
-def _table(figures: dict[str, dict[str, float]]) -> Table:
-    table = Table(title="Inserting a ping: medians", title_justify="left")
-    for column in ("workload", "voxel m", "engine"):
-        table.add_column(column)
-    for column in ("ms a ping", "times as fast", "goal", "met"):
-        table.add_column(column, justify="right")
+def _table(results: dict[str, dict[str, float]]) -> Table:
+    columns = ("workload", "voxel m", "engine", "ms a ping", "times as fast", "goal", "met")
+    table = new_table("Inserting a ping: medians", *columns, texts=3)
     labels = {
         "stock_eager": "stock OctoMap, eager",
         "stock_lazy": "stock OctoMap, lazy",
@@ -340,23 +319,16 @@ def _table(figures: dict[str, dict[str, float]]) -> Table:
         "one_by_one": "bricks, one core, one a call",
         "portable": "bricks, portable kernels",
     }
-    for name, row in figures.items():
+    for name, row in results.items():
         goals = {"bricks_1": GOALS[name][0], "bricks_2": GOALS[name][1], "portable": PORTABLE_GOAL}
         timed = [key.removesuffix("_ms") for key in row if key.endswith("_ms")]
         for case, label in (labels | {case: case for case in timed if case not in labels}).items():
             if f"{case}_ms" in row:
-                ratio = row.get(f"{case}_ratio")
-                goal = _goal(ratio, goals.get(case))
-                times = "" if ratio is None else f"{ratio:,.3g}"
-                table.add_row(*name.split(), label, f"{row[f'{case}_ms']:,.3g}", times, *goal)
+                times = row.get(f"{case}_ratio")
+                cells = ["" if times is None else f"{times:,.3g}", *goal_cells(times, goals.get(case))]
+                table.add_row(*name.split(), label, f"{row[f'{case}_ms']:,.3g}", *cells)
         table.add_section()
     return table
-
-
-def _goal(ratio: float | None, goal: float | None) -> tuple[str, str]:
-    if ratio is None or goal is None:
-        return "", ""
-    return f"{goal:,g}", "[green]yes[/]" if ratio >= goal else "[red]no[/]"
 
 
 def _memory_line(memory: dict[str, float]) -> str:
@@ -365,9 +337,3 @@ def _memory_line(memory: dict[str, float]) -> str:
         f"peak memory of A at 0.2 m over {MEMORY_PINGS} pings: stock {memory['octomap_mb']:.1f} MB, "
         f"bricks {memory['bricks_mb']:.1f} MB, {memory['share']:.2f} of it (goal 1/3: {met})"
     )
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench mapping")

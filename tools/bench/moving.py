@@ -6,23 +6,19 @@ are reported.
 
 from __future__ import annotations
 
-import json
-import statistics
 import time
-from pathlib import Path
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
 import typer
+from _harness import alternated, console, medians, ratio
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator
 from uwsim.scenario import load
 from uwsim.scenario.spec.vehicle_entry import StartPose
-
-console = Console()
 
 SONAR_MODEL = 3  # 1,025 beams to 95 m
 LINE_M = ((-104.0, -28.0), (-44.0, -28.0))
@@ -34,28 +30,26 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured.")] = 11,
     pings: Annotated[int, typer.Option(min=1, help="Number of pings in a measurement.")] = 100,
     others: Annotated[int, typer.Option(min=1, max=200, help="Number of other vehicles.")] = 20,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     table = Table("mode", "case", "us per ping", "of alone", "beams on vehicles", title="Pings among other vehicles")
-    figures: dict[str, float] = {}
+    results: dict[str, float] = {}
     for mode in ("geometry", "physics"):
         alone, among, close = (lake(mode, count) for count in (0, others, others))
         places = line(alone, pings if mode == "geometry" else max(pings // 10, 1))
         scatter(among, places)
         gather(close, places)
         cases = {"alone": alone, "among": among, "close": close}
-        rounds_us = [{name: measure(sim, places) for name, sim in cases.items()} for _ in range(rounds)]
-        for name in cases:
-            us = statistics.median(turn[name][0] for turn in rounds_us)
-            ratio = statistics.median(turn[name][0] / turn["alone"][0] for turn in rounds_us)
-            figures |= {f"{mode}_{name}_us": us, f"{mode}_{name}/alone": ratio}
-            table.add_row(mode, name, f"{us:,.0f}", f"{ratio:.2f}", f"{rounds_us[0][name][1]:.0f}")
+        found = alternated({name: partial(measure, sim, places) for name, sim in cases.items()}, rounds)
+        rounds_us = {name: [us for us, _ in each] for name, each in found.items()}
+        for name, us in medians(rounds_us).items():
+            of_alone = ratio(rounds_us[name], rounds_us["alone"])
+            results |= {f"{mode}_{name}_us": us, f"{mode}_{name}/alone": of_alone}
+            table.add_row(mode, name, f"{us:,.0f}", f"{of_alone:.2f}", f"{found[name][0][1]:.0f}")
     console.print(table)
-    met = figures["geometry_among/alone"] <= GOAL and figures["physics_among/alone"] <= GOAL
+    met = results["geometry_among/alone"] <= GOAL and results["physics_among/alone"] <= GOAL
     console.print(f"among the others at most {GOAL} times: {'[green]yes[/]' if met else '[red]no[/]'}")
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    return results
 
 
 def lake(mode: str, others: int) -> Simulator:
@@ -104,9 +98,3 @@ def measure(sim: Simulator, places: NDArray[np.float64]) -> tuple[float, float]:
         elapsed_s += time.thread_time() - begun
         beams += int((ping.labels >= vehicles_from).sum())
     return 1e6 * elapsed_s / len(places), beams / len(places)
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench moving")

@@ -14,12 +14,9 @@ import asyncio
 import json
 import os
 import socket
-import subprocess
 import sys
 import time
-from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
@@ -27,7 +24,7 @@ import cbor2
 import numpy as np
 import orjson
 import typer
-from rich.console import Console
+from _harness import child, console, new_table, result_of, wait_for
 from rich.table import Table
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.asyncio.server import serve
@@ -37,11 +34,10 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel, channels
-from uwsim.channels.messages import default_message, to_plain
+from uwsim.channels.ros.messages import default_message, to_plain
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
-console = Console()
 SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
 GOALS = {"scans_per_s": 5000.0}
 SWITCH_S = 0.0005  # as uwsim serve sets it
@@ -54,29 +50,27 @@ JSON = orjson.OPT_SERIALIZE_NUMPY
 def main(
     seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 5.0,
     stalled: Annotated[float, typer.Option(min=0.5, help="Length of those of the steps' lateness [s].")] = 60.0,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases in turn and print the results."""
     sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake", sonar_model=4)
     scan, picture = true_messages(sim)
-    figures: dict[str, Any] = {"load": [], "flat_out": {}, "machine_load": os.getloadavg()}
+    results: dict[str, Any] = {"load": [], "flat_out": {}, "machine_load": os.getloadavg()}
     cases = [(0, 0, seconds), (1, 0, seconds), (10, 0, seconds), (50, 0, seconds), (10, 0, stalled), (10, 50, stalled)]
     for subscribers, sleepers, length in cases:
         with console.status(f"{subscribers} subscribers, {sleepers} that do not read"):
-            figures["load"].append(load(sim, scan, picture, subscribers, sleepers, length))
+            results["load"].append(load(sim, scan, picture, subscribers, sleepers, length))
     for name in ("cbor", "cbor-raw", "none"):
         with console.status(f"flat out, {name}"):
-            figures["flat_out"][name] = flat_out(scan, name, seconds)
+            results["flat_out"][name] = flat_out(scan, name, seconds)
     for name in ("cbor", "none"):
         with console.status(f"relayed, {name}"):
-            figures["flat_out"][f"relay {name}"] = relay(scan, name, seconds)
+            results["flat_out"][f"relay {name}"] = relay(scan, name, seconds)
     with console.status("flat out, bare"):
-        figures["flat_out"]["bare"] = asyncio.run(bare(scan, seconds))
-    console.print(load_table(figures["load"]))
-    console.print(flat_out_table(figures["flat_out"]))
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        results["flat_out"]["bare"] = asyncio.run(bare(scan, seconds))
+    console.print(load_table(results["load"]))
+    console.print(flat_out_table(results["flat_out"]))
+    return results
 
 
 def true_messages(sim: Simulator) -> tuple[Any, Any]:
@@ -109,15 +103,15 @@ def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: in
             Channel("picture", PICTURE, "out", "", rate_hz=10.0, read=lambda sim: stamped(picture)),
         ]
         with server:
-            lazy = child(server.url, "cbor", sleepers, seconds + 3 * FILLED_S, "sleep") if sleepers else None
+            lazy = child(__file__, server.url, "cbor", sleepers, seconds + 3 * FILLED_S, "sleep") if sleepers else None
             wait_for(lambda: full(server) == sleepers, FILLED_S)
-            crowd = child(server.url, "cbor", subscribers, seconds, "read") if subscribers else None
+            crowd = child(__file__, server.url, "cbor", subscribers, seconds, "read") if subscribers else None
             wait_for(lambda: len(server.sessions) == subscribers + sleepers)
             time.sleep(0.5)
             before = full(server)
             live.forget_delays()
             cpu_s, wall_s = time.process_time(), time.perf_counter()
-            found = result(crowd) if crowd else time.sleep(seconds) or {}
+            found = result_of(crowd) if crowd else time.sleep(seconds) or {}
             cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
             lost = sum(session.outbox.lost for session in server.sessions.values())
             if lazy is not None:
@@ -144,13 +138,13 @@ def full(server: RosbridgeServer) -> int:
 def relay(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
     """Have one client publish scans to another as fast as the server relays them."""
     with RosbridgeServer(None, limits=UNLIMITED) as server:
-        source = child(server.url, compression, 1, seconds + 10.0, "publish")
+        source = child(__file__, server.url, compression, 1, seconds + 10.0, "publish")
         try:
             wait_for(lambda: "scan" in server.graph.topics)
-            process = child(server.url, compression, 1, seconds, "count")
+            process = child(__file__, server.url, compression, 1, seconds, "count")
             wait_for(lambda: server.graph.topics["scan"].sinks)
             cpu_s, began_s = time.process_time(), time.perf_counter()
-            found = result(process)
+            found = result_of(process)
             cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - began_s
         finally:
             source.kill()
@@ -161,11 +155,11 @@ def relay(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
 def flat_out(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
     """Publish scans as fast as one subscriber reads them; each is encoded separately."""
     with RosbridgeServer(None) as server:
-        process = child(server.url, compression, 1, seconds, "count")
+        process = child(__file__, server.url, compression, 1, seconds, "count")
         wait_for(lambda: server.graph.topics.get("scan") is not None and server.graph.topics["scan"].sinks)
         cpu_s = time.process_time()
         pump = asyncio.run_coroutine_threadsafe(publish_on(server, scan), server._listener.loop)
-        found = result(process)
+        found = result_of(process)
         cpu_s = time.process_time() - cpu_s
         pump.cancel()
         return {**found, "cpu_us": 1e6 * cpu_s / max(found["messages"], 1)}
@@ -193,30 +187,8 @@ async def bare(scan: Any, seconds: float) -> dict[str, Any]:
 
     async with serve(send, "127.0.0.1", 0, compression=None) as server:
         port = next(iter(server.sockets)).getsockname()[1]
-        process = child(f"ws://127.0.0.1:{port}", "cbor", 1, seconds, "count")
-        return await asyncio.to_thread(result, process)
-
-
-def child(url: str, compression: str, count: int, seconds: float, mode: str) -> subprocess.Popen[str]:
-    """Start subscribers in a separate process."""
-    arguments = [sys.executable, __file__, url, compression, str(count), str(seconds), mode]
-    return subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
-
-
-def result(process: subprocess.Popen[str]) -> dict[str, Any]:
-    """Return the subscribers' results."""
-    output, _ = process.communicate(timeout=300)
-    found: dict[str, Any] = json.loads(output)
-    return found
-
-
-def wait_for(condition: Callable[[], object], patience_s: float = 60.0) -> None:
-    """Wait until a condition is true, for at most a minute by default."""
-    deadline_s = time.monotonic() + patience_s
-    while not condition():
-        if time.monotonic() > deadline_s:
-            raise TimeoutError("the subscribers did not come, or their queues did not fill")
-        time.sleep(0.01)
+        process = child(__file__, f"ws://127.0.0.1:{port}", "cbor", 1, seconds, "count")
+        return await asyncio.to_thread(result_of, process)
 
 
 async def publish(url: str, compression: str, seconds: float) -> dict[str, Any]:
@@ -286,9 +258,9 @@ async def subscribe(url: str, compression: str, count: int, seconds: float, mode
 
 def load_table(cases: list[dict[str, Any]]) -> Table:
     """Return the table of cases in real time."""
-    table = Table(title="in real time, CBOR: scans at 50 Hz, pictures at 10 Hz; latency and the latest step in ms")
-    for column in ("read", "sleep", "msg/s", "p50", "p99", "cores", "lost", "full", "s", "pace", "late"):
-        table.add_column(column, justify="right")
+    title = "in real time, CBOR: scans at 50 Hz, pictures at 10 Hz; latency and the latest step in ms"
+    columns = ("read", "sleep", "msg/s", "p50", "p99", "cores", "lost", "full", "s", "pace", "late")
+    table = new_table(title, *columns, texts=0)
     for case in cases:
         latency = case.get("latency_ms")
         table.add_row(
@@ -308,9 +280,8 @@ def load_table(cases: list[dict[str, Any]]) -> Table:
 
 def flat_out_table(cases: dict[str, dict[str, Any]]) -> Table:
     """Return the table of maximum throughput."""
-    table = Table(title=f"flat out to one subscriber (goal: {GOALS['scans_per_s']:.0f} scans/s by CBOR)")
-    for column in ("encoding", "scans/s", "server's CPU [us/scan]", "of bare"):
-        table.add_column(column, justify="right")
+    title = f"flat out to one subscriber (goal: {GOALS['scans_per_s']:.0f} scans/s by CBOR)"
+    table = new_table(title, "encoding", "scans/s", "server's CPU [us/scan]", "of bare", texts=0)
     for name, case in cases.items():
         share = case["messages_per_s"] / cases["bare"]["messages_per_s"]
         cost = f"{case['cpu_us']:.0f}" if "cpu_us" in case else "-"

@@ -9,16 +9,17 @@ file.
 
 from __future__ import annotations
 
-import json
+import itertools
 import statistics
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
+from _harness import alternated, console, medians, new_table, spent_s
 from rich.table import Table as ShownTable
 
 from uwsim import recording
@@ -28,7 +29,6 @@ from uwsim.recording import Recorder
 from uwsim.recording.watch import Watch
 from uwsim.simulator.simulator import Simulator
 
-console = Console()
 SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
 SWITCH_S = 0.0005  # as uwsim serve sets it
 GOALS = {"cpu_share": 0.05, "lateness_ratio": 1.5}
@@ -37,31 +37,31 @@ GOALS = {"cpu_share": 0.05, "lateness_ratio": 1.5}
 def main(
     seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 4.0,
     rounds: Annotated[int, typer.Option(min=1, help="Measurements of each case.")] = 3,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure both cases alternately and print the results."""
     sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake")
     load = true_channels(sim)
-    figures: dict[str, Any] = {"without": [], "with": []}
     with tempfile.TemporaryDirectory() as folder:
-        for number in range(rounds):
-            for name in figures:
-                with console.status(f"{name} a recording, round {number + 1}"):
-                    path = Path(folder) / f"{number}.mcap" if name == "with" else None
-                    figures[name].append(real_time(sim, load, path, seconds))
-        medians = {name: median(cases) for name, cases in figures.items()}
-        medians["message_us"] = message_cost_us(sim, load, Path(folder))
-        medians["flat_out"] = flat_out(Path(folder))
-    console.print(table(medians))
+        numbers = itertools.count()
+        cases = {
+            "without": lambda: real_time(sim, load, None, seconds),
+            "with": lambda: real_time(sim, load, Path(folder) / f"{next(numbers)}.mcap", seconds),
+        }
+        found = alternated(cases, rounds)
+        results: dict[str, Any] = {
+            name: medians({key: [each[key] for each in values] for key in values[0]}) for name, values in found.items()
+        }
+        results["message_us"] = message_cost_us(sim, load, Path(folder))
+        results["flat_out"] = flat_out(Path(folder))
+    console.print(table(results))
     console.print(
-        f"the simulator's thread: {medians['message_us']['scan']:.0f} us for a scan, "
-        f"{medians['message_us']['picture']:.0f} us for a picture; "
-        f"flat out, every channel without pictures: {medians['flat_out']['with']:.2f} s of wall time for 10 s, "
-        f"{medians['flat_out']['read']:.2f} s to read the channels alone"
+        f"the simulator's thread: {results['message_us']['scan']:.0f} us for a scan, "
+        f"{results['message_us']['picture']:.0f} us for a picture; "
+        f"flat out, every channel without pictures: {results['flat_out']['with']:.2f} s of wall time for 10 s, "
+        f"{results['flat_out']['read']:.2f} s to read the channels alone"
     )
-    if json_file is not None:
-        json_file.write_text(json.dumps(medians, indent=2) + "\n", encoding="utf-8")
+    return results
 
 
 def true_channels(sim: Simulator) -> list[Channel]:
@@ -110,22 +110,13 @@ def real_time(sim: Simulator, load: list[Channel], path: Path | None, seconds: f
         }
 
 
-def median(cases: list[dict[str, float]]) -> dict[str, float]:
-    """Return the median of each value."""
-    return {name: statistics.median(case[name] for case in cases) for name in cases[0]}
-
-
 def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[str, float]:
     """Return the time that the simulator's thread needs to pass on one message [us]."""
     costs = {}
     with Recorder(sim, folder / "cost.mcap", shared=sharing(sim, load), topics=["scan", "picture"]) as recorder:
         for channel in load:
-            message, times_s = channel.read(sim), []
-            for _ in range(300):
-                began_s = time.perf_counter()
-                recorder.write(channel, message)
-                times_s.append(time.perf_counter() - began_s)
-            costs[channel.name] = 1e6 * statistics.median(times_s)
+            write = partial(recorder.write, channel, channel.read(sim))
+            costs[channel.name] = 1e6 * statistics.median(spent_s(write, time.perf_counter) for _ in range(300))
     return costs
 
 
@@ -151,21 +142,14 @@ def flat_out(folder: Path) -> dict[str, float]:
     return found
 
 
-def table(medians: dict[str, Any]) -> ShownTable:
+def table(results: dict[str, Any]) -> ShownTable:
     """Return the table of both cases."""
-    shown = ShownTable(
-        title=f"in real time: scans at 50 Hz, pictures at 10 Hz (goal: {100 * GOALS['cpu_share']:.0f} % of a core more)"
-    )
-    for column in ("recording", "cores", "latest step [ms]", "pace", "lost", "MB/s"):
-        shown.add_column(column, justify="right")
+    title = f"in real time: scans at 50 Hz, pictures at 10 Hz (goal: {100 * GOALS['cpu_share']:.0f} % of a core more)"
+    shown = new_table(title, "recording", "cores", "latest step [ms]", "pace", "lost", "MB/s")
     for name in ("without", "with"):
-        case = medians[name]
+        case = results[name]
         shown.add_row(
-            name,
-            f"{case['cpu_share']:.3f}",
-            f"{case['lateness_ms']:.2f}",
-            f"{case['factor']:.3f}",
-            f"{case['dropped']:.0f}",
-            f"{case['mb_per_s']:.2f}",
-        )
+            name, f"{case['cpu_share']:.3f}", f"{case['lateness_ms']:.2f}", f"{case['factor']:.3f}",
+            f"{case['dropped']:.0f}", f"{case['mb_per_s']:.2f}",
+        )  # fmt: skip
     return shown

@@ -7,7 +7,6 @@ reading on the simulator's thread to the decoded message. Each value is printed 
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import sys
@@ -18,12 +17,13 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import console
 from rich.table import Table
 
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
-from uwsim.channels import Channel, build
-from uwsim.channels.cdr import encode
+from uwsim.channels import Channel, Delivery
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import encode
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
@@ -40,8 +40,6 @@ MIXED = {
     "odom": (ODOMETRY, 200.0), "twist": (TWIST, 20.0),
 }  # fmt: skip
 SWITCH_S = 0.0005  # as uwsim serve sets it
-
-console = Console()
 
 
 def messages() -> dict[str, Any]:
@@ -83,8 +81,7 @@ def main(
     seconds: Annotated[float, typer.Option(min=1.0, help="Length of each measurement [s].")] = 8.0,
     domain_id: Annotated[int, typer.Option(help="The ROS domain, which nothing else should use.")] = 96,
     memory_messages: Annotated[int, typer.Option(help="Messages after which memory is compared.")] = 100_000,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases in turn and print the results."""
     from fast_dds import BINARY
 
@@ -99,14 +96,13 @@ def main(
                 rows += case(live, settings, seconds)
         with console.status("memory"):
             rows += memory(live, settings, memory_messages)
-    table = Table("figure", "value", "goal")
+    table = Table("quantity", "value", "goal")
     for row in rows:
         bound = "at least" if row["least"] else "at most"
         goal = "" if row["goal"] is None else f"{bound} {row['goal']:g} {row['unit']}"
         table.add_row(row["what"], f"{row['value']:.4g} {row['unit']}", goal)
     console.print(table)
-    if json_file is not None:
-        json_file.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    return rows
 
 
 def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
@@ -199,7 +195,7 @@ def delivered(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> li
     table = [
         Channel("scan", SCAN, "out", "", rate_hz=40.0, read=lambda sim: stamped(found[SCAN])),
         Channel("cloud", CLOUD, "out", "", rate_hz=20.0, read=lambda sim: stamped(found[CLOUD])),
-        Channel("static", TF, "out", "", latched=True, read=lambda sim: found[TF]),
+        Channel("static", TF, "out", "", delivery=Delivery(latched=True), read=lambda sim: found[TF]),
     ]
     rows = []
     for reliability in ("best_effort", "reliable"):

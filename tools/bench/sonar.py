@@ -10,29 +10,25 @@ the ray tree has been loaded; this is reported separately. The limit is the best
 
 from __future__ import annotations
 
-import json
-import statistics
 import struct
-import subprocess
 import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
+from _harness import NativePeer, alternated, console, goal_cells, medians, native_program, new_table, ratio, spent_s
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 from scipy.spatial.transform import Rotation
 
-from uwsim import Simulator, _core
+from uwsim import Simulator
 from uwsim.figures.style import new_figure, save_figure
 from uwsim.scenario import load
-
-console = Console()
 
 SONAR_MODEL = 3  # 1,025 beams to 95 m
 ALTITUDE_M = 8.0
@@ -86,8 +82,7 @@ def main(
     pings: Annotated[int, typer.Option(min=1, help="Number of pings, from different places, in a measurement.")] = 200,
     growth: Annotated[bool, typer.Option(help="Also measure the cost against the number of triangles.")] = True,
     plot: Annotated[Path, typer.Option(help="The file for the plot of that cost.")] = Path("sonar_triangles.png"),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     sim = lake()
     heads, scattered = heads_at(sim, along_lines(pings)), heads_at(sim, scattered_over_area(pings))
@@ -101,40 +96,27 @@ def main(
             grown = lake(size)
             for suffix, places in {"": heads, "_scattered": scattered, "_again": heads.first_again()}.items():
                 cases[f"triangles_{size}{suffix}"] = Pings(grown, places)
-        rates = measure(cases, rounds)
-    figures = summarise(rates)
-    console.print(_table(figures))
+        rates = alternated(cases, rounds, warm_up=True)
+    results = summarise(rates)
+    console.print(_table(results))
     if growth:
-        figures |= _growth(figures, plot)
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
-
-
-def measure(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, list[float]]:
-    """Return the pings per second of each case in each round."""
-    rates: dict[str, list[float]] = {name: [] for name in cases}
-    for turn in range(-1, rounds):
-        with console.status(f"round {turn + 1} of {rounds}"):
-            for name, case in cases.items():
-                rate = case()
-                if turn >= 0:  # the first round warms up
-                    rates[name].append(rate)
-    return rates
+        results |= _growth(results, plot)
+    return results
 
 
 def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
     """Return the median pings per second of each case, and the medians of the goals' ratios."""
-    figures = {name: statistics.median(values) for name, values in rates.items()}
+    results = medians(rates)
     for places in ("", "_scattered"):
         limits = [f"limit_{kind}{places}" for kind in LIMITS]
-        if limits[0] in figures:
-            best = max(limits, key=figures.__getitem__)
-            rates[f"limit{places}"], figures[f"limit{places}"] = rates[best], figures[best]
+        if limits[0] in results:
+            best = max(limits, key=results.__getitem__)
+            rates[f"limit{places}"], results[f"limit{places}"] = rates[best], results[best]
     for name in GOALS:
         one, other = name.split("/")
         if one in rates and other in rates:
-            figures[name] = statistics.median(a / b for a, b in zip(rates[one], rates[other], strict=True))
-    return figures
+            results[name] = ratio(rates[one], rates[other])
+    return results
 
 
 def lake(triangles: int | None = None) -> Simulator:
@@ -201,9 +183,7 @@ class Pings:
         elapsed_s, rov, sonar = 0.0, self._rov, self._rov.sonar
         for position, orientation in self._places:
             rov.place(position, orientation)
-            begun = time.thread_time()
-            sonar.ping()
-            elapsed_s += time.thread_time() - begun
+            elapsed_s += spent_s(sonar.ping, time.thread_time)
         return len(self._places) / elapsed_s
 
 
@@ -212,12 +192,8 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
     poses = heads_at(sim, along_lines(5 * len(heads.world_from_body))).world_from_body
 
     def batch(threads: int) -> Callable[[], float]:
-        def run() -> float:
-            begun = time.perf_counter()
-            sim.rov.sonar.ping_batch(poses, threads=threads)
-            return len(poses) / (time.perf_counter() - begun)
-
-        return run
+        pings = partial(sim.rov.sonar.ping_batch, poses, threads=threads)
+        return lambda: len(poses) / spent_s(pings, time.perf_counter)
 
     cases: dict[str, Callable[[], float]] = {"ping": Pings(sim, heads), "batch_1": batch(1), "batch_2": batch(2)}
     first = sim.scenario.vehicles[0]
@@ -236,7 +212,7 @@ def peer_cases(
     """Return the cases to compare with: the limit and the installed peers, all with the same surface and rays."""
     case = folder / "case.bin"
     cases = limit_cases(heads, vertices_m, triangles, case)
-    add_native(cases, "bullet", ["bullet_fan", case], heads)
+    add_native(cases, "bullet", heads, "bullet_fan", case)
     for name, make in {"pybullet": pybullet_peer, "trimesh": trimesh_peer}.items():
         try:
             cases[name] = make(heads, vertices_m, triangles, folder)
@@ -252,17 +228,15 @@ def limit_cases(
     write_case(heads, vertices_m, triangles, case)
     cases: dict[str, Callable[[], float]] = {}
     for name, options in LIMITS.items():
-        add_native(cases, f"limit_{name}{suffix}", ["embree_fan", case, *options], heads)
+        add_native(cases, f"limit_{name}{suffix}", heads, "embree_fan", case, *options)
     return cases
 
 
-def add_native(cases: dict[str, Callable[[], float]], name: str, command: list[Path | str], heads: Heads) -> None:
-    """Add a peer that is a program installed with the package."""
-    program = Path(_core.__file__).parent / "bench" / "native" / command[0]
-    if program.is_file():
-        cases[name] = NativePeer([program, *command[1:]], len(heads.world_from_sonar))
-    else:
-        console.print(f"{name} left out: {command[0]} is not installed with the package (run tools/setup)")
+def add_native(cases: dict[str, Callable[[], float]], name: str, heads: Heads, program: str, *options: object) -> None:
+    """Add a native peer, measured in pings per second of its processor time."""
+    if found := native_program(program):
+        peer, pings = NativePeer(found, *options), len(heads.world_from_sonar)
+        cases[name] = lambda: pings / peer.times_s()[0]
 
 
 def write_case(heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], path: Path) -> None:
@@ -275,27 +249,6 @@ def write_case(heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray
         file.write(triangles.astype(np.uint32).tobytes())
         file.write(np.column_stack([np.cos(heads.angles_rad), np.sin(heads.angles_rad)]).tobytes())
         file.write(np.hstack([turns.reshape(-1, 9), positions]).tobytes())
-
-
-class NativePeer:
-    """A program that loads the surface once and casts all fans on each request."""
-
-    def __init__(self, command: list[Path | str], pings: int) -> None:
-        self._pings = pings
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        assert self._process.stdin is not None and self._process.stdout is not None
-        self._requests, self._answers = self._process.stdin, self._process.stdout
-        self._answers.readline()
-
-    def __call__(self) -> float:
-        """Return pings per second of the program's processor time."""
-        self._requests.write("run\n")
-        self._requests.flush()
-        return self._pings / float(self._answers.readline().split()[0])
-
-    def __del__(self) -> None:
-        self._requests.close()
-        self._process.wait()
 
 
 def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
@@ -341,7 +294,7 @@ def trimesh_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) ->
     return run
 
 
-def _table(figures: dict[str, float]) -> Table:
+def _table(results: dict[str, float]) -> Table:
     labels = {
         "ping": "a ping from Python, all outputs",
         "batch_1": "ping_batch, one thread",
@@ -359,28 +312,26 @@ def _table(figures: dict[str, float]) -> Table:
         "ping_scattered": "a ping from Python, scattered places",
         "limit_scattered": "bare Embree packets, scattered places",
     }
-    table = Table(title="Pings of 1,025 beams to 95 m over the lake: medians", title_justify="left")
-    for column in ("case", "pings/s", "us per ping", "goal", "met"):
-        table.add_column(column, justify="left" if column == "case" else "right")
+    title = "Pings of 1,025 beams to 95 m over the lake: medians"
+    table = new_table(title, "case", "pings/s", "us per ping", "goal", "met")
     for key, label in labels.items():
-        if key in figures:
-            table.add_row(label, f"{figures[key]:,.0f}", f"{1e6 / figures[key]:,.1f}", "", "")
+        if key in results:
+            table.add_row(label, f"{results[key]:,.0f}", f"{1e6 / results[key]:,.1f}", "", "")
     table.add_section()
     for name, goal in GOALS.items():
-        if name in figures:
+        if name in results:
             at_most = name.startswith(("ping/physics", "physics/"))
-            met = figures[name] <= goal if at_most else figures[name] >= goal
-            limit, answer = f"at {'most' if at_most else 'least'} {goal:g}", "[green]yes[/]" if met else "[red]no[/]"
-            table.add_row(name, f"{figures[name]:,.2f}", "", limit, answer)
+            limit, met = goal_cells(results[name], goal, at_most=at_most)
+            table.add_row(name, f"{results[name]:,.2f}", "", f"at {'most' if at_most else 'least'} {limit}", met)
     return table
 
 
-def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
+def _growth(results: dict[str, float], path: Path) -> dict[str, float]:
     """Plot the cost against the number of triangles, with the best straight line in log n."""
     sizes, slopes, figure = np.array(SIZES), {}, new_figure(7.0, 4.5)
     panel = figure.subplots()
     for suffix, label in GROWTH.items():
-        cost_us = np.array([1e6 / figures[f"triangles_{size}{suffix}"] for size in SIZES])
+        cost_us = np.array([1e6 / results[f"triangles_{size}{suffix}"] for size in SIZES])
         slope, offset = np.polyfit(np.log10(sizes), cost_us, 1)
         (line,) = panel.semilogx(sizes, cost_us, "o-", label=label)
         fitted = offset + slope * np.log10(sizes)
@@ -392,9 +343,3 @@ def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
     panel.legend()
     save_figure(figure, path)
     return slopes
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench sonar")

@@ -15,15 +15,13 @@ import subprocess
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Annotated, Any
 
 import cbor2
 import numpy as np
 import typer
-from rich.console import Console
+from _harness import child, console, goals_table, new_table, result_of, wait_for
 from rich.table import Table
 from websockets.asyncio.client import connect
 
@@ -32,7 +30,6 @@ from uwsim.live import LiveSimulator
 from uwsim.operator.station import Site, Station
 from uwsim.simulator.simulator import Simulator
 
-console = Console()
 SWITCH_S = 0.0005  # as `uwsim station` sets it
 VIEW = "/station/view/front"
 PANEL = {
@@ -58,8 +55,7 @@ def main(
     seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
     scenario: Annotated[str, typer.Option(help="The scenario that is flown.")] = "lake",
     browser: Annotated[bool, typer.Option("--browser", help="Then also measure in a browser (station_page).")] = False,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure all cases in turn and print the results alongside their goals."""
     sys.setswitchinterval(SWITCH_S)
     cases = {}
@@ -72,12 +68,11 @@ def main(
         console.print(f"[dim]{name}[/dim]")  # a spinner's thread would also be measured
         cases[name] = measure(scenario, pages, seconds)
     console.print(case_table(cases))
-    figures = against_goals(cases)
-    console.print(goal_table(figures))
-    if json_file is not None:
-        json_file.write_text(json.dumps({"cases": cases, "figures": figures}, indent=2) + "\n", encoding="utf-8")
+    results = against_goals(cases)
+    console.print(goals_table("against the goals", results, GOALS))
     if browser:
-        subprocess.run([sys.executable, str(Path(__file__).with_name("station_page.py"))], check=True)
+        subprocess.run([sys.executable, "-m", "uwsim.cli.program", "bench", "station_page"], check=True)
+    return {"cases": cases, "results": results}
 
 
 def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
@@ -85,11 +80,11 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
     station = Station()
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
-        assert station.running is not None
-        live = station.running.live
+        assert station.sessions.running is not None
+        live = station.present().live
         ready_s = watch_pictures(station)
         live.rov.undock()
-        crowd = [child(server.url, kind, seconds) for kind in pages]
+        crowd = [child(__file__, server.url, kind, seconds) for kind in pages]
         wait_for(lambda: len(server.sessions) == len(pages))
         time.sleep(1.0)
         began_s = time.monotonic() - live.simulator.time_s  # wall time at simulated time 0, if on pace
@@ -104,7 +99,9 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
         time.sleep(seconds)
         cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
         pace = (live.simulator.time_s - time_s) / wall_s
-        found = [result(process) for process, kind in zip(crowd, pages, strict=True) if not kind.startswith("stalled")]
+        found = [
+            result_of(process) for process, kind in zip(crowd, pages, strict=True) if not kind.startswith("stalled")
+        ]
         for process in crowd:
             process.kill()
         return {
@@ -118,8 +115,8 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
 
 def watch_pictures(station: Station) -> dict[int, float]:
     """Return the times [s] at which pictures were ready, by stamp [ns]. The dictionary is filled as pictures arrive."""
-    assert station.running is not None
-    views, ready_s = station.running.views, {}
+    assert station.sessions.running is not None
+    views, ready_s = station.present().views, {}
     publish = views._node.publish
 
     def note(name: str, message: Any, time_ns: int = 0) -> None:
@@ -139,28 +136,6 @@ def judged(page: dict[str, Any], ready_s: dict[int, float], began_s: float) -> d
     on_way_ms = [1e3 * (at_s - ready_s[stamp_ns]) for stamp_ns, at_s in came]
     shown_ms = [1e3 * (at_s - began_s) - 1e-6 * stamp_ns for stamp_ns, at_s in came]
     return {**page, "way_ms": percentiles(on_way_ms), "picture_ms": percentiles(shown_ms)}
-
-
-def child(url: str, kind: str, seconds: float) -> subprocess.Popen[str]:
-    """Start a page in a separate process."""
-    arguments = [sys.executable, __file__, url, kind, str(seconds)]
-    return subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-
-
-def result(process: subprocess.Popen[str]) -> dict[str, Any]:
-    """Return a page's results."""
-    output, _ = process.communicate(timeout=120)
-    found: dict[str, Any] = json.loads(output)
-    return found
-
-
-def wait_for(condition: Callable[[], object]) -> None:
-    """Wait until a condition is true, for at most a minute."""
-    deadline_s = time.monotonic() + 60.0
-    while not condition():
-        if time.monotonic() > deadline_s:
-            raise TimeoutError("the pages did not come")
-        time.sleep(0.01)
 
 
 async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
@@ -242,18 +217,9 @@ def against_goals(cases: dict[str, Any]) -> dict[str, float]:
 
 def case_table(cases: dict[str, Any]) -> Table:
     """Return the table of cases."""
-    table = Table(title="the station in real time: CPU of simulator, map, server and pictures together")
-    for column in (
-        "pages",
-        "cores",
-        "pace",
-        "late [ms]",
-        "slipped [s]",
-        "key p50, p95 [ms]",
-        "pictures/s",
-        "p50, p95 [ms]",
-    ):
-        table.add_column(column, justify="right")
+    columns = ("pages", "cores", "pace", "late [ms]", "slipped [s]", "key p50, p95 [ms]", "pictures/s", "p50, p95 [ms]")
+    title = "the station in real time: CPU of simulator, map, server and pictures together"
+    table = new_table(title, *columns, texts=0)
     for name, case in cases.items():
         keys = [f"{p['key_ms']['p50']:.1f}, {p['key_ms']['p95']:.1f}" for p in case["pages"] if p["key_ms"]["p50"] > 0]
         shown = [p for p in case["pages"] if VIEW in p["per_s"]]
@@ -262,18 +228,6 @@ def case_table(cases: dict[str, Any]) -> Table:
             ", ".join(keys), ", ".join(f"{p['per_s'][VIEW]:.1f}" for p in shown),
             "; ".join(f"{p['picture_ms']['p50']:.0f}, {p['picture_ms']['p95']:.0f}" for p in shown),
         )  # fmt: skip
-    return table
-
-
-def goal_table(figures: dict[str, float]) -> Table:
-    """Return the table of values and goals."""
-    table = Table(title="against the goals")
-    for column in ("", "measured", "goal", ""):
-        table.add_column(column, justify="right")
-    for name, value in figures.items():
-        relation, goal = GOALS[name]
-        is_met = value <= goal if relation == "<=" else value >= goal
-        table.add_row(name, f"{value:.3g}", f"{relation} {goal:g}", "" if is_met else "missed")
     return table
 
 

@@ -8,7 +8,6 @@ from its simulated capture time; the latter includes rendering and compression. 
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 import time
@@ -18,17 +17,14 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from _harness import console, goals_table
 from playwright.sync_api import CDPSession, Page, sync_playwright
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.flight.survey import run_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.operator.station import Site, Station
 
-console = Console()
 SWITCH_S = 0.0005  # as `uwsim station` sets it
 CHROMIUM = "/usr/bin/chromium-headless-shell"
 SIZE = {"width": 1440, "height": 900}
@@ -51,8 +47,7 @@ def main(
     heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 5.0,
     reading_s: Annotated[float, typer.Option(min=0.0, help="Time at the start screen, before Start [s].")] = 5.0,
     surveyed: Annotated[Path | None, typer.Option("--map", help="A .bt to orbit. Default: the lake's survey.")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Measure in a browser and print the values with their goals."""
     sys.setswitchinterval(SWITCH_S)
     with tempfile.TemporaryDirectory() as folder:
@@ -60,10 +55,9 @@ def main(
             with console.status("surveying the lake"):
                 run_survey("lake", Path(folder) / "survey", report="none")
             surveyed = Path(folder) / "survey" / "map.bt"
-        figures = measure(surveyed, seconds, heap_minutes, reading_s)
-    console.print(goal_table(figures))
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        results = measure(surveyed, seconds, heap_minutes, reading_s)
+    console.print(goals_table("the station in a browser, software GL", results, GOALS))
+    return results
 
 
 def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: float) -> dict[str, float]:
@@ -78,25 +72,25 @@ def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: floa
         page = browser.new_page(viewport=SIZE)  # type: ignore[arg-type]
         page.goto(server.url.replace("ws", "http", 1))
         until(page, "document.querySelector('#field-scenario')")
-        figures = {"first paint [s]": 1e-3 * page.evaluate("performance.getEntriesByName('first-paint')[0].startTime")}
+        results = {"first paint [s]": 1e-3 * page.evaluate("performance.getEntriesByName('first-paint')[0].startTime")}
         with console.status("reading the start screen"):
             time.sleep(reading_s)
         with console.status("starting"):
             begun = time.perf_counter()
             page.click("button[type=submit]")
             until(page, "globalThis.station.views.picture('front')?.drawn > 0")
-            figures["live after Start [s]"] = time.perf_counter() - begun
+            results["live after Start [s]"] = time.perf_counter() - begun
         until(page, "station.station.isPilot")
         page.keyboard.press("r")
         page.keyboard.down("w")
         with console.status("flying"):
-            figures |= flying(page, station, seconds)
-            figures["heap growth [MB/h]"] = heap_growth(page, heap_minutes)
+            results |= flying(page, station, seconds)
+            results["heap growth [MB/h]"] = heap_growth(page, heap_minutes)
         page.keyboard.up("w")
         with console.status("orbiting"):
-            figures |= orbiting(page, surveyed, seconds)
+            results |= orbiting(page, surveyed, seconds)
         browser.close()
-    return figures
+    return results
 
 
 def flying(page: Page, station: Station, seconds: float) -> dict[str, float]:
@@ -150,7 +144,7 @@ def orbiting(page: Page, surveyed: Path, seconds: float) -> dict[str, float]:
         """({resolution, blocks, counts, cells}) => {
           const {views, scene} = globalThis.station;
           views.enlarge('scene');
-          scene.takeMap({snapshot: true, sequence: 0, resolution, blocks: Int16Array.from(blocks),
+          scene.showMap({snapshot: true, sequence: 0, resolution, blocks: Int16Array.from(blocks),
             counts: Uint16Array.from(counts), cells: Uint16Array.from(cells)});
           scene.tools.querySelector('[data-layer=follows]').click(); // follow no longer
           scene.controls.target.set(-24, -28, -30);
@@ -219,19 +213,3 @@ def until(page: Page, expression: str, limit_s: float = 120.0) -> None:
         if time.monotonic() > deadline_s:
             raise TimeoutError(f"waited in vain for {expression}")
         time.sleep(0.01)
-
-
-def goal_table(figures: dict[str, float]) -> Table:
-    """Return a table of values, goals, and whether they are met."""
-    table = Table("figure", "goal", "measured", "met", title="the station in a browser, software GL")
-    for name, value in figures.items():
-        sign, goal = GOALS.get(name, ("", float("nan")))
-        met = "" if not sign else "yes" if (value <= goal if sign == "<=" else value >= goal) else "no"
-        table.add_row(
-            escape(name), f"{sign} {goal:g}" if sign else "", f"{value:.3g}" if value < 1e4 else f"{value:.0f}", met
-        )
-    return table
-
-
-if __name__ == "__main__":
-    typer.run(main)

@@ -5,13 +5,11 @@ With several engines the runs alternate, so that a busy machine slows all of the
 
 from __future__ import annotations
 
-import json
-import statistics
-from pathlib import Path
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Any
 
 import typer
-from rich.console import Console
+from _harness import alternated, console, medians, new_table
 from rich.table import Table
 
 from uwsim import Simulator
@@ -20,8 +18,6 @@ from uwsim.flight.record import FlightRecord
 from uwsim.flight.stages import MAP_THREAD_STAGES, STAGES, WAITING
 from uwsim.flight.survey import fly_survey
 from uwsim.mapping import ENGINES, OccupancyMap
-
-console = Console()
 
 
 def main(
@@ -36,68 +32,50 @@ def main(
         typer.Option(help=f"Engine of the map: {', '.join(ENGINES)}; may be repeated. Default: bricks."),
     ] = None,
     threads: Annotated[int | None, typer.Option(help="Number of threads. Default: one per core.")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="A JSON file to write the results to.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Fly a survey several times, and print medians."""
     engines = engine or ["bricks"]
-    records: dict[str, list[FlightRecord]] = {name: [] for name in engines}
-    for run in range(runs):
-        for name in engines:
-            with console.status(f"run {run + 1} of {runs}, {name}"):
-                sim = Simulator(scenario, mission_time_s=mission_time or None, threads=threads)
-                voxel_m = voxel if voxel is not None else required_survey(sim.scenario).voxel_m
-                records[name].append(fly_survey(sim, OccupancyMap(voxel_m, engine=name))[1])
-    figures = {name: summarise(flown) for name, flown in records.items()}
+
+    def fly(name: str) -> FlightRecord:
+        sim = Simulator(scenario, mission_time_s=mission_time or None, threads=threads)
+        voxel_m = voxel if voxel is not None else required_survey(sim.scenario).voxel_m
+        return fly_survey(sim, OccupancyMap(voxel_m, engine=name))[1]
+
+    records = alternated({name: partial(fly, name) for name in engines}, runs)
+    results = {name: summarise(flown) for name, flown in records.items()}
     for name, flown in records.items():
-        console.print(_table(name, figures[name], flown[0]))
+        console.print(_table(name, results[name], flown[0]))
     if len(engines) > 1:
-        first, second = (figures[name]["real_time_factor"] for name in engines[:2])
+        first, second = (results[name]["real_time_factor"] for name in engines[:2])
         console.print(f"{engines[0]} / {engines[1]}: {first / second:.2f} times the real-time factor")
-    if json_file is not None:
-        written = figures if len(engines) > 1 else figures[engines[0]]
-        json_file.write_text(json.dumps(written, indent=2) + "\n", encoding="utf-8")
+    return results if len(engines) > 1 else results[engines[0]]
 
 
 def summarise(records: list[FlightRecord]) -> dict[str, float]:
     """Return medians over the runs: real-time factor, wall time, and each stage's wall seconds."""
-
-    def median(values: list[float]) -> float:
-        return statistics.median(values)
-
-    figures = {
-        "real_time_factor": median([r.real_time_factor for r in records]),
-        "simulated_s": median([r.simulated_s for r in records]),
-        "wall_s": median([r.wall_s for r in records]),
-        "pings": median([float(r.ping_count) for r in records]),
+    found = {
+        "real_time_factor": [r.real_time_factor for r in records],
+        "simulated_s": [r.simulated_s for r in records],
+        "wall_s": [r.wall_s for r in records],
+        "pings": [float(r.ping_count) for r in records],
+        **{f"{stage}_s": [r.stage_wall_s[stage] for r in records] for stage in (*STAGES, WAITING)},
+        "rest_s": [r.rest_wall_s for r in records],
     }
-    for stage in (*STAGES, WAITING):
-        figures[f"{stage}_s"] = median([r.stage_wall_s[stage] for r in records])
-    figures["rest_s"] = median([r.rest_wall_s for r in records])
-    return figures
+    return medians(found)
 
 
-def _table(engine: str, figures: dict[str, float], record: FlightRecord) -> Table:
-    table = Table(
-        title=f"{record.scenario}, model {record.sonar_model}, {engine} at {record.voxel_m:g} m, "
-        f"{record.threads} threads: {figures['real_time_factor']:.1f} x real time over "
-        f"{figures['simulated_s']:.0f} simulated s",
-        title_justify="left",
+def _table(engine: str, results: dict[str, float], record: FlightRecord) -> Table:
+    title = (
+        f"{record.scenario}, model {record.sonar_model}, {engine} at {record.voxel_m:g} m, {record.threads} threads: "
+        f"{results['real_time_factor']:.1f} x real time over {results['simulated_s']:.0f} simulated s"
     )
-    table.add_column("stage")
-    for column in ("wall s", "share of wall", "us per ping"):
-        table.add_column(column, justify="right")
+    table = new_table(title, "stage", "wall s", "share of wall", "us per ping")
     for stage in (*STAGES, WAITING, "rest"):
-        seconds = figures[f"{stage}_s"]
+        seconds = results[f"{stage}_s"]
         name = f"{stage} (in parallel)" if stage in MAP_THREAD_STAGES and record.threads > 1 else stage
-        share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)
+        share, ping_us = seconds / results["wall_s"], 1e6 * seconds / max(results["pings"], 1.0)
         table.add_row(name, f"{seconds:.2f}", f"{share:.0%}", f"{ping_us:.0f}")
     table.add_row(
-        "wall", f"{figures['wall_s']:.2f}", "100%", f"{1e6 * figures['wall_s'] / max(figures['pings'], 1.0):.0f}"
+        "wall", f"{results['wall_s']:.2f}", "100%", f"{1e6 * results['wall_s'] / max(results['pings'], 1.0):.0f}"
     )
     return table
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench survey")

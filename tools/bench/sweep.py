@@ -6,18 +6,15 @@ does not count; wall time and memory are those of a sweep with workers.
 
 from __future__ import annotations
 
-import json
 import statistics
 import tempfile
 import time
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 from typing import Annotated, Any
 
 import psutil
 import typer
-from rich.console import Console
+from _harness import console, spent_s
 from rich.table import Table
 
 from uwsim import Simulator
@@ -27,8 +24,6 @@ from uwsim.flight.flyable_lanes import SurveyAreaWarning
 from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import score_map
-
-console = Console()
 
 VARY = {
     "survey.altitude_m": {"low": 1.5, "high": 2.5},
@@ -47,17 +42,15 @@ def main(
     mission_time: Annotated[
         float | None, typer.Option(help="Seconds after which the battery is empty, for shorter surveys.")
     ] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Compare a run with its flight, then measure a sweep."""
     always: dict[str, Any] = {} if mission_time is None else {"mission_time_s": mission_time}
-    figures = run_against_flight(scenario, turns, always) | whole_sweep(scenario, runs, workers, always)
-    table = Table("figure", "value", title=f"{runs:,} surveys of {scenario} on {workers} workers")
-    for name, value in figures.items():
+    results = run_against_flight(scenario, turns, always) | whole_sweep(scenario, runs, workers, always)
+    table = Table("result", "value", title=f"{runs:,} surveys of {scenario} on {workers} workers")
+    for name, value in results.items():
         table.add_row(name, ", ".join(f"{v:.0f}" for v in value) if isinstance(value, list) else f"{value:,.2f}")
     console.print(table)
-    if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    return results
 
 
 def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dict[str, Any]:
@@ -65,19 +58,12 @@ def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dic
     altitudes = ({"survey.altitude_m": 1.5 + seed / turns, **always} for seed in range(turns))
     jobs = [Job(scenario, seed, values, voxel_m=VOXEL_M) for seed, values in enumerate(altitudes)]
     fly_job(jobs[0])
-    pairs = [(cpu_s(lambda job=job: fly_job(job)), flight_cpu_s(job)) for job in jobs]
+    pairs = [(spent_s(lambda job=job: fly_job(job)), flight_cpu_s(job)) for job in jobs]
     return {
         "run_cpu_ms": 1e3 * statistics.median(run for run, _ in pairs),
         "flight_cpu_ms": 1e3 * statistics.median(flight for _, flight in pairs),
         "beside_flight_cpu_ms": 1e3 * statistics.median(run - flight for run, flight in pairs),
     }
-
-
-def cpu_s(work: Callable[[], object]) -> float:
-    """Return the processor time of a call."""
-    begin = time.process_time()
-    work()
-    return time.process_time() - begin
 
 
 def flight_cpu_s(job: Job) -> float:
@@ -91,7 +77,7 @@ def flight_cpu_s(job: Job) -> float:
         path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
         score_map(sim.world, occupancy.occupied_voxels(), VOXEL_M, path_m, area_m, range_m, rays=sim.scene)
 
-    return cpu_s(fly)
+    return spent_s(fly)
 
 
 def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) -> dict[str, Any]:
@@ -124,9 +110,3 @@ def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) 
         "largest_worker_mb": [sizes[0] for sizes in memory_mb],
         "smallest_worker_mb": [sizes[-1] for sizes in memory_mb],
     }
-
-
-if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
-    app.command()(main)
-    app(prog_name="uwsim bench sweep")

@@ -6,6 +6,7 @@ from pathlib import Path
 from tools.reference.benchmarks import benchmarks_page
 from tools.reference.channels import channels_page
 from tools.reference.commands import commands_page
+from tools.reference.doors import PAGE, security_page
 from tools.reference.environments import environments_page
 from tools.reference.imaging import imaging_page
 from tools.reference.python_names import python_page
@@ -36,6 +37,8 @@ def main() -> None:
         target, text = folder / f"{name}.md", page()
         if not target.exists() or target.read_text() != text:
             target.write_text(text)
+    if folder.resolve() == PAGE.parent / "docs/reference":
+        PAGE.write_text(security_page())
 
 
 main()

@@ -16,7 +16,7 @@ Ten ratios between uwsim and peers (Embree alone, Bullet, OctoMap), measured in 
 commit in `docs/benchmarks`. Times depend on the machine and its load, ratios much less; each file states the load. To
 add a commit, run `.venv/bin/python -m tools.history measure`; `compare OLD NEW` builds two commits, measures them in
 turns on one machine, and prints how much better the new one is, with the spread of the rounds.
-[Performance](../inside/performance.md) has the absolute figures.
+[Performance](../inside/performance.md) has the absolute values.
 """
 
 

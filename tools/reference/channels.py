@@ -17,7 +17,7 @@ def channels_page() -> str:
     """Return the page: one table of published topics, one of received ones."""
     published, received = [], []
     for channel in channels(Simulator("lake")):
-        if channel.read is not None:
+        if channel.direction == "out":
             published.append((code(channel.name), code(channel.type), f"{channel.rate_hz or 0:g}"))
         else:
             received.append((code(channel.name), code(channel.type)))

@@ -21,10 +21,7 @@ GROUPS = ("map", "scenario")
 def commands_page() -> str:
     """Return the page, with a section for each command."""
     program: Any = typer.main.get_command(app)
-    names = [
-        *program.commands,
-        *(f"{group} {name}" for group in GROUPS for name in program.commands[group].commands),
-    ]
+    names = [*program.commands, *(f"{group} {name}" for group in GROUPS for name in program.commands[group].commands)]
     parts = [f"## uwsim {name}\n\n```text\n{_help(program, *name.split())}\n```\n" for name in names]
     return HEAD + f"```text\n{_help(program)}\n```\n\n" + "\n".join(parts)
 

@@ -6,8 +6,9 @@ from typing import Any
 from tools.reference.markdown import code, plain, table
 
 from uwsim import _core
-from uwsim.instruments.sonars import imaging
-from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, STRENGTHS
+from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind
+from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS
+from uwsim.scenario.spec.sensor_kind import SensorFigure
 
 HEAD = """# Imaging sonars
 
@@ -25,7 +26,8 @@ def imaging_page() -> str:
 
 
 def _section(name: str) -> str:
-    kind, model = _core.imaging_kind(name), imaging.KINDS[name].model()
+    kind = imaging_kind(name)
+    model = kind.model()
     meaning = plain(kind.meaning)
     rows = [_row(key, parameter, getattr(model, key)) for key, parameter in kind.parameters.items()]
     strengths = "backscatter strength of each surface by name, instead of its material's"
@@ -34,7 +36,7 @@ def _section(name: str) -> str:
     return f"## {name}\n\n{meaning[:1].upper()}{meaning[1:]}.\n\n" + table(head, rows)
 
 
-def _row(name: str, parameter: _core.Parameter, value: Any) -> tuple[str, ...]:
+def _row(name: str, parameter: SensorFigure, value: Any) -> tuple[str, ...]:
     turned = name.endswith(RADIANS)
     scale = math.degrees if turned else float
     key = name.removesuffix(RADIANS) + DEGREES if turned else name

@@ -17,9 +17,9 @@ PUBLIC = {
         "uwsim.missions",
         "uwsim.flight.fly.fly()",
         "uwsim.flight.record.FlightRecord",
-        "uwsim.flight.remote.fly_remote()",
+        "uwsim.bridges.remote.flight.fly_remote()",
         "uwsim.flight.survey.run_survey()",
-        "uwsim.flight.exercise.fly_exercise()",
+        "uwsim.exercises.flight.fly_exercise()",
     ],
     "Planners": [
         f"uwsim.missions.planners.{name}()"

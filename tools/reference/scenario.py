@@ -10,6 +10,7 @@ from tools.reference.markdown import code, plain, table
 
 from uwsim.scenario.spec.descriptions import descriptions
 from uwsim.scenario.spec.fields import InRange, Model
+from uwsim.scenario.spec.kinds import Kinds
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.parameters.field_type import field_type, stripped
 
@@ -35,7 +36,7 @@ def reachable(root: type[Model]) -> list[type[Model]]:
         if model not in found:
             found.append(model)
             for info in model.model_fields.values():
-                for part in _models_in(info.annotation):
+                for part in _models_in(_annotation(info)):
                     visit(part)
 
     visit(root)
@@ -45,6 +46,9 @@ def reachable(root: type[Model]) -> list[type[Model]]:
 def _models_in(annotation: Any) -> list[type[Model]]:
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return [annotation]
+    for rule in get_args(annotation):
+        if isinstance(rule, Kinds):
+            return list(rule.models(own=True).values())
     return [model for part in get_args(annotation) for model in _models_in(part)]
 
 
@@ -59,8 +63,11 @@ def section(model: type[Model]) -> str:
 
 
 def _row(name: str, info: FieldInfo, words: str) -> tuple[str, str, str, str]:
-    annotation = Annotated[info.annotation, *info.metadata] if info.metadata else info.annotation
-    return code(name), _kind(annotation), _default(info), plain(words)
+    return code(name), _kind(_annotation(info)), _default(info), plain(words)
+
+
+def _annotation(info: FieldInfo) -> Any:
+    return Annotated[info.annotation, *info.metadata] if info.metadata else info.annotation
 
 
 def _kind(annotation: Any) -> str:
@@ -75,6 +82,9 @@ def _arms(annotation: Any) -> tuple[list[Any], list[Any], bool]:
     while get_origin(annotation) is Annotated:
         annotation, *more = get_args(annotation)
         metadata += more
+    for rule in metadata:
+        if isinstance(rule, Kinds):
+            return list(rule.models(own=True).values()), metadata, False
     if get_origin(annotation) in (Union, types.UnionType):
         arms = get_args(annotation)
         return [arm for arm in arms if arm is not type(None)], metadata, type(None) in arms

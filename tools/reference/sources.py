@@ -10,7 +10,7 @@ CITES = re.compile(r"\b(?:18|19|20)\d\d\b")
 HEAD = """# Sources
 
 Every model of the core whose comment cites a source, with equations and ranges of validity; the comments also state
-which values are assumed and which sources were cited from memory. The files in `assets` cite the sources of the values
+which values are assumed and which sources were not consulted. The files in `assets` cite the sources of the values
 of vehicles, thrusters, sensors and sonars.
 
 """

@@ -33,7 +33,7 @@ from uwsim.mapping import OccupancyMap
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 POLL_S = 0.001
-NOTHING_SAVED = ("no unfinished survey", "no unfinished flight", "no sweep was begun", "no fleet has flown")
+NOTHING_SAVED = ("no unfinished flight", "there is no sweep", "there is no fleet")
 SWEEP = """\
 scenario: pool
 mission: MISSION

@@ -14,16 +14,14 @@ use by more than 1 %, or if anything was left behind.
 from __future__ import annotations
 
 import asyncio
-import gc
 import json
-import os
 import random
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import cbor2
+from steady import resident_mb  # in this folder
 from websockets.asyncio.client import connect
 
 from uwsim.bridges import RosbridgeServer
@@ -35,28 +33,12 @@ GROWTH_OBJECTS = 0.01  # a few thousand freed tuples are kept for reuse
 SETTLE_S = 5.0
 CROWD = 40
 WAVE = 1000
-OPS = [
-    "advertise",
-    "unadvertise",
-    "publish",
-    "subscribe",
-    "unsubscribe",
-    "call_service",
-    "advertise_service",
-    "unadvertise_service",
-    "service_response",
-    "fragment",
-    "set_level",
-    "status",
-]
+OPS = (
+    "advertise", "unadvertise", "publish", "subscribe", "unsubscribe", "call_service", "advertise_service",
+    "unadvertise_service", "service_response", "fragment", "set_level", "status",
+)  # fmt: skip
 TOPICS = ("/scan", "/tf", "/odom", "/key", "/chatter", "/octomap_binary", "/camera/front/image_raw/compressed")
 TYPES = ("std_msgs/String", "sensor_msgs/LaserScan", "geometry_msgs/Pose", "nonsense")
-
-
-def resident_mb() -> float:
-    """Return this process's resident memory in MB."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def operation(rng: random.Random) -> dict[str, object]:
@@ -129,7 +111,6 @@ def main() -> int:
             time.sleep(1.0)
             if time.monotonic() - said_s >= min(60.0, seconds / 4):
                 said_s = time.monotonic()
-                gc.collect()
                 print(
                     f"{said_s - start_s:5.0f} s: {resident_mb():.0f} MB, {sys.getallocatedblocks()} objects, "
                     f"{len(server.sessions)} sessions, "
@@ -150,7 +131,6 @@ def main() -> int:
 def settled() -> tuple[float, int]:
     """Return memory [MB] and objects in use, some seconds after the last client has left."""
     time.sleep(SETTLE_S)
-    gc.collect()
     return resident_mb(), sys.getallocatedblocks()
 
 

@@ -124,11 +124,7 @@ class Shared:
 
     def came_to(self) -> dict[str, int]:
         """Return the number of steps that each object has made."""
-        return {
-            "simulator": self.sim.tick,
-            "batch": self.batch.simulator(0).tick,
-            "live": self.live.tick,
-        }
+        return {"simulator": self.sim.tick, "batch": self.batch.simulator(0).tick, "live": self.live.tick}
 
 
 def scan(rng: random.Random) -> np.ndarray:

@@ -86,26 +86,27 @@ void bind_water_sound(py::module_& m) {
 }
 
 void bind_sonar_equation(py::module_& m) {
-  py::class_<SonarFigures>(
-      m, "SonarFigures", "Parameters of an active sonar: transmitter, receiver and detector. Levels re 1 uPa (at 1 m).")
+  py::class_<SonarParameters>(
+      m, "SonarParameters",
+      "Parameters of an active sonar: transmitter, receiver and detector. Levels re 1 uPa (at 1 m).")
       .def(py::init<>())
-      .def_readwrite("frequency_hz", &SonarFigures::frequency_hz)
-      .def_readwrite("beam_width_along_rad", &SonarFigures::beam_width_along_rad,
+      .def_readwrite("frequency_hz", &SonarParameters::frequency_hz)
+      .def_readwrite("beam_width_along_rad", &SonarParameters::beam_width_along_rad,
                      "-3 dB width, one way, of the transmitter, across the fan's plane")
-      .def_readwrite("beam_width_across_rad", &SonarFigures::beam_width_across_rad,
+      .def_readwrite("beam_width_across_rad", &SonarParameters::beam_width_across_rad,
                      "-3 dB width, one way, of a receiving beam, within the fan's plane")
-      .def_readwrite("pulse_length_s", &SonarFigures::pulse_length_s)
-      .def_readwrite("bandwidth_hz", &SonarFigures::bandwidth_hz)
-      .def_readwrite("source_level_db", &SonarFigures::source_level_db)
-      .def_readwrite("directivity_index_db", &SonarFigures::directivity_index_db)
-      .def_readwrite("noise_level_db", &SonarFigures::noise_level_db, "noise level in the receiver's band")
-      .def_readwrite("detection_threshold_db", &SonarFigures::detection_threshold_db,
+      .def_readwrite("pulse_length_s", &SonarParameters::pulse_length_s)
+      .def_readwrite("bandwidth_hz", &SonarParameters::bandwidth_hz)
+      .def_readwrite("source_level_db", &SonarParameters::source_level_db)
+      .def_readwrite("directivity_index_db", &SonarParameters::directivity_index_db)
+      .def_readwrite("noise_level_db", &SonarParameters::noise_level_db, "noise level in the receiver's band")
+      .def_readwrite("detection_threshold_db", &SonarParameters::detection_threshold_db,
                      "signal-to-noise ratio at which a single look is detected half of the time")
-      .def_property_readonly("processing_gain_db", &SonarFigures::processing_gain_db,
+      .def_property_readonly("processing_gain_db", &SonarParameters::processing_gain_db,
                              "10 log10 (bandwidth x pulse length)")
-      .def_property_readonly("figure_db", &SonarFigures::figure_db, "SL + processing gain + DI - NL")
-      .def("range_cell_m", &SonarFigures::range_cell_m, py::arg("sound_speed_m_s"))
-      .def("check", &SonarFigures::check, "Raise ValueError naming the field if a parameter is invalid.");
+      .def_property_readonly("lossless_snr_db", &SonarParameters::lossless_snr_db, "SL + processing gain + DI - NL")
+      .def("range_cell_m", &SonarParameters::range_cell_m, py::arg("sound_speed_m_s"))
+      .def("check", &SonarParameters::check, "Raise ValueError naming the field if a parameter is invalid.");
   const auto make = [](double strength_db, double relief, const std::optional<std::string>& name,
                        const std::array<double, 3>& fluid) {
     return BottomMaterial{strength_db, relief, name ? &seabed(*name) : nullptr, {fluid[0], fluid[1], fluid[2]}};
@@ -173,7 +174,7 @@ void bind_sonar_equation(py::module_& m) {
       "and [0, pi/2].");
   m.def(
       "bottom_echo",
-      [](const SonarFigures& sonar, const BottomMaterial& bottom, double range_m, double incidence_rad,
+      [](const SonarParameters& sonar, const BottomMaterial& bottom, double range_m, double incidence_rad,
          double steering_rad, double sound_speed_m_s, double absorption_db_m) {
         const BottomPlace place{range_m, incidence_rad, steering_rad};
         const double looks =

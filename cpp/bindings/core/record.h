@@ -22,7 +22,8 @@ using Fields = py::typing::Dict<py::str, py::object>;
 template <typename T>
 class Record {
  public:
-  Record(py::module_& m, const char* name, const char* doc) : class_(m, name, doc) {}
+  template <typename... Extra>
+  Record(py::module_& m, const char* name, const char* doc, const Extra&... extra) : class_(m, name, doc, extra...) {}
 
   template <typename Base, typename Member>
   Record& field(const char* name, Member Base::*member, const char* doc = "") {

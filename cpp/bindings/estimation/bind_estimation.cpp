@@ -90,10 +90,12 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
           "Return its index, like all functions that add an aid.")
       .def(
           "add_depth",
-          [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias) {
-            return f.add_aid(depth_aid(lever, std, bias));
+          [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias, double wave_std) {
+            return f.add_aid(depth_aid(lever, std, bias, wave_std));
           },
-          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), "Add an aid that measures depth [m].")
+          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), py::arg("wave_std"),
+          "Add an aid that measures depth [m]. wave_std: standard deviation of the head of the waves' pressure before\n"
+          "the first reading [m]; the filter then adapts it; 0: no waves, ever.")
       .def(
           "add_heading",
           [](NavigationFilter& f, const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std,
@@ -103,13 +105,25 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
       .def(
           "add_acoustic_fix",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std,
-             double bearing_std) { return f.add_aid(acoustic_fix_aid(lever, station, range_std, bearing_std)); },
+             double bearing_std, double range_step, double period_s) {
+            return f.add_aid(acoustic_fix_aid(lever, station, {range_std, bearing_std, range_step, period_s}));
+          },
           py::arg("lever_body_m"), py::arg("station_world_m"), py::arg("range_std"), py::arg("bearing_std"),
-          "Add an aid that measures the position relative to the station, world axes [m].")
+          py::arg("range_step") = 0.0, py::arg("period_s") = 1.0,
+          "Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which\n"
+          "ranges are rounded, or 0 if their noise is larger. period_s: time between fixes.")
       .def(
           "add_orientation",
           [](NavigationFilter& f, double std, const BiasModel& bias) { return f.add_aid(orientation_aid(std, bias)); },
-          py::arg("std"), py::arg("bias"), "Add an aid that measures the orientation x, y, z, w, world from body.");
+          py::arg("std"), py::arg("bias"), "Add an aid that measures the orientation x, y, z, w, world from body.")
+      .def(
+          "add_dock",
+          [](NavigationFilter& f, double position_std, double attitude_std, double velocity_std) {
+            return f.add_aid(dock_aid(position_std, attitude_std, velocity_std));
+          },
+          py::arg("position_std"), py::arg("attitude_std"), py::arg("velocity_std"),
+          "Add an aid that measures the pose of a vehicle that a dock holds at rest: position of the IMU, then\n"
+          "orientation x, y, z, w, with constant errors [m, rad, m/s].");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace uwsim::bindings {
 namespace {
 
-void bind_link_figures(py::module_& m) {
+void bind_link_formulas(py::module_& m) {
   py::enum_<LinkKind>(m, "LinkKind")
       .value("CABLE", LinkKind::kCable)
       .value("IDEAL", LinkKind::kIdeal)
@@ -95,11 +95,11 @@ void bind_link_physics(py::module_& m) {
   py::class_<LinkWater>(m, "LinkWater", "The propagation of sound between transducers.")
       .def(py::init<const LinkSpec&, const Water&>(), py::arg("spec"), py::arg("water"))
       .def(
-          "hear",
+          "receive",
           [](const LinkWater& water, const RayScene& scene, const py::object& from_m, const py::object& to_m) {
             const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-            return water.hear(scene, {as_vector3(from_m, "from_world_m"), zero},
-                              {as_vector3(to_m, "to_world_m"), zero});
+            return water.receive(scene, {as_vector3(from_m, "from_world_m"), zero},
+                                 {as_vector3(to_m, "to_world_m"), zero});
           },
           py::arg("scene"), py::arg("from_world_m"), py::arg("to_world_m"),
           "Return how a packet would be received, between two points at rest.");
@@ -192,7 +192,7 @@ void bind_link_results(py::module_& m) {
 }  // namespace
 
 void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
-  bind_link_figures(m);
+  bind_link_formulas(m);
   bind_link_results(m);
   bind_link_physics(m);
   simulation

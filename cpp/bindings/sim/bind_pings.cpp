@@ -185,7 +185,11 @@ std::string describe_batch(const PingBatch& batch) {
 }  // namespace
 
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
-  Record<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, with one value per beam.")
+  Record<Ping>(
+      m, "Ping",
+      "One multibeam ping. Arrays are read-only, with one value per beam. A ping that Sonar.ping() took also has\n"
+      "`chain`, from pings to a map, and `world_from_body` (4, 4), which copies do not have.",
+      py::dynamic_attr())
       .field("model", &Ping::model, "EM 2040 variant 1..4; 0 for another sonar")
       .field("time_ns", &Ping::time_ns)
       .field("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")

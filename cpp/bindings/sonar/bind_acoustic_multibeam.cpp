@@ -33,7 +33,8 @@ void bind_ping(py::module_& m) {
       .value("FALSE", Detection::kFalse, "noise detected as an echo");
   Record<PhysicsPing>(
       m, "PhysicsPing",
-      "One multibeam ping in physics mode: the arrays of Ping and more, read-only, with one value per beam.")
+      "One multibeam ping in physics mode: the arrays of Ping and more, read-only, with one value per beam.",
+      py::dynamic_attr())
       .field("model", &PhysicsPing::model, "EM 2040 variant 1..4; 0 for a model that messages cannot select")
       .field("time_ns", &PhysicsPing::time_ns)
       .field("world_from_sonar", &PhysicsPing::world_from_sonar, "(4, 4) float64, at transmission")
@@ -101,7 +102,7 @@ void bind_spec(py::module_& m) {
       "Return the positions of a group's targets, (count, 3) float64, world frame.");
   py::class_<AcousticSpec>(m, "AcousticSpec", "The acoustic parameters of a multibeam in physics mode.")
       .def(py::init<>())
-      .def_readwrite("figures", &AcousticSpec::figures)
+      .def_readwrite("parameters", &AcousticSpec::parameters)
       .def_readwrite("rays_per_beam", &AcousticSpec::rays_per_beam, "rays per beam: 1, or 4 to 64")
       .def_readwrite("false_detections", &AcousticSpec::false_detections)
       .def_readwrite("range_noise", &AcousticSpec::range_noise)

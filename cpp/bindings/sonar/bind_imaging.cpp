@@ -37,11 +37,11 @@ Arrays ping(const ImagingSonar& sonar, const RayScene& scene, const Water& water
   return arrays;
 }
 
-std::unique_ptr<ImagingSonar> checked_sonar(const std::string& kind, const std::map<std::string, double>& figures,
+std::unique_ptr<ImagingSonar> checked_sonar(const std::string& kind, const std::map<std::string, double>& parameters,
                                             const std::vector<double>& strengths_db,
                                             const std::vector<BottomMaterial>& materials) {
   ParameterValues values;
-  for (const auto& [name, value] : figures) values[name] = {value};
+  for (const auto& [name, value] : parameters) values[name] = {value};
   return imaging_sonar(kind, std::move(values), strengths_db, materials);
 }
 
@@ -60,9 +60,9 @@ void bind_imaging(py::module_& m) {
       "imaging_kind", [](const std::string& name) { return &imaging_kind(name); }, py::arg("name"),
       py::return_value_policy::reference, "Return the kind with this name. Raises ValueError listing the known names.");
   py::class_<ImagingSonar>(m, "ImagingSonar", "An imaging sonar; see uwsim.instruments.sonars.imaging.")
-      .def(py::init(&checked_sonar), py::arg("kind"), py::arg("figures"),
+      .def(py::init(&checked_sonar), py::arg("kind"), py::arg("parameters"),
            py::arg("strengths_db") = std::vector<double>{}, py::arg("materials") = std::vector<BottomMaterial>{},
-           "figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label; NaN\n"
+           "parameters: values by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label; NaN\n"
            "selects the strength of the bottom or of solids. materials: by label; a material with a seabed scatters\n"
            "like that seabed, and all materials reflect sound that bounces more than once. Raises ValueError naming\n"
            "the parameter.")

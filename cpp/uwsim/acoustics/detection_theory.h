@@ -1,11 +1,12 @@
 #pragma once
 
-/// Detection of fluctuating echoes in noise. Textbook relations are cited from memory.
+/// Detection of fluctuating echoes in noise.
 ///
 /// Echoes fluctuate as speckle: an echo is the mean of `looks` independent exponential intensities (Rayleigh
 /// amplitudes), and its number of looks is its extent divided by the range cell. The gamma distribution of this mean is
 /// approximated by the Wilson-Hilferty cube root (1931, Proc. Natl. Acad. Sci. 17:684), where z is a standard normal
-/// draw: mean x (1 - 1/(9 L) + z / (3 sqrt L))^3. Intensities are relative to the mean noise.
+/// draw: mean x (1 - 1/(9 L) + z / (3 sqrt L))^3. Its cumulative probability is within 0.013 of scipy's gamma
+/// distribution for one look, and 0.002 for four or more. Intensities are relative to the mean noise.
 namespace uwsim {
 
 /// The number of looks that the detector averages: all looks of the echo, but at most 100. The limit is assumed;
@@ -16,7 +17,8 @@ double averaged_looks(double extent_m, double cell_m);
 double speckle_intensity(double looks, double normal_draw);
 
 /// Draws the received intensity, including noise, for an echo whose mean is `echo` times the mean noise: noncentral
-/// chi-squared with 2 L degrees of freedom, approximated by the Abdel-Aty cube root (1954, Biometrika 41:538).
+/// chi-squared with 2 L degrees of freedom, approximated by the Abdel-Aty cube root (1954, Biometrika 41:538), whose
+/// cumulative probability is within 0.022 of scipy's for one look, and 0.008 for four or more.
 double received_intensity(double echo, double looks, double normal_draw);
 
 /// Decides whether there is an echo. The false-alarm probability is the same for any number of looks. Averaging more

@@ -17,7 +17,7 @@ void require_in(double value, double low, double high, const char* path, const c
 
 }  // namespace
 
-void SonarFigures::check() const {
+void SonarParameters::check() const {
   require_in(frequency_hz, 1e3, 5e6, "sonar.frequency_hz", "must be in [1000, 5000000] Hz");
   require_in(beam_width_along_rad, 1e-4, 1.5, "sonar.beam_width_along_rad", "must be in [0.0001, 1.5] rad");
   require_in(beam_width_across_rad, 1e-4, 1.5, "sonar.beam_width_across_rad", "must be in [0.0001, 1.5] rad");
@@ -30,23 +30,23 @@ void SonarFigures::check() const {
   require_in(detection_threshold_db, -20, 60, "sonar.detection_threshold_db", "must be in [-20, 60] dB");
 }
 
-double SonarFigures::processing_gain_db() const {
+double SonarParameters::processing_gain_db() const {
   return 10 * std::log10(std::max(1.0, bandwidth_hz * pulse_length_s));
 }
 
-double SonarFigures::figure_db() const {
+double SonarParameters::lossless_snr_db() const {
   return source_level_db + processing_gain_db() + directivity_index_db - noise_level_db;
 }
 
-double SonarFigures::range_cell_m(double sound_speed_m_s) const { return 0.5 * sound_speed_m_s / bandwidth_hz; }
+double SonarParameters::range_cell_m(double sound_speed_m_s) const { return 0.5 * sound_speed_m_s / bandwidth_hz; }
 
-double SonarFigures::beam_solid_angle_sr() const {
+double SonarParameters::beam_solid_angle_sr() const {
   return std::numbers::pi / (4 * std::numbers::ln2) * beam_width_along_rad * beam_width_across_rad;
 }
 
 double steered_widening(double steering_rad) { return 1 / std::max(std::cos(steering_rad), kMinSteeringCosine); }
 
-double echo_extent_m(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
+double echo_extent_m(const SonarParameters& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                      double sound_speed_m_s) {
   const double across_rad = sonar.beam_width_across_rad * steered_widening(place.steering_rad);
   const double relief_m = bottom.relief * place.range_m * std::sqrt(sonar.beam_width_along_rad * across_rad);
@@ -55,16 +55,18 @@ double echo_extent_m(const SonarFigures& sonar, const BottomMaterial& bottom, co
                     slope_m * std::tan(place.incidence_rad));
 }
 
-double echo_area_m2(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
+double echo_area_m2(const SonarParameters& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                     double sound_speed_m_s) {
   const double solid_angle_sr = sonar.beam_solid_angle_sr() * steered_widening(place.steering_rad);
   return solid_angle_sr * place.range_m * place.range_m / std::cos(place.incidence_rad) *
          sonar.range_cell_m(sound_speed_m_s) / echo_extent_m(sonar, bottom, place, sound_speed_m_s);
 }
 
-double echo_snr_db(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
+double echo_snr_db(const SonarParameters& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                    double sound_speed_m_s, double absorption_db_m) {
-  return sonar.figure_db() + bottom.strength_db + 20 * std::log10(std::cos(place.incidence_rad)) +
+  const double directivity_lost_db = 10 * std::log10(steered_widening(place.steering_rad));
+  return sonar.lossless_snr_db() - directivity_lost_db + bottom.strength_db +
+         20 * std::log10(std::cos(place.incidence_rad)) +
          10 * std::log10(echo_area_m2(sonar, bottom, place, sound_speed_m_s)) - 40 * std::log10(place.range_m) -
          2 * absorption_db_m * place.range_m;
 }

@@ -17,9 +17,9 @@ struct SoundState {
 
 /// A ray of sound through a layered profile by Snell's law: cos(dip) / c is constant. In a layer of constant gradient
 /// g, the path is an arc of curvature g cos(dip) / c, bent towards slower water (Urick 1983, "Principles of Underwater
-/// Sound", ch. 5; cited from memory, the closed forms derived here). Steps and times are closed forms that remain exact
-/// for a vanishing gradient, a vertical ray, or a turning point. High-frequency limit: no diffraction, no focusing. The
-/// water is layered in depth only.
+/// Sound", ch. 5, not consulted; the closed forms are derived here and compared with BELLHOP by `uwsim validate
+/// sound`). Steps and times are closed forms that remain exact for a vanishing gradient, a vertical ray, or a turning
+/// point. High-frequency limit: no diffraction, no focusing. The water is layered in depth only.
 class SoundPath {
  public:
   /// `profile` must outlive this object. dip_rad: below the horizontal.

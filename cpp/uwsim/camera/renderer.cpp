@@ -149,7 +149,7 @@ class Rendering {
       tracer_.cast(block, sight, hits, RayOrder::kCoherent);
       cost.primary_rays += count(block.active);
       timer.add(kPrimaryRays);
-      locate_hits(hits, block);
+      tracer_.locate_hits(view_, kernels_, hits, block);
       if (keeps_geometry_ && is_middle_) kernels_.write_geometry(view_, left, top, block, geometry);
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
@@ -169,20 +169,13 @@ class Rendering {
     }
   }
 
-  void locate_hits(const HitPacket& hits, Block& block) const {
-    unsigned has_solids = 0;  // without an early end, the compiler vectorizes the loop
-    for (const std::uint32_t label : block.label) has_solids |= label > kTerrain ? 1u : 0u;
-    if (has_solids != 0) tracer_.refine(hits, block);
-    kernels_.locate_hits(view_, block);
-  }
-
   void continue_paths(Block& block, HitPacket& hits, int left, int top, RenderCost& cost, TaskTimer& timer) {
     kernels_.refract_or_reflect(view_, block);
     timer.add(kWater);
     tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kIncoherent);
     cost.onward_rays += count(block.active);
     timer.add(kPrimaryRays);
-    locate_hits(hits, block);
+    tracer_.locate_hits(view_, kernels_, hits, block);
     timer.add(kGeometry);
     shade_segment(block, hits, false, left, top, cost, timer);
   }

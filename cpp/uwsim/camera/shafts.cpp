@@ -90,6 +90,7 @@ class ShaftCaster {
     start_rays(left, top, kGroup / 2, kGroup, block);
     tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
     cost.shaft_rays += count(block.active);
+    tracer_.locate_hits(view_, kernels_, hits, block);
     shadows.distance = block.distance;
     shadows.blocked = {};
     if (request_.effects.has(Effect::kShadows)) {

@@ -34,6 +34,12 @@ RayPacket packet_of(const camera::BlockVectors& origin, const camera::BlockVecto
   return rays;
 }
 
+void set_normal(const Eigen::Vector3d& normal_world, std::size_t lane, Block& block) {
+  block.normal.x.at[lane] = static_cast<float>(normal_world.x());
+  block.normal.y.at[lane] = static_cast<float>(normal_world.y());
+  block.normal.z.at[lane] = static_cast<float>(normal_world.z());
+}
+
 }  // namespace
 
 Tracer::Tracer(const CameraScene& scene, const Eigen::Vector3d& anchor_world_m, const PictureRequest& request)
@@ -70,7 +76,17 @@ void Tracer::cast(Block& block, const camera::BlockFloats& far_m, HitPacket& hit
   copy(block.normal.x, hits.normal_x), copy(block.normal.y, hits.normal_y), copy(block.normal.z, hits.normal_z);
 }
 
-void Tracer::refine(const HitPacket& hits, Block& block) const {
+void Tracer::locate_hits(const camera::View& view, const camera::Kernels& kernels, HitPacket& hits,
+                         Block& block) const {
+  unsigned has_solids = 0;  // without an early end, the compiler vectorizes the loop
+  for (const std::uint32_t label : block.label) has_solids |= label > kTerrain ? 1u : 0u;
+  if (has_solids != 0) refine(hits, block);
+  kernels.locate_hits(view, block);
+}
+
+/// Recomputes distances to solids and vehicles, and their normals, in double precision: from the triangle that was hit,
+/// which yields u and v as well, or, for vehicles and round shapes, by another cast.
+void Tracer::refine(HitPacket& hits, Block& block) const {
   const auto solids_end = static_cast<std::uint32_t>(world_.solids().size() + kTerrain + 1);
   BlockMask again{};
   for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -81,15 +97,20 @@ void Tracer::refine(const HitPacket& hits, Block& block) const {
     }
     const TriangleMesh& mesh = world_.solids()[block.label[k] - kTerrain - 1]->mesh_world;
     const Triangle& t = mesh.triangles[block.primitive[k]];
-    const Eigen::Vector3d a = mesh.vertices_m[t[0]] - anchor_world_m_;
-    const Eigen::Vector3d normal =
-        (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]);
+    const Eigen::Vector3d& a = mesh.vertices_m[t[0]];
+    const Eigen::Vector3d ab = mesh.vertices_m[t[1]] - a, ac = mesh.vertices_m[t[2]] - a;
+    const Eigen::Vector3d normal = ab.cross(ac);
+    const double area = normal.norm();  // twice the area of the triangle
+    if (area > 0) set_normal(normal / area, k, block);
     const Eigen::Vector3d direction(block.direction.x.at[k], block.direction.y.at[k], block.direction.z.at[k]);
     const Eigen::Vector3d from(block.origin.x.at[k], block.origin.y.at[k], block.origin.z.at[k]);
     const double along = normal.dot(direction);
     // Closer to tangency, the plane determines the distance less accurately than Embree does.
-    if (std::abs(along) < kGrazingSine * normal.norm()) continue;
-    block.distance.at[k] = static_cast<float>(std::max(0.0, normal.dot(a - from) / along));
+    if (std::abs(along) < kGrazingSine * area) continue;
+    const Eigen::Vector3d to_a = a - anchor_world_m_ - from, moment = to_a.cross(direction);
+    block.distance.at[k] = static_cast<float>(std::max(0.0, normal.dot(to_a) / along));
+    hits.u[k] = static_cast<float>(ac.dot(moment) / along);
+    hits.v[k] = static_cast<float>(-ab.dot(moment) / along);
   }
   if (any(again)) recast(again, block);
 }
@@ -108,7 +129,9 @@ void Tracer::recast(const BlockMask& lanes, Block& block) const {
   }
   rays_.cast({rays.data(), count}, kRefineTo_m, {hits.data(), count});
   for (std::size_t k = 0; k < count; ++k) {
-    if (std::isfinite(hits[k].distance_m)) block.distance.at[lane_of[k]] = static_cast<float>(hits[k].distance_m);
+    if (!std::isfinite(hits[k].distance_m)) continue;
+    block.distance.at[lane_of[k]] = static_cast<float>(hits[k].distance_m);
+    set_normal(hits[k].normal_world.cast<double>(), lane_of[k], block);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "uwsim/camera/camera_scene.h"
+#include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/camera/picture_request.h"
 
 namespace uwsim {
@@ -16,14 +17,16 @@ class Tracer {
   /// Casts rays of length `far_m`. Sets distance, normal, label and primitive of active lanes; inactive lanes hit
   /// nothing. u and v are stored in `hits`.
   void cast(camera::Block& block, const camera::BlockFloats& far_m, HitPacket& hits, RayOrder order) const;
-  /// Recomputes inexact distances to solids and vehicles in double precision: on the plane of the triangle that was hit
-  /// or, for vehicles and round shapes, by another cast. Terrain is refined by the kernels (kernels/hits.h).
-  void refine(const HitPacket& hits, camera::Block& block) const;
+  /// Computes points, distances and normals of the hits from the surfaces that were hit, in double precision: Embree's
+  /// own, in single precision, depend on its instruction set.
+  void locate_hits(const camera::View& view, const camera::Kernels& kernels, HitPacket& hits,
+                   camera::Block& block) const;
   /// Marks the lanes that need a shadow ray and whose light is blocked.
   void occluded(const camera::Block& block, camera::BlockMask& blocked, RayOrder order) const;
 
  private:
   void record(const RayPacket& rays, RayOrder order, int kind) const;
+  void refine(HitPacket& hits, camera::Block& block) const;
   void recast(const camera::BlockMask& lanes, camera::Block& block) const;
 
   const World& world_;

@@ -33,16 +33,21 @@ struct WaterOptics {
 /// water types", Appl. Opt. 61:9951; types I, IA, 7C and 9C, which that paper omits, by inversion of Kd, Solonenko and
 /// Mobley 2015, "Inherent optical properties of Jerlov water types", Appl. Opt. 54:5392. IB also uses the inversion:
 /// its measured absorption of blue, 0.0407 1/m, exceeds Jerlov's Kd, 0.036, and Kd is never less than a (light that
-/// descends by a metre has travelled at least a metre). All values are taken from the tables of the Python package
-/// jerlov 0.22 (Ishibashi), which documents its checks; the papers themselves were not consulted. Valid for the open
-/// sea and coasts, which Jerlov classified; for a lake, choose the most similar type.
+/// descends by a metre has travelled at least a metre). All 90 values are those of the tables in the Python package
+/// jerlov 0.22 (Ishibashi), which documents its checks; the papers themselves were not consulted. Kd of I to III is
+/// within 8 % of Austin and Petzold 1986 (Opt. Eng. 25:471, in the same package); for 1C, 15 % less at 550 nm and 22 %
+/// more at 450 nm. Valid for the open sea and coasts, which Jerlov classified; for a lake, choose the most similar
+/// type.
 WaterOptics jerlov_water(std::string_view type);
 const std::vector<std::string>& jerlov_types();
 
 /// Irradiance reflectance of deep water, R = 0.33 bb / a (Morel and Prieur 1977, "Analysis of variations in ocean
-/// color", Limnol. Oceanogr. 22:709), limited to 0.3; bb is 0.5 of molecular and 0.018 of particle scattering (the mean
-/// of Petzold's 1972 measurements as commonly quoted). The molecular part is the b of type I, since that water is
-/// nearly pure. The values are quoted from memory, and are therefore marked as assumed.
+/// color", Limnol. Oceanogr. 22:709), limited to 0.3; the atmospheric code 6S has the same 0.33 (subroutine
+/// morcasiwat), and Sathyendranath and Platt 1997 (Appl. Opt. 36:2620) give about 0.33, which varies with the sun's
+/// height. bb is 0.5 of molecular scattering, which is symmetric, and 0.018 of particle scattering. Petzold's 1972
+/// measurements (SIO Ref. 72-78, in the package jerlov 0.22) give 0.017 to 0.019 for the particles of a harbour, but
+/// 0.008 to 0.016 on coasts and in the ocean, where this is too bright. The molecular part is the b of type I, since
+/// that water is nearly pure (assumed).
 Bands upwelling_share(const WaterOptics& water);
 Bands molecular_scattering();
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-/// 1 if kernels for AVX2 and AVX-512 are compiled. For other processors, CMake omits their files and the portable
-/// kernels are used instead.
+/// 1 if kernels for AVX2 and AVX-512 are compiled. For other processors, CMake omits files with such instructions, and
+/// compiles the other kernels without these flags.
 #if defined(__x86_64__)
 #define UWSIM_X86 1
 #else
@@ -28,7 +28,8 @@ InstructionSet chosen_instruction_set();
 InstructionSet widest_instruction_set();
 const char* instruction_set_name(InstructionSet set);
 
-/// Selects the table of kernels for widest_instruction_set().
+/// Selects the table of kernels for widest_instruction_set(); uwsim_kernels() in cpp/uwsim/CMakeLists.txt generates the
+/// calls, and the functions that return the tables.
 template <typename Kernels>
 const Kernels& widest(const Kernels& portable, const Kernels& avx2, const Kernels& avx512) {
   switch (widest_instruction_set()) {

@@ -21,6 +21,11 @@ class FoldedMass {
 
   const Eigen::Vector3d& centre_of_mass_body_m() const { return centre_body_m_; }
   const Eigen::Quaterniond& body_from_principal() const { return body_from_principal_; }
+  /// Returns true if the centre of mass and the principal axes are the same.
+  bool has_axes_of(const FoldedMass& other) const {
+    return centre_body_m_ == other.centre_body_m_ &&
+           body_from_principal_.coeffs() == other.body_from_principal_.coeffs();
+  }
   double mass_kg(double submerged) const { return mass_kg_ + submerged * added_kg_; }
   Eigen::Vector3d moments_kg_m2(double submerged) const { return moments_kg_m2_ + submerged * added_kg_m2_; }
 

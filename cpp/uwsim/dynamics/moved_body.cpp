@@ -7,11 +7,6 @@
 #include "uwsim/core/check.h"
 
 namespace uwsim {
-namespace {
-
-constexpr double kDiverged = 1e7;  // m, m/s and rad/s: only a diverging body gets this far
-
-}  // namespace
 
 void BodySpec::check() const {
   require(craft != nullptr, "vehicle '" + name + "' craft", "none", "must be set");

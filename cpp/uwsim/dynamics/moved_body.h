@@ -9,6 +9,8 @@
 
 namespace uwsim {
 
+inline constexpr double kDiverged = 1e7;  ///< m, m/s and rad/s: only a diverging body gets this far
+
 /// A craft and its collision properties.
 struct BodySpec {
   std::string name;

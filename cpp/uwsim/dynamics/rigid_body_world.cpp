@@ -39,7 +39,6 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   engine_->add_body(spec);
   bodies_.push_back({.spec = std::move(spec), .state = state});
   next_states_.push_back(state);
-  engine_->forget();
   return bodies_.size() - 1;
 }
 
@@ -50,19 +49,18 @@ void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
     engine_->change_body(k, bodies_[k].spec, specs[k]);
     bodies_[k].spec = std::move(specs[k]);
   }
-  engine_->forget();
 }
 
 void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {
   bodies_.at(body).state = state;
   bodies_[body].acceleration_body.setZero();
   bodies_[body].in_contact = false;
-  engine_->forget();
+  engine_->forget(body);
 }
 
 void RigidBodyWorld::hold(std::size_t body, bool held) {
   bodies_.at(body).held = held;
-  engine_->forget();
+  engine_->forget(body);
 }
 
 void RigidBodyWorld::step(const WaterField& water, double time_s) {
@@ -74,6 +72,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
     body.state = next_states_[k];
   }
+  engine_->moved();
 }
 
 void RigidBodyWorld::exchange_state(StateArchive& archive) {
@@ -86,7 +85,12 @@ void RigidBodyWorld::exchange_state(StateArchive& archive) {
     archive(body.in_contact);
     body.require_plausible(body.state, 0, step_s_);
   }
-  if (archive.restoring()) engine_->forget();
+  if (!archive.restoring()) return;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) engine_->forget(k);
+}
+
+void RigidBodyWorld::exchange_contacts(StateArchive& archive) {
+  if (!archive.at_end()) engine_->exchange_contacts(archive);
 }
 
 }  // namespace uwsim

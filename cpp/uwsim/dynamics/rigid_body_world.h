@@ -12,7 +12,8 @@ namespace uwsim {
 
 /// Bodies with six degrees of freedom among terrain and solids.
 ///
-/// The state is pose and velocity, and a step depends on nothing else. A DynamicsEngine moves the bodies.
+/// The state is pose and velocity and, for Bullet's engine, its contacts; a step depends on nothing else. A
+/// DynamicsEngine moves the bodies.
 class RigidBodyWorld {
  public:
   RigidBodyWorld(const World& world, double step_s, EngineKind engine = EngineKind::kUwsim);
@@ -41,8 +42,11 @@ class RigidBodyWorld {
   /// moved.
   void step(const WaterField& water, double time_s);
 
-  /// Saves or restores the state of all bodies. Throws InvalidValue.
+  /// Saves or restores the state of all bodies; restoring drops the engine's contacts. Throws InvalidValue.
   void exchange_state(StateArchive& archive);
+  /// Saves or restores the engine's contacts, after the bodies. A state that ends here has none: an earlier build saved
+  /// it. Throws InvalidValue.
+  void exchange_contacts(StateArchive& archive);
 
  private:
   double step_s_;

@@ -30,14 +30,16 @@ void UwsimEngine::add_body(const BodySpec& spec) {
   moving_.resize(count);
   groups_.reserve(count);
   solver_.reserve(count, kContactsPerBody * count);
+  forget(count - 1);
 }
 
 void UwsimEngine::change_body(std::size_t body, const BodySpec& from, const BodySpec& to) {
   if (from.collision_pieces_body_m != to.collision_pieces_body_m) finder_.set_body(body, to.collision_pieces_body_m);
+  forget(body);
 }
 
-/// Needed because a body that is known to be at rest may have been supported by another.
-void UwsimEngine::forget() {
+/// Forgets all, because a body that is known to be at rest may have been supported by another.
+void UwsimEngine::forget(std::size_t) {
   for (Resting& resting : resting_) resting.forget();
 }
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "uwsim/estimation/aid.h"
-#include "uwsim/estimation/figures.h"
+#include "uwsim/estimation/exchanged_values.h"
 
 namespace uwsim {
 namespace {
@@ -10,8 +10,8 @@ namespace {
 /// across it, with independent errors.
 class AcousticFixAid final : public Aid {
  public:
-  AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std, double bearing_std)
-      : lever_(lever), station_(station), range_std_(range_std), bearing_std_(bearing_std) {}
+  AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, const FixErrors& errors)
+      : lever_(lever), station_(station), errors_(errors) {}
 
   int width() const override { return 3; }
   ErrorIndex seen() const override { return kPosition; }
@@ -28,17 +28,23 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();
     const Eigen::Vector3d across = sight.unitOrthogonal(), up = sight.cross(across);
     const double along = is_known ? range - expected(state).norm() : sight.dot(fix - expected(state));
-    const double sideways = bearing_std_ * range;
-    correct_along(state, along, sight, range_std_ * range_std_);
-    correct_along(state, across.dot(fix - expected(state)), across, sideways * sideways);
-    correct_along(state, up.dot(fix - expected(state)), up, sideways * sideways);
+    const double sideways = errors_.bearing_std_rad * range, rounding = rounding_std_m(state, sight);
+    correct_along(state, along, sight, errors_.range_std_m, rounding);
+    correct_along(state, across.dot(fix - expected(state)), across, sideways, 0);
+    correct_along(state, up.dot(fix - expected(state)), up, sideways, 0);
   }
 
-  void exchange_figures(StateArchive& archive) override {
+  void be_as_in(std::uint64_t version) override {
+    if (version <= 2) errors_.range_step_m = 0;
+  }
+  void exchange_parameters(StateArchive& archive, std::uint64_t version) override {
     exchange_numbers(archive, lever_);
     exchange_numbers(archive, station_);
-    exchange_not_negative(archive, range_std_);
-    exchange_not_negative(archive, bearing_std_);
+    exchange_not_negative(archive, errors_.range_std_m);
+    exchange_not_negative(archive, errors_.bearing_std_rad);
+    if (version < 3) return;
+    exchange_not_negative(archive, errors_.range_step_m);
+    exchange_not_negative(archive, errors_.period_s);
   }
 
  private:
@@ -48,23 +54,30 @@ class AcousticFixAid final : public Aid {
     return state.position_m + state.orientation * lever_ - station_;
   }
 
-  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, double variance) const {
+  /// The standard deviation of the rounding's error if the range changes by less than half a step until the next fix.
+  double rounding_std_m(const FilterState& state, const Eigen::Vector3d& sight) const {
+    const bool rests = std::abs(sight.dot(state.velocity_m_s)) * errors_.period_s < 0.5 * errors_.range_step_m;
+    return rests ? errors_.range_step_m / std::sqrt(12.0) : 0;
+  }
+
+  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, double white_std,
+                     double constant_std) const {
     ErrorVector h = ErrorVector::Zero(state.errors());
     h.segment<3>(kPosition) = axis;
     h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
     constexpr double kLeast = 1e-6;  // m2; so that an exact fix also has a gate
-    Aid::correct(state, residual, h, std::max(variance, kLeast));
+    Aid::correct(state, residual, h, std::max(white_std * white_std, kLeast), constant_std * constant_std);
   }
 
   Eigen::Vector3d lever_, station_;
-  double range_std_, bearing_std_;
+  FixErrors errors_;
 };
 
 }  // namespace
 
 std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
-                                      double range_std, double bearing_std) {
-  return std::make_unique<AcousticFixAid>(lever_body_m, station_world_m, range_std, bearing_std);
+                                      const FixErrors& errors) {
+  return std::make_unique<AcousticFixAid>(lever_body_m, station_world_m, errors);
 }
 
 }  // namespace uwsim

@@ -2,22 +2,31 @@
 
 namespace uwsim {
 
-bool Aid::correct(FilterState& state, double residual, const ErrorVector& h, double variance) const {
+void Aid::doubt(FilterState& state, double residual) const {
+  for (int k = seen(); k < seen() + 3; ++k) state.covariance(k, k) += residual * residual;
+}
+
+bool Aid::correct(FilterState& state, double residual, const ErrorVector& h, double variance,
+                  double constant_variance) const {
   ErrorMatrix& p = state.covariance;
   AidCounts& counts = state.counts[static_cast<std::size_t>(index)];
   ErrorVector seen_by = p * h;
-  double expected = h.dot(seen_by) + variance;
-  if (residual * residual > kGate * kGate * expected) {
+  double own = h.dot(seen_by);
+  if (residual * residual > kGate * kGate * (own + variance + constant_variance)) {
     ++counts.rejected;
     if (counts.in_a_row + 1 < kReadingsBeforeDoubt) return false;
-    for (int k = seen(); k < seen() + 3; ++k) p(k, k) += residual * residual;
+    doubt(state, residual);
     ++state.doubts;
     seen_by = p * h;
-    expected = h.dot(seen_by) + variance;
+    own = h.dot(seen_by);
   } else {
     ++counts.accepted;
   }
-  const ErrorVector gain = seen_by / expected;
+  if (constant_variance > 0) {
+    if (own <= constant_variance) return true;  // known as well as the reading is
+    variance += own * constant_variance / (own - constant_variance);
+  }
+  const ErrorVector gain = seen_by / (own + variance);
   state.add(gain * residual);
   // The Joseph form, (I - K h) P (I - K h)^T + K R K^T, computed as two rank-one updates.
   p.noalias() -= gain * seen_by.transpose();

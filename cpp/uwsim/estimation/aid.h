@@ -28,42 +28,67 @@ class Aid {
   virtual int width() const = 0;
   /// Models of the aid's biases, which become error states of the filter.
   virtual std::vector<BiasModel> biases() const { return {}; }
-  /// The number of leading biases stored in a version 1 saved state.
-  virtual int biases_in_version_1() const { return static_cast<int>(biases().size()); }
+  /// The number of leading biases stored in a saved state of this version.
+  virtual int biases_in(std::uint64_t /*version*/) const { return static_cast<int>(biases().size()); }
+  /// The first version of saved states that contain the aid.
+  virtual std::uint64_t since_version() const { return 1; }
   /// Index of the first of the three errors that the aid observes; these are inflated when the filter doubts its
   /// estimate.
   virtual ErrorIndex seen() const = 0;
+  /// Sets what the aid keeps in `state` besides its biases.
+  virtual void begin(FilterState& /*state*/) const {}
+  /// Advances errors that do not follow their BiasModel alone.
+  virtual void age(FilterState& /*state*/, double /*dt_s*/) const {}
   /// Corrects `state` with a reading of shape (width(),), one scalar at a time.
   virtual void correct(FilterState& state, const double* reading) const = 0;
-  /// Saves or restores its parameters. Throws InvalidValue.
-  virtual void exchange_figures(StateArchive& archive) = 0;
+  /// Drops the parameters that saved states of this version lack: a filter restored from one goes on as it was.
+  virtual void be_as_in(std::uint64_t /*version*/) {}
+  /// Saves its parameters, or restores those in a saved state of this version. Throws InvalidValue.
+  virtual void exchange_parameters(StateArchive& archive, std::uint64_t version) = 0;
 
   /// Positions of the aid's counts and biases in the state; set by NavigationFilter.
   int index = 0, first_bias = 0;
 
  protected:
-  /// Applies one scalar, residual = h . error + white noise of `variance`, in the Joseph form. Returns false for an
-  /// outlier.
-  bool correct(FilterState& state, double residual, const ErrorVector& h, double variance) const;
+  /// Applies one scalar, residual = h . error + white noise of `variance` + an error of `constant_variance` that does
+  /// not change, in the Joseph form. Returns false for an outlier. However many readings there are, the variance of
+  /// h . error does not fall below `constant_variance`.
+  bool correct(FilterState& state, double residual, const ErrorVector& h, double variance,
+               double constant_variance = 0) const;
+  /// Increases the uncertainty of what the aid observes so that the residual becomes plausible.
+  virtual void doubt(FilterState& state, double residual) const;
 };
 
 /// An aid whose reading is the velocities along beams, (n,) [m/s], with NaN for a lost beam. `beams_body` (n, 3): unit
 /// vectors.
 std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m, double std,
                                  const BiasModel& bias);
-/// An aid whose reading is the depth, (1,) [m, positive down].
-std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias);
+/// An aid whose reading is the depth, (1,) [m, positive down], derived from a pressure that contains that of the waves.
+/// `wave_std`: standard deviation of the latter before the first reading [m]; the filter then adapts it. 0: no waves,
+/// ever.
+std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias, double wave_std);
 /// An aid whose reading is the angle of `axis_body`, (1,) [rad], counter-clockwise from east. `north_rad`: the angle of
 /// magnetic north. `iron_std`: standard deviation of the vehicle's own field along each body axis, as a fraction of the
 /// earth's horizontal field.
 std::unique_ptr<Aid> heading_aid(const Eigen::Vector3d& axis_body, double std, const BiasModel& bias, double iron_std,
                                  double north_rad);
+/// The errors of an acoustic fix: white noise, and the rounding of ranges to multiples of a step, which is white only
+/// while the range changes from fix to fix.
+struct FixErrors {
+  double range_std_m = 0, bearing_std_rad = 0;
+  double range_step_m = 0;  ///< 0 if noise moves the ranges by more than a step
+  double period_s = 1;
+};
 /// An aid whose reading is the position relative to a station along east, north and up, (3,) [m], with errors along and
 /// across the line of sight.
 std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
-                                      double range_std, double bearing_std);
+                                      const FixErrors& errors);
 /// An aid whose reading is the orientation, a quaternion x, y, z, w that rotates body axes to world axes, (4,), with
 /// errors in body axes.
 std::unique_ptr<Aid> orientation_aid(double std, const BiasModel& bias);
+/// An aid whose reading is the pose in which a dock holds the vehicle at rest: the position of the IMU [m] and the
+/// orientation x, y, z, w, (7,). All its errors are constant: of the surveyed position [m] and attitude [rad], and of
+/// the velocity [m/s], which jumps between two samples of the IMU when the dock lets go.
+std::unique_ptr<Aid> dock_aid(double position_std, double attitude_std, double velocity_std);
 
 }  // namespace uwsim

@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "uwsim/estimation/aid.h"
-#include "uwsim/estimation/figures.h"
+#include "uwsim/estimation/exchanged_values.h"
 
 namespace uwsim {
 namespace {
@@ -23,7 +23,7 @@ class DopplerAid final : public Aid {
     }
   }
 
-  void exchange_figures(StateArchive& archive) override {
+  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
     exchange_numbers(archive, beams_);
     exchange_numbers(archive, lever_);
     exchange_not_negative(archive, variance_);

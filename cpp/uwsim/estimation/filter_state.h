@@ -36,6 +36,7 @@ struct BiasModel {
 /// outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
+  double noise_variance = 0;  ///< of the aid's coloured noise, as the aid estimates it; 0 without such noise
 };
 
 /// The IMU's values at the state's time, interpolated between two samples, in the body axes at that time. Biases are

@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "uwsim/estimation/aid.h"
-#include "uwsim/estimation/figures.h"
+#include "uwsim/estimation/exchanged_values.h"
 
 namespace uwsim {
 namespace {
@@ -21,13 +21,15 @@ class HeadingAid final : public Aid {
     const BiasModel iron{.turn_on_std = iron_std_};
     return {bias_, iron, iron, iron};
   }
-  int biases_in_version_1() const override { return 3; }  // without the upward component of the field
+  int biases_in(std::uint64_t version) const override {
+    return version == 1 ? 3 : 4;  // version 1 lacks the upward component of the field
+  }
   ErrorIndex seen() const override { return kAttitude; }
 
   void correct(FilterState& state, const double* reading) const override {
     const Eigen::Vector3d ahead = state.orientation * axis_;
     const double level = ahead.head<2>().squaredNorm();
-    if (level < 1e-4) return;  // the axis points straight up or down
+    if (level < 1e-4 || !is_straight(state, ahead.z(), level)) return;
     // Use the expected yaw. With the measured yaw, the same noise would appear in `sees` and in the residual, and
     // readings at a single heading would then seem to reveal a field that does not exist.
     const double yaw = std::atan2(ahead.y(), ahead.x());
@@ -43,7 +45,7 @@ class HeadingAid final : public Aid {
     Aid::correct(state, std::remainder(reading[0] - expected, 2 * std::numbers::pi), h, variance_);
   }
 
-  void exchange_figures(StateArchive& archive) override {
+  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
     exchange_numbers(archive, axis_);
     exchange_not_negative(archive, variance_);
     exchange_bias(archive, bias_);
@@ -52,6 +54,19 @@ class HeadingAid final : public Aid {
   }
 
  private:
+  // The largest error of the linearised yaw, as a fraction of the yaw's own error.
+  static constexpr double kBent = 0.1;
+
+  /// Returns true if the yaw is linear in the error of the attitude. Where the axis points steeply up or down, an error
+  /// e of its elevation changes the yaw's derivative by the fraction e tan(elevation). Readings there would make the
+  /// filter sure of a wrong attitude.
+  bool is_straight(const FilterState& state, double up, double level) const {
+    const Eigen::Vector3d up_body = state.orientation.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d pitching = axis_.cross(up_body) / std::sqrt(level);  // the elevation's derivative
+    const double variance = pitching.dot(state.covariance.block<3, 3>(kAttitude, kAttitude) * pitching);
+    return variance * up * up <= kBent * kBent * level;
+  }
+
   Eigen::Vector3d axis_;
   double variance_;
   BiasModel bias_;

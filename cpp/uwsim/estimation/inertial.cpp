@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "uwsim/core/check.h"
-#include "uwsim/estimation/figures.h"
+#include "uwsim/estimation/exchanged_values.h"
 
 namespace uwsim {
 namespace {
@@ -187,7 +187,7 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   age_biases(state, dt, aid_biases);
 }
 
-void Inertial::exchange_figures(StateArchive& archive) {
+void Inertial::exchange_parameters(StateArchive& archive) {
   for (double* value : {&imu_.rate_std, &imu_.force_std, &imu_.period_s, &imu_.averaging_s, &gravity_m_s2_}) {
     exchange_not_negative(archive, *value);
   }

@@ -47,7 +47,7 @@ class Inertial {
   void coast(FilterState& state, std::uint64_t time_ns, const std::vector<BiasModel>& aid_biases) const;
 
   /// Saves or restores the parameters passed to the constructor. Throws InvalidValue.
-  void exchange_figures(StateArchive& archive);
+  void exchange_parameters(StateArchive& archive);
 
   const ImuErrors& errors() const { return imu_; }
   double gravity_m_s2() const { return gravity_m_s2_; }

@@ -57,6 +57,7 @@ void NavigationFilter::start(const FilterStart& start) {
   state.covariance.diagonal().segment<3>(kPosition) = start.position_std_m.cwiseAbs2();
   state.covariance.diagonal().segment<3>(kVelocity).setConstant(start.velocity_std_m_s * start.velocity_std_m_s);
   state.covariance.diagonal().segment<3>(kAttitude) = start.attitude_std_rad.cwiseAbs2();
+  for (const auto& aid : aids_) aid->begin(state);
   set_biases();
   events_.clear();
   checkpoints_.clear();
@@ -195,12 +196,14 @@ bool NavigationFilter::apply(std::size_t index) {
 }
 
 void NavigationFilter::advance(const Event& inertial, std::uint64_t time_ns) {
+  const double dt_s = 1e-9 * static_cast<double>(time_ns - present_.time_ns);
   if (inertial.source == kSilence) {
     inertial_.coast(present_, time_ns, aid_biases_);
   } else {
     const double* v = inertial.values;
     inertial_.advance(present_, time_ns, {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, inertial.time_ns}, aid_biases_);
   }
+  for (const auto& aid : aids_) aid->age(present_, dt_s);
 }
 
 void NavigationFilter::checkpoint() { checkpoints_.push_back({present_, next_}); }

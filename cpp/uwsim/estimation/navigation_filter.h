@@ -32,8 +32,9 @@ class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
   /// Version of the bytes that save() returns. Version 2 added the parameters of the filter's instruments, the IMU's
-  /// last sample, and all three axes of a compass's hard iron.
-  static constexpr std::uint64_t kVersion = 2;
+  /// last sample, and all three axes of a compass's hard iron. Version 3 added the waves' pressure at a depth gauge and
+  /// the dock.
+  static constexpr std::uint64_t kVersion = 3;
 
   /// `imu_body_m`: position of the IMU on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
@@ -91,7 +92,8 @@ class NavigationFilter {
   void forget_all_but(std::size_t checkpoints_from);
   std::size_t last_before_horizon() const;
   void exchange(StateArchive& archive, std::uint64_t version);
-  void exchange_figures(StateArchive& archive);
+  void collect_biases();
+  void exchange_parameters(StateArchive& archive, std::uint64_t version);
 
   Inertial inertial_;
   Eigen::Vector3d imu_body_m_;

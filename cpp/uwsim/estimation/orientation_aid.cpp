@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "uwsim/estimation/aid.h"
-#include "uwsim/estimation/figures.h"
+#include "uwsim/estimation/exchanged_values.h"
 
 namespace uwsim {
 namespace {
@@ -27,7 +27,7 @@ class OrientationAid final : public Aid {
     }
   }
 
-  void exchange_figures(StateArchive& archive) override {
+  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
     exchange_not_negative(archive, variance_);
     exchange_bias(archive, bias_);
   }

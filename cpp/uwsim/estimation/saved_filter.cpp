@@ -1,7 +1,8 @@
+#include <algorithm>
 #include <cmath>
 
 #include "uwsim/core/check.h"
-#include "uwsim/estimation/figures.h"
+#include "uwsim/estimation/exchanged_values.h"
 #include "uwsim/estimation/navigation_filter.h"
 
 namespace uwsim {
@@ -31,6 +32,8 @@ void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t ver
     archive(counts.accepted);
     archive(counts.rejected);
     archive(counts.in_a_row);
+    if (version < 3) counts.noise_variance = 0;
+    if (version >= 3) exchange_not_negative(archive, counts.noise_variance);
   }
   archive(state.doubts);
   archive(state.doubted_ns);
@@ -55,11 +58,13 @@ void put_in(FilterState& state, int k, double variance) {
 }  // namespace
 
 void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
+  for (const auto& aid : aids_) aid->be_as_in(version);
+  collect_biases();
   FilterState& state = checkpoints_.front().state;
-  std::vector<int> lacking;  // the errors that version 1 lacks, in order
+  std::vector<int> lacking;  // the errors that this version lacks, in order
   for (const auto& aid : aids_) {
     const int biases = static_cast<int>(aid->biases().size());
-    for (int k = version == 1 ? aid->biases_in_version_1() : biases; k < biases; ++k) {
+    for (int k = aid->biases_in(version); k < biases; ++k) {
       lacking.push_back(aid->first_bias + k);
     }
   }
@@ -69,9 +74,10 @@ void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
     state.covariance.resize(errors, errors);
   }
   archive.same("filter's errors", static_cast<std::uint64_t>(state.errors()));
-  archive.same("filter's aids", aids_.size());
+  const auto known = std::ranges::count_if(aids_, [&](const auto& aid) { return aid->since_version() <= version; });
+  archive.same("filter's aids", static_cast<std::uint64_t>(known));
   archive(too_late_);
-  if (version >= 2) exchange_figures(archive);
+  if (version >= 2) exchange_parameters(archive, version);
   exchange_state(archive, state, version);
   for (const int k : lacking) put_in(state, k, aid_biases_[static_cast<std::size_t>(k - kAidBias)].variance());
   std::uint64_t count = events_.size();
@@ -90,11 +96,17 @@ void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
 }
 
 /// A restored filter uses the parameters in the saved state, regardless of those it was constructed with.
-void NavigationFilter::exchange_figures(StateArchive& archive) {
-  inertial_.exchange_figures(archive);
+void NavigationFilter::exchange_parameters(StateArchive& archive, std::uint64_t version) {
+  inertial_.exchange_parameters(archive);
+  for (const auto& aid : aids_) {
+    if (aid->since_version() <= version) aid->exchange_parameters(archive, version);
+  }
+  collect_biases();
+}
+
+void NavigationFilter::collect_biases() {
   aid_biases_.clear();
   for (const auto& aid : aids_) {
-    aid->exchange_figures(archive);
     const std::vector<BiasModel> biases = aid->biases();
     aid_biases_.insert(aid_biases_.end(), biases.begin(), biases.end());
   }
@@ -111,7 +123,7 @@ std::string NavigationFilter::save() {
 
 void NavigationFilter::restore(std::string_view bytes, std::uint64_t version) {
   require(version >= 1 && version <= kVersion, "state.version", version,
-          "must be 1 or 2: another version of uwsim saved it, in a format that this one lacks");
+          "must be 1 to 3: another version of uwsim saved it, in a format that this one lacks");
   start({});
   StateArchive archive(bytes);
   exchange(archive, version);

@@ -1,6 +1,7 @@
 #include "uwsim/mapping/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -63,7 +64,12 @@ std::pair<int, fs::path> create_beside(const fs::path& target, const std::string
     name << ".uwsim-" << ::getpid() << '-' << attempt << ".tmp";
     const fs::path temporary = target.parent_path() / name.str();
     const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd >= 0) return {fd, temporary};
+    if (fd >= 0) {
+      // Marks the file as ours, as python/uwsim/base/own_files.py does; not all file systems can.
+      constexpr std::string_view mark = "unfinished";
+      (void)::fsetxattr(fd, "user.uwsim", mark.data(), mark.size(), 0);
+      return {fd, temporary};
+    }
     if (errno != EEXIST || attempt == 1000) fail_to_write(path, errno);
   }
 }

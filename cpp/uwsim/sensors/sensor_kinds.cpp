@@ -8,13 +8,14 @@
 namespace uwsim {
 
 /// To add a sensor, add a file and list its kind in both places below.
-extern const SensorKind kImu, kVelocity, kAcceleration, kDepth, kPressure, kTemperature, kAltitude, kProximity, kDvl,
-    kUsbl, kCompass, kContact;
+extern const SensorKind kImu, kPosition, kVelocity, kAcceleration, kDepth, kPressure, kTemperature, kAltitude,
+    kProximity, kDvl, kUsbl, kCompass, kContact;
 
 namespace {
 
-constexpr std::array kKinds = {&kImu,      &kVelocity,  &kAcceleration, &kDepth, &kPressure, &kTemperature,
-                               &kAltitude, &kProximity, &kDvl,          &kUsbl,  &kCompass,  &kContact};
+constexpr std::array kKinds = {&kImu,      &kPosition,    &kVelocity, &kAcceleration, &kDepth,
+                               &kPressure, &kTemperature, &kAltitude, &kProximity,    &kDvl,
+                               &kUsbl,     &kCompass,     &kContact};
 
 }  // namespace
 

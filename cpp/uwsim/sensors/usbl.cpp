@@ -20,11 +20,11 @@ namespace {
 /// not block them.
 ///
 /// The station is assumed to know the sound-speed profile and to trace the ray that it measured back through it, as
-/// long-range systems do when they have one (Kongsberg HiPAP, Sonardyne Ranger 2; from memory), but not to know that a
-/// ray has bounced. Without errors, the fix from a ray that has not bounced is therefore the true position, and the fix
-/// from a ray that has bounced is a ghost above the surface or below the bed. Arrivals that follow the locked one by
-/// less than `resolution_s` overlap with it. The direction is then that of the gradient of the phase of their sum,
-/// which a short baseline measures: the mean of the unit vectors along the arrivals, weighted by their complex
+/// long-range systems do when they have one (Kongsberg HiPAP: product description 317748/F, sec. 9.2), but not to know
+/// that a ray has bounced. Without errors, the fix from a ray that has not bounced is therefore the true position, and
+/// the fix from a ray that has bounced is a ghost above the surface or below the bed. Arrivals that follow the locked
+/// one by less than `resolution_s` overlap with it. The direction is then that of the gradient of the phase of their
+/// sum, which a short baseline measures: the mean of the unit vectors along the arrivals, weighted by their complex
 /// amplitudes at `frequency_hz` (interference of plane waves, derived here; valid for a baseline that is short compared
 /// with the interference pattern). There is no fix (range 0, invalid) out of range, where no sound arrives, or where
 /// these arrivals cancel to below a tenth of the amplitude of the locked one.

@@ -132,7 +132,7 @@ double LinkWater::slowness_s_m(double from_depth_m, double to_depth_m) const {
   return sum / kParts;
 }
 
-Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const Transducer& to) const {
+Reception LinkWater::receive(const RayScene& scene, const Transducer& from, const Transducer& to) const {
   const Eigen::Vector3d line = to.position_world_m - from.position_world_m;
   if (modem_.kind == LinkKind::kCable) return perfect(modem_.latency_s);
   if (modem_.kind == LinkKind::kIdeal) return perfect(line.norm() * slowness_s_m(depth_of(from), depth_of(to)));
@@ -166,7 +166,7 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
   return heard;
 }
 
-std::array<double, 2> LinkWater::overhear(const Transducer& from, const Transducer& to) const {
+std::array<double, 2> LinkWater::interference(const Transducer& from, const Transducer& to) const {
   const double length_m = (to.position_world_m - from.position_world_m).norm();
   if (from.position_world_m.z() > 0 || to.position_world_m.z() > 0) return {0, -300};
   const double middle_m = 0.5 * (depth_of(from) + depth_of(to));

@@ -45,9 +45,9 @@ class LinkWater {
   LinkWater(const LinkSpec& spec, const Water& water);
 
   /// scene: without moving bodies.
-  Reception hear(const RayScene& scene, const Transducer& from, const Transducer& to) const;
+  Reception receive(const RayScene& scene, const Transducer& from, const Transducer& to) const;
   /// Delay [s] and level [dB re 1 uPa] along the straight, unobstructed path.
-  std::array<double, 2> overhear(const Transducer& from, const Transducer& to) const;
+  std::array<double, 2> interference(const Transducer& from, const Transducer& to) const;
   /// Mean slowness between two depths [s/m] along a straight path.
   double slowness_s_m(double from_depth_m, double to_depth_m) const;
 

@@ -19,7 +19,7 @@ std::string numbered(std::uint64_t number, std::size_t size) {
 
 }  // namespace
 
-void PositionExchange::ask(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns) {
+void PositionExchange::request(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns) {
   const std::optional<std::uint64_t> question = sensor.take_question();
   if (!question || state_ == State::kAsked || state_ == State::kAnswered) return;
   LinkMessage ping;
@@ -40,7 +40,7 @@ void PositionExchange::left(const VehicleSnapshot& from, const NoisySensor& sens
   until_ns_ = now_ns + nanoseconds(2 * network.longest_wait_s() + sensor.longest_travel_time_s());
 }
 
-void PositionExchange::hear(const LinkDelivery& delivery, const NoisySensor& sensor, PacketNetwork& network) {
+void PositionExchange::receive(const LinkDelivery& delivery, const NoisySensor& sensor, PacketNetwork& network) {
   if (delivery.topic != topic_) return;
   if (delivery.from == node_ && delivery.to == 0) {
     LinkMessage fix;

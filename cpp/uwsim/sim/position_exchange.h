@@ -29,7 +29,7 @@ class PositionExchange {
   std::size_t sensor() const { return sensor_; }
 
   /// Abandons an overdue ping, and sends a new one if the sensor requests it. Must be called before packets are sent.
-  void ask(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns);
+  void request(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns);
   /// Returns whether the ping has been sent since the last call; if so, the caller must pass the vehicle's state to
   /// left().
   bool has_left(const PacketNetwork& network) const {
@@ -37,7 +37,7 @@ class PositionExchange {
   }
   void left(const VehicleSnapshot& from, const NoisySensor& sensor, const PacketNetwork& network, std::uint64_t now_ns);
   /// Handles an arrived packet: the station answers a ping; a vehicle receives the answer.
-  void hear(const LinkDelivery& delivery, const NoisySensor& sensor, PacketNetwork& network);
+  void receive(const LinkDelivery& delivery, const NoisySensor& sensor, PacketNetwork& network);
   /// Whether the sensor has its answer or will never get it. If so, settle() reports the outcome to the sensor.
   bool is_settled(std::uint64_t now_ns) const {
     return (state_ == State::kAsked || state_ == State::kAnswered) && now_ns >= until_ns_;

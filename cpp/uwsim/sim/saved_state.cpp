@@ -60,9 +60,11 @@ void Simulation::exchange_state(StateArchive& archive) {
   archive(layout);
   require((layout > 0) == link_.has_value() && layout <= PacketNetwork::kLayout, "state.link", layout,
           link_ ? "must be 1 or 2" : "must be 0");
-  if (!link_) return;
-  link_->network.exchange_state(archive, layout);
-  for (PositionExchange& one : link_->exchanges) one.exchange_state(archive, link_->network, tick_);
+  if (link_) {
+    link_->network.exchange_state(archive, layout);
+    for (PositionExchange& one : link_->exchanges) one.exchange_state(archive, link_->network, tick_);
+  }
+  bodies_.exchange_contacts(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -17,11 +17,11 @@ class Medium final : public LinkMedium {
   Medium(const LinkWater& water, const RayScene& scene, const Place& place)
       : water_(water), scene_(scene), place_(place) {}
 
-  Reception hear(std::size_t from, std::size_t to) const override {
-    return water_.hear(scene_, place_(from), place_(to));
+  Reception receive(std::size_t from, std::size_t to) const override {
+    return water_.receive(scene_, place_(from), place_(to));
   }
-  std::array<double, 2> overhear(std::size_t from, std::size_t to) const override {
-    return water_.overhear(place_(from), place_(to));
+  std::array<double, 2> interference(std::size_t from, std::size_t to) const override {
+    return water_.interference(place_(from), place_(to));
   }
 
  private:
@@ -77,7 +77,7 @@ Transducer Simulation::transducer(std::size_t node) const {
 void Simulation::transmit() {
   PacketNetwork& network = link_->network;
   for (PositionExchange& one : link_->exchanges) {
-    one.ask(vehicles_[one.node() - 1].sensors.at(one.sensor()), network, time_ns());
+    one.request(vehicles_[one.node() - 1].sensors.at(one.sensor()), network, time_ns());
   }
   const auto place = [this](std::size_t node) { return transducer(node); };
   network.transmit(time_ns(), Medium(link_->water, *scene_, place));
@@ -96,7 +96,7 @@ void Simulation::receive() {
     SensorRack& sensors = vehicles_[one.node() - 1].sensors;
     const NoisySensor& sensor = sensors.at(one.sensor());
     for (std::size_t k = deliveries.size() - arrived; k < deliveries.size(); ++k) {
-      one.hear(deliveries[k], sensor, network);
+      one.receive(deliveries[k], sensor, network);
     }
     if (!one.is_settled(time_ns())) continue;
     sensors.answer(one.sensor(), one.asked(), one.given_up(), tick_);
@@ -106,7 +106,7 @@ void Simulation::receive() {
 
 Reception Simulation::link_reception(std::size_t from, std::size_t to) const {
   require(link_.has_value(), "link", "none", "the scenario must have one");
-  return link_->water.hear(*scene_, transducer(from), transducer(to));
+  return link_->water.receive(*scene_, transducer(from), transducer(to));
 }
 
 }  // namespace uwsim

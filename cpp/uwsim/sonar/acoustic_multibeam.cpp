@@ -53,7 +53,7 @@ AcousticPing AcousticPing::silent(std::size_t beams) {
 }
 
 void AcousticSpec::check() const {
-  figures.check();
+  parameters.check();
   require(acidity_ph >= 6 && acidity_ph <= 9, "sonar.acidity_ph", acidity_ph, "must be in [6, 9]");
   uwsim::check(bottom, "sonar.bottom");
   for (std::size_t k = 0; k < materials.size(); ++k) {
@@ -71,21 +71,21 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
     : fan_(fan),
       spec_((spec.check(), spec)),
       stream_(stream),
-      footprint_(fan, spec.figures.beam_width_across_rad, spec.figures.beam_width_along_rad, spec.rays_per_beam),
+      footprint_(fan, spec.parameters.beam_width_across_rad, spec.parameters.beam_width_along_rad, spec.rays_per_beam),
       profile_(sound_speed_profile(water)),
-      absorption_(absorption_column(water, spec.figures.frequency_hz, spec.acidity_ph, bottom_m)),
+      absorption_(absorption_column(water, spec.parameters.frequency_hz, spec.acidity_ph, bottom_m)),
       volume_strength_(spec.volume_strength_db ? std::pow(10, *spec.volume_strength_db / 10) : 0),
-      figure_db_(spec.figures.figure_db() - fan.gain_db),
-      detector_(spec.figures, spec.range_noise),
-      speckle_(stream.key(), spec.figures),
-      share_sr_(static_cast<float>(spec.figures.beam_solid_angle_sr() / spec.rays_per_beam)),
+      lossless_snr_db_(spec.parameters.lossless_snr_db() - fan.gain_db),
+      detector_(spec.parameters, spec.range_noise),
+      speckle_(stream.key(), spec.parameters),
+      share_sr_(static_cast<float>(spec.parameters.beam_solid_angle_sr() / spec.rays_per_beam)),
       width_rad_(
-          static_cast<float>(std::sqrt(spec.figures.beam_width_along_rad * spec.figures.beam_width_across_rad))) {
+          static_cast<float>(std::sqrt(spec.parameters.beam_width_along_rad * spec.parameters.beam_width_across_rad))) {
   const double speed_m_s = profile_.at(bottom_m);
   const auto add = [&](const BottomMaterial& material) {
     strengths_.push_back(ratio(material.strength_db));
     reliefs_.push_back(static_cast<float>(material.relief));
-    curves_.emplace_back(material, spec.figures.frequency_hz, speed_m_s);
+    curves_.emplace_back(material, spec.parameters.frequency_hz, speed_m_s);
     if (spec.multipath) mirrors_.push_back(mirror(material.fluid));
     by_angle_ = by_angle_ || material.seabed;
   };
@@ -202,7 +202,7 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
   const Eigen::Vector3d& head = world_from_sonar.position_m;
   if (!(head.z() <= 0) || scene.under_ground(head)) return ping;
   const double c = profile_.at(-head.z());
-  const double cells = std::ceil(fan_.range_max_m / spec_.figures.range_cell_m(c));
+  const double cells = std::ceil(fan_.range_max_m / spec_.parameters.range_cell_m(c));
   const double cells_per_sample = std::ceil(cells / static_cast<double>(kSamplesMax));
   const Transmission sent{
       scene,
@@ -213,13 +213,13 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
       -head.z(),
       absorption_.down_to_db(-head.z()),
       c,
-      static_cast<float>(spec_.figures.range_cell_m(c)),
-      spec_.false_detections ? detector_.false_alarm(fan_.range_max_m, spec_.figures.range_cell_m(c)) : 0,
+      static_cast<float>(spec_.parameters.range_cell_m(c)),
+      spec_.false_detections ? detector_.false_alarm(fan_.range_max_m, spec_.parameters.range_cell_m(c)) : 0,
       speckle_.view(world_from_sonar),
       tick,
       request.water_column ? static_cast<std::size_t>(std::ceil(cells / cells_per_sample)) : 0};
   ping.water_column_db.resize(beams * sent.samples);
-  ping.water_column_sample_m = cells_per_sample * spec_.figures.range_cell_m(c);
+  ping.water_column_sample_m = cells_per_sample * spec_.parameters.range_cell_m(c);
   OtherEchoes others(targets_.empty() && !spec_.multipath ? 0 : beams);
   add_targets(sent, request.time_s, others);
   const auto rays = static_cast<std::size_t>(footprint_.rays());
@@ -298,8 +298,8 @@ BottomDetection AcousticMultibeam::detect(const Transmission& sent, std::size_t 
     const BeamRays rays = footprint_.beam(beam);
     const auto [speckle, speckle_range] = sent.speckle.draws(echo_footprint(echo.rays, rays.directions));
     const auto [noise, noise_range] = stream_.normals(sent.tick, index);
-    const double background = 1 + detector_.system_ratio() * reverberation(sent, beam, echo.centre_range_m);
-    found = detector_.bottom(echo, rays, sent.cell_m, {speckle, speckle_range, noise, noise_range}, background);
+    found = detector_.bottom(echo, rays, sent.cell_m, {speckle, speckle_range, noise, noise_range},
+                             background(sent, beam, echo.centre_range_m));
   }
   const double draw = sent.false_alarm > 0 ? stream_.uniform(sent.tick, index + 1) : 1;
   if (draw < sent.false_alarm) {
@@ -320,10 +320,10 @@ void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const
       range * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   ping.travel_time_s[beam] = static_cast<float>(2 * found.range_m / sent.sound_speed_m_s);
   const double snr_db = 10 * std::log10(found.intensity);
-  const double background = 1 + detector_.system_ratio() * reverberation(sent, beam, found.range_m);
-  ping.intensity_db[beam] = static_cast<float>(10 * std::log10(found.intensity * background) - figure_db_);
+  const double level = found.intensity * background(sent, beam, found.range_m);
+  ping.intensity_db[beam] = static_cast<float>(10 * std::log10(level) - lossless_snr_db_);
   ping.snr_db[beam] = static_cast<float>(snr_db);
-  const double across_m = found.range_m * spec_.figures.beam_width_along_rad / std::sqrt(12.0);
+  const double across_m = found.range_m * spec_.parameters.beam_width_along_rad / std::sqrt(12.0);
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   ping.deviation_m[beam] = static_cast<float>(found.deviation_m);
   ping.vertical_deviation_m[beam] =

@@ -22,7 +22,7 @@ namespace uwsim {
 
 /// The acoustic parameters of a multibeam in physics mode.
 struct AcousticSpec {
-  SonarFigures figures;
+  SonarParameters parameters;
   int rays_per_beam = 8;
   bool false_detections = true;  ///< whether noise may be detected as a bottom echo
   bool range_noise = true;
@@ -148,6 +148,8 @@ class AcousticMultibeam {
   double transmitted(double within_rad, double aside_rad) const;
   double received(std::size_t beam, double within_rad) const;
   double reverberation(const Transmission& sent, std::size_t beam, double range_m) const;
+  /// Noise and reverberation in a beam, relative to the noise in an unsteered beam.
+  double background(const Transmission& sent, std::size_t beam, double range_m) const;
   void record_water_column(const Transmission& sent, std::size_t beam, std::span<const RayEcho> surface,
                            std::span<const RayEcho> others, AcousticPing& ping) const;
 
@@ -160,7 +162,7 @@ class AcousticMultibeam {
   SoundSpeedProfile profile_;
   AbsorptionColumn absorption_;
   double volume_strength_;  ///< of the water per cubic metre, as a ratio; 0 if the water returns no echo
-  double figure_db_;        ///< signal-to-noise ratio of a lossless echo, minus the model's gain
+  double lossless_snr_db_;  ///< signal-to-noise ratio of a lossless echo, minus the model's gain
   BottomDetector detector_;
   SpeckleField speckle_;
   float share_sr_;   ///< solid angle of one ray of an unsteered beam

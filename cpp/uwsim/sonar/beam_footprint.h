@@ -13,9 +13,9 @@ namespace uwsim {
 ///
 /// The pattern is the product of the transmitter's, narrow across the fan's plane, and the receiver's, narrow within
 /// the plane; both are assumed Gaussian (main lobe only, no side lobes). A receiving beam widens as its array is
-/// steered (steered_widening). The rays' offsets form a sunflower pattern (Vogel 1979, Math. Biosci. 44:179; from
-/// memory) with radii at the quantiles of the Gaussian. They are adjusted to have exactly the mean and variance of the
-/// Gaussian, so that a footprint's centre and extent do not depend on the number of rays.
+/// steered (steered_widening). The rays' offsets form a sunflower pattern, turned by the golden angle from ray to ray
+/// (Vogel 1979, Math. Biosci. 44:179), with radii at the quantiles of the Gaussian. They are adjusted to have exactly
+/// the mean and variance of the Gaussian, so that a footprint's centre and extent do not depend on the number of rays.
 class BeamFootprint {
  public:
   /// Offsets within and across the fan's plane, in standard deviations of the pattern. Throws InvalidValue unless the
@@ -34,7 +34,7 @@ class BeamFootprint {
   BeamRays beam(std::size_t beam) const;
   /// Approximate angle between a beam's neighbouring rays [rad]; 0 for a single ray.
   float spacing_rad(std::size_t beam) const { return spacing_rad_[beam]; }
-  /// The ratio of a beam's width to that of an unsteered beam.
+  /// The ratio of a beam's width, and of the isotropic noise in it, to those of an unsteered beam.
   float widening(std::size_t beam) const { return widening_[beam]; }
   float root_widening(std::size_t beam) const { return root_widening_[beam]; }
 

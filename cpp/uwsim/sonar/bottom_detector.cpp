@@ -9,10 +9,10 @@ constexpr double kPhaseLooks = 4;
 
 }  // namespace
 
-BottomDetector::BottomDetector(const SonarFigures& figures, bool range_noise)
+BottomDetector::BottomDetector(const SonarParameters& parameters, bool range_noise)
     : range_noise_(range_noise),
-      system_ratio_(std::pow(10, figures.figure_db() / 10)),
-      threshold_(figures.detection_threshold_db) {}
+      system_ratio_(std::pow(10, parameters.lossless_snr_db() / 10)),
+      threshold_(parameters.detection_threshold_db) {}
 
 BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m,
                                        const BeamDraws& draws, double background) const {

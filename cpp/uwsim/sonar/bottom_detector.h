@@ -32,12 +32,13 @@ struct BeamDraws {
 /// energy, with its peak.
 class BottomDetector {
  public:
-  BottomDetector(const SonarFigures& figures, bool range_noise);
+  BottomDetector(const SonarParameters& parameters, bool range_noise);
 
-  /// Returns the detection of a beam's echo, if any. `background`: noise and reverberation, relative to the noise.
+  /// Returns the detection of a beam's echo, if any. `background`: noise and reverberation, relative to the noise in an
+  /// unsteered beam.
   BottomDetection bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m, const BeamDraws& draws,
                          double background = 1) const;
-  /// The signal-to-noise ratio of a lossless echo.
+  /// The signal-to-noise ratio of a lossless echo in an unsteered beam.
   double system_ratio() const { return system_ratio_; }
   /// The probability that noise exceeds the threshold in at least one of a beam's range cells.
   double false_alarm(double range_max_m, double cell_m) const;
@@ -47,7 +48,7 @@ class BottomDetector {
 
  private:
   bool range_noise_;
-  double system_ratio_;  // signal-to-noise ratio of a lossless echo
+  double system_ratio_;  // see system_ratio
   DetectionThreshold threshold_;
 };
 

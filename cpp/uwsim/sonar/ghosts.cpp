@@ -87,14 +87,14 @@ double AcousticMultibeam::lost(const Transmission& sent, double depth_m, double 
 }
 
 double AcousticMultibeam::transmitted(double within_rad, double aside_rad) const {
-  if (std::abs(within_rad) > 0.5 * (fan_.field_of_view_rad + spec_.figures.beam_width_across_rad)) return 0;
-  const double widths = aside_rad / spec_.figures.beam_width_along_rad;
+  if (std::abs(within_rad) > 0.5 * (fan_.field_of_view_rad + spec_.parameters.beam_width_across_rad)) return 0;
+  const double widths = aside_rad / spec_.parameters.beam_width_along_rad;
   return std::exp(-4 * std::numbers::ln2 * widths * widths);
 }
 
 double AcousticMultibeam::received(std::size_t beam, double within_rad) const {
   const double off_rad = std::remainder(within_rad - fan_.angles().at(static_cast<int>(beam)), 2 * std::numbers::pi);
-  const double widths = off_rad / (spec_.figures.beam_width_across_rad * footprint_.widening(beam));
+  const double widths = off_rad / (spec_.parameters.beam_width_across_rad * footprint_.widening(beam));
   return std::exp(-4 * std::numbers::ln2 * widths * widths);
 }
 
@@ -168,9 +168,9 @@ void AcousticMultibeam::add_ghosts(const Transmission& sent, std::size_t first, 
       const std::size_t index = beam + at.lane;
       const ScatterCurve& curve = curves_[std::min<std::size_t>(at.label, curves_.size() - 1)];
       const double depth_m = -(head.z() + double{at.place_m.z()});
-      const double solid_angle_sr = spec_.figures.beam_solid_angle_sr() * footprint_.widening(index);
+      const double solid_angle_sr = spec_.parameters.beam_solid_angle_sr() * footprint_.widening(index);
       const double slope = std::sqrt(1 - at.cosine * at.cosine) / at.cosine;
-      const double patch_rad = spec_.figures.beam_width_across_rad * footprint_.widening(index);
+      const double patch_rad = spec_.parameters.beam_width_across_rad * footprint_.widening(index);
       const auto add = [&](double path_m, double spread_m2, double scattered, double cosine) {
         RayEcho echo;
         echo.range_m = static_cast<float>(0.5 * path_m);

@@ -18,8 +18,9 @@ struct SimplexNodes {
   std::array<std::uint32_t, N + 1> keys;
 };
 
-/// A lattice of simplices, skewed so that it has no preferred direction (Perlin 2001, "Noise hardware"; from memory):
-/// N + 1 nodes instead of the 2^N of a cube. The squared correlation of the noise at two points is 0.30 at a distance
+/// A lattice of simplices, skewed so that it has no preferred direction (Perlin 2001, "Noise hardware", not consulted;
+/// the skew is that of opensimplex 0.4.5 in 2, 3 and 4 dimensions): N + 1 nodes instead of the 2^N of a cube. The
+/// squared correlation of the noise at two points is 0.30 at a distance
 /// of half a unit, at most 0.02 at one unit and 0 beyond 1.5 units (averages over positions; N = 3 and 5).
 template <std::size_t N>
 SimplexNodes<N> simplex_nodes(const std::array<double, N>& point, std::uint32_t key) {

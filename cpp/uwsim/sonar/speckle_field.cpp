@@ -87,14 +87,14 @@ EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<con
   return {base + mean.matrix(), (squares * share - mean.square()).max(0.0f).sqrt().matrix()};
 }
 
-SpeckleField::SpeckleField(std::uint64_t seed, const SonarFigures& figures)
-    : key_(mixed(seed ^ mixed(std::bit_cast<std::uint64_t>(figures.frequency_hz)))) {
+SpeckleField::SpeckleField(std::uint64_t seed, const SonarParameters& parameters)
+    : key_(mixed(seed ^ mixed(std::bit_cast<std::uint64_t>(parameters.frequency_hz)))) {
   for (std::size_t level = 0; level < across_.size(); ++level) {
     across_[level] = static_cast<std::uint32_t>(mixed(key_ + level));
     within_[level] = static_cast<std::uint32_t>(mixed(key_ + level) >> 32);
   }
-  const double within_m = half_array_m(kLineArray / figures.beam_width_across_rad, figures.frequency_hz);
-  const double across_m = half_array_m(kLineArray / figures.beam_width_along_rad, figures.frequency_hz);
+  const double within_m = half_array_m(kLineArray / parameters.beam_width_across_rad, parameters.frequency_hz);
+  const double across_m = half_array_m(kLineArray / parameters.beam_width_along_rad, parameters.frequency_hz);
   nodes_m_ = kIntensity * Eigen::Vector3d(std::max(within_m, across_m), within_m, across_m);
 }
 

@@ -39,7 +39,7 @@ class SpeckleField {
   using LevelKeys = std::array<std::uint32_t, 64>;
 
   /// Different frequencies have different speckle.
-  SpeckleField(std::uint64_t seed, const SonarFigures& figures);
+  SpeckleField(std::uint64_t seed, const SonarParameters& parameters);
 
   /// The field as seen by one ping; valid during the lifetime of the field.
   class View {

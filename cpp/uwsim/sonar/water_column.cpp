@@ -80,8 +80,12 @@ double AcousticMultibeam::reverberation(const Transmission& sent, std::size_t be
   const double range = std::max(range_m, 0.01);
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   const double depth_m = std::max(0.0, sent.depth_m - range * axis_world.z());
-  return volume_strength_ * spec_.figures.beam_solid_angle_sr() * footprint_.widening(beam) * sent.cell_m /
+  return volume_strength_ * spec_.parameters.beam_solid_angle_sr() * footprint_.widening(beam) * sent.cell_m /
          (range * range) * lost(sent, depth_m, 2 * range);
+}
+
+double AcousticMultibeam::background(const Transmission& sent, std::size_t beam, double range_m) const {
+  return footprint_.widening(beam) + detector_.system_ratio() * reverberation(sent, beam, range_m);
 }
 
 void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_t beam,
@@ -125,9 +129,9 @@ void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_
       const std::uint64_t index = k * static_cast<std::uint64_t>(cells) + static_cast<std::uint64_t>(cell);
       speckle -= std::log(hashed_uniform(mixed(key + index)));
     }
-    const double mean = detector_.system_ratio() * power[k] + 1;
+    const double mean = detector_.system_ratio() * power[k] + footprint_.widening(beam);
     ping.water_column_db[beam * sent.samples + k] =
-        static_cast<float>(10 * std::log10(mean * speckle / cells) - figure_db_);
+        static_cast<float>(10 * std::log10(mean * speckle / cells) - lossless_snr_db_);
   }
 }
 

@@ -214,7 +214,7 @@ void over_with_motion(const WaveBlock* waves, std::size_t count, const CrestBloc
   motion.store(sums);
 }
 
-constexpr WaveSumKernels kSumKernels = {crests, motion, surface, over<true>, over_with_motion, over<false>};
+constexpr WaveSumKernels kKernels = {crests, motion, surface, over<true>, over_with_motion, over<false>};
 
 }  // namespace
 }  // namespace uwsim

@@ -28,7 +28,8 @@ struct WaveComponent {
 /// significant height (4 sqrt(m0)). phi = tanh(k h)^2 / (1 + 2 k h / sinh(2 k h)) is the factor of Kitaigorodskii et
 /// al. 1975 (J. Phys. Oceanogr. 5:410), with which the spectrum in wave numbers does not depend on the depth: It is 1
 /// in deep water, where this is the JONSWAP spectrum, and omega^2 h / (2 g) in shallow water, where it moves the peak
-/// to slightly higher frequencies. For wind seas on water of constant depth; all sources from memory.
+/// to slightly higher frequencies. For wind seas on water of constant depth. A test compares both spectra with the
+/// package wavespectra 4.9.0.
 ///
 /// The spectrum is truncated at about 11 omega_p, where the second moment m2 is 0.8 % too small, or at 42 rad/s, where
 /// gravity waves end; for peak periods below 2 s, m2 is therefore smaller still. Each component has the energy and the

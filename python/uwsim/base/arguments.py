@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,14 @@ def number(value: Any, name: str, unit: str = "") -> float:
             pass
     shown = f"{value!r:.60}"
     raise ValueError(f"{name} = {shown}: must be a number{f' [{unit}]' if unit else ''}")
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Return whether a decoded value is a finite number. A boolean is none, nor a whole number beyond a float's range.
+
+    `math.isfinite` and `float` raise OverflowError for such a whole number.
+    """
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def require_positive(step: str = "", /, **values: float) -> None:

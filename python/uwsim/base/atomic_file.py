@@ -9,6 +9,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from uwsim.base.own_files import mark, mark_temporary, require_own
+
 _unfinished: set[str] = set()
 
 
@@ -30,13 +32,16 @@ def unfinished(folder: Path) -> Iterator[None]:
         _unfinished.discard(name)
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes, *, replaces_any: bool = False) -> None:
     """Write a temporary file next to the target, flush it to disk and rename it.
 
-    On failure, raises OSError that names the target, and leaves no temporary file behind.
+    An existing file is replaced only if it is empty or our own (see own_files.py), unless replaces_any, for a user who
+    has asked for it. On failure, raises OSError that names the target, and leaves no temporary file behind.
     """
     if path.exists() and not path.is_file() and not path.is_dir():  # a rename would replace a device
         raise OSError(f"'{path}': cannot be written: it is not a regular file")
+    if not replaces_any:
+        require_own(path)
     try:
         _write_and_rename(path, content)
     except OSError as error:
@@ -48,11 +53,13 @@ def _write_and_rename(path: Path, content: bytes) -> None:
     _unfinished.add(name)
     try:
         with os.fdopen(descriptor, "wb") as file:
+            mark_temporary(descriptor)
             os.fchmod(file.fileno(), 0o644)
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
         Path(name).replace(path)
+        mark(path)
     except BaseException:
         with contextlib.suppress(OSError):  # report the first error, not this one
             Path(name).unlink()

@@ -34,7 +34,6 @@ EXTRA_OF = {
     "xarray": "tables",
     "textual": "teleop",
     "pygame": "gamepad",
-    "ompl": "planning",
     "gymnasium": "gym",
     "cma": "learn",
     "pettingzoo": "multi",

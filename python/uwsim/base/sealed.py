@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 from uwsim.base.did_you_mean import did_you_mean
 
@@ -46,3 +46,19 @@ class Sealed:
         if callable(getattr(owner, name, None)):
             return f"{attribute}: cannot be assigned; it is a method: call it"
         return f"{attribute}: cannot be assigned; it is fixed when {owner._fixed_when}"
+
+
+class Attached(Sealed):
+    """Base for Sealed objects that are part of a running simulator, and therefore cannot be copied or pickled."""
+
+    _copied_by: ClassVar[str] = "keep the values that it returns, or transfer its simulator's save_state()"
+    """Advice, shown to a user who tries."""
+
+    def __copy__(self) -> NoReturn:
+        raise TypeError(f"a {type(self).__name__} cannot be copied or pickled: {self._copied_by}")
+
+    def __deepcopy__(self, memo: object) -> NoReturn:
+        self.__copy__()
+
+    def __reduce__(self) -> NoReturn:
+        self.__copy__()

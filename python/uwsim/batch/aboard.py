@@ -14,8 +14,8 @@ from uwsim.instruments.cameras.shared_scene import SharedScene
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.scenario import VehicleEntry
 from uwsim.scenario.build.control import ControlSettings
-from uwsim.simulator.command_gate import FailsafeLike
 from uwsim.simulator.network import Network
+from uwsim.simulator.programs import FailsafeLike
 from uwsim.simulator.simulator import Simulator
 
 
@@ -95,12 +95,7 @@ class MemberAboard(Simulator):
         """Return whether anything is due within this many steps."""
         return self.agenda.due_tick < self.tick + steps
 
-    def has_gate(self, vehicle: str) -> bool:
-        """Return whether all stop, a failsafe or a hold may act on a vehicle's commands."""
-        gate = self.vehicles[vehicle].gate
-        return gate.all_stopped or gate.failsafe is not None or (gate.holds is not None and gate.holds.has_control)
-
-    def tell(
+    def convert(
         self, vehicle: int, sensor: int, noise: bool, values: NDArray[np.float64], valid: NDArray[np.bool_]
     ) -> None:
         """Convert a sample to the sensor's reading, like Sensor.read.

@@ -62,7 +62,7 @@ class CommandedBatch(Sealed):
     def _drive(self, vehicle: int, efforts: NDArray[np.generic]) -> None:
         self._core.set_efforts(vehicle, efforts)
         self._note_driven(vehicle, efforts)
-        self._programs.hear(self._names[vehicle], lambda k, rov: rov.set_effort(*efforts[k].tolist()))
+        self._programs.apply(self._names[vehicle], lambda k, rov: rov.set_effort(*efforts[k].tolist()))
 
     def set_wrench(
         self, force_body_n: ArrayLike, torque_body_nm: ArrayLike = (0.0, 0.0, 0.0), vehicle: str | None = None
@@ -75,7 +75,7 @@ class CommandedBatch(Sealed):
             arguments.require_finite(values, name)
         self._core.set_wrenches(index, np.hstack([forces, torques]))
         self._note_driven(index, forces, torques)
-        self._programs.hear(self._names[index], lambda k, rov: rov.set_wrench(forces[k].tolist(), torques[k].tolist()))
+        self._programs.apply(self._names[index], lambda k, rov: rov.set_wrench(forces[k].tolist(), torques[k].tolist()))
 
     def set_thrusters(self, commands: Mapping[str, ArrayLike], vehicle: str | None = None) -> None:
         """Set thrusters in [-1, 1] by name, (n,) or one value for all, like Vehicle.set_thrusters.
@@ -88,7 +88,7 @@ class CommandedBatch(Sealed):
         values = self._by_name(commands, "thrusters", known)
         self._core.set_thrusters(index, list(commands), values)
         self._note_driven(index, values)
-        self._programs.hear(self._names[index], lambda k, rov: rov.set_thrusters(_row(commands, values, k)))
+        self._programs.apply(self._names[index], lambda k, rov: rov.set_thrusters(_row(commands, values, k)))
 
     def set_fins(self, angles_rad: Mapping[str, ArrayLike], vehicle: str | None = None) -> None:
         """Set fin deflections [rad] by name, (n,) or one value for all, like Vehicle.set_fins.
@@ -100,7 +100,7 @@ class CommandedBatch(Sealed):
         known = [name for name, _ in self._core.member(0).fin_angles_rad(index)]
         values = self._by_name(angles_rad, "fins", known)
         self._core.set_fins(index, list(angles_rad), values)
-        self._programs.hear(self._names[index], lambda k, rov: rov.set_fins(_row(angles_rad, values, k)))
+        self._programs.apply(self._names[index], lambda k, rov: rov.set_fins(_row(angles_rad, values, k)))
 
     def all_stop(self, on: bool = True, *, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
         """Stop thrusters and centre fins, overriding all commands until called with False, like Vehicle.all_stop.

@@ -26,12 +26,15 @@ from uwsim.batch.results import (
 )
 from uwsim.instruments.cameras.effects import effects_on
 from uwsim.instruments.cameras.together import Together
+from uwsim.scenario import Scenario
 from uwsim.scenario.spec.camera import LARGEST_SIDE
+from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 
 
 class InstrumentedBatch(CommandedBatch):
     """The part of uwsim.Batch that reads instruments. vehicle: by default each member's first. Raises ValueError."""
 
+    scenario: Scenario
     threads: int
     _members: Members
 
@@ -62,11 +65,14 @@ class InstrumentedBatch(CommandedBatch):
             rule = f"must be one of {', '.join(names)}{did_you_mean(str(sensor), names)}"
             raise ValueError(f"{self._names[index]}.sensors[{sensor!r}]: {rule}")
         key = index, names.index(sensor)
+        if isinstance(sensor_kind(self.scenario.vehicles[index].model.sensors[sensor].kind), DerivedKind):
+            rule = "is of a kind in Python: read it in batch.aboard(k)"
+            raise ValueError(f"{self._names[index]}.sensors[{sensor!r}]: {rule}")
         if key not in self._samples:
             self._samples[key] = sample_buffers(self.n, _core.sensor_kind(sensors[key[1]].kind).fields)
         samples = self._samples[key]
         self._core.read_sensor(*key, noise, *samples.writable)
-        self._programs.tell(*key, noise, samples)
+        self._programs.convert(*key, noise, samples)
         return samples.shown
 
     def ping(self, vehicle: str | None = None) -> BatchPings:

@@ -78,10 +78,10 @@ class Programs:
         """Yield the index of each member that has a MemberAboard, with one of its vehicles."""
         return ((k, aboard.vehicles[vehicle]) for k, aboard in self._aboard.items())
 
-    def hear(self, vehicle: str, command: Callable[[int, Vehicle], object]) -> None:
+    def apply(self, vehicle: str, command: Callable[[int, Vehicle], object]) -> None:
         """Call command(k, vehicle) in members where all stop, a failsafe or a hold may affect the command."""
         for k, aboard in self._aboard.items():
-            if aboard.has_gate(vehicle):
+            if aboard.vehicles[vehicle].helm.is_watched:
                 command(k, aboard.vehicles[vehicle])
 
     def step(self, steps: int) -> None:
@@ -110,11 +110,11 @@ class Programs:
         if mistakes:
             raise ValueError(mistakes[0])
 
-    def tell(self, vehicle: int, sensor: int, noise: bool, samples: Buffers[BatchSamples]) -> None:
+    def convert(self, vehicle: int, sensor: int, noise: bool, samples: Buffers[BatchSamples]) -> None:
         """Modify samples in place where a member's sensor is off or has failed."""
         values, _, valid = samples.writable
         for k, off in self._off.items():
             if k not in self._aboard and (vehicle, sensor) in off:
                 values[k], valid[k] = np.nan, False
         for k, aboard in self._aboard.items():
-            aboard.tell(vehicle, sensor, noise, values[k], valid[k : k + 1])
+            aboard.convert(vehicle, sensor, noise, values[k], valid[k : k + 1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hmac
 import ipaddress
 import logging
@@ -16,9 +17,12 @@ from urllib.parse import parse_qs, urlsplit
 
 from websockets.http11 import Request
 
+from uwsim.bridges.rare_log import RareLog
+
 LOOPBACK_PAGE = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?", re.IGNORECASE)
 ORIGIN = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*://[^/?#@\s]*)/?")
 REFUSALS_LOGGED = 20
+WRONG_S, WRONG_MAX_S = 1.0, 5.0
 
 logger = logging.getLogger("uwsim.bridges.admission")
 
@@ -92,10 +96,14 @@ def check_token(token: str | None) -> None:
 
 def has_token(request: Request, token: str) -> bool:
     """Return whether a request carries the token: `?token=...` in the URL, or `Authorization: Bearer ...`."""
+    return any(hmac.compare_digest(text.encode(), token.encode()) for text in offered_tokens(request))
+
+
+def offered_tokens(request: Request) -> list[str]:
+    """Return the tokens that a request carries."""
     offered = parse_qs(urlsplit(request.path).query).get("token", [])
     bearer = request.headers.get_all("Authorization")
-    offered += [value.removeprefix("Bearer ") for value in bearer if value.startswith("Bearer ")]
-    return any(hmac.compare_digest(text.encode(), token.encode()) for text in offered)
+    return offered + [value.removeprefix("Bearer ") for value in bearer if value.startswith("Bearer ")]
 
 
 class Admission:
@@ -107,6 +115,19 @@ class Admission:
         self.token = token
         self._places = places
         self._logged: set[str] = set()
+        self._rare = RareLog(logger)
+        self._waiting = 0  # wrong tokens that are not yet answered
+
+    async def delay_wrong_token(self, request: Request, address: str) -> None:
+        """Log a wrong token, and wait: WRONG_S after the answer to the one before, so that guessing takes long."""
+        if self.token is None or not offered_tokens(request) or has_token(request, self.token):
+            return
+        self._rare.warning(f"a wrong token came from {address}")
+        self._waiting += 1
+        try:
+            await asyncio.sleep(min(WRONG_S * self._waiting, WRONG_MAX_S))
+        finally:
+            self._waiting -= 1
 
     def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
         """Return the reason to refuse a request, or None. Refusals are logged.

@@ -13,10 +13,11 @@ from uwsim import _core
 from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.bridges.admission import warn_beyond_loopback
 from uwsim.bridges.rare_log import RareLog
+from uwsim.bridges.servo_frames import frame_of, servo_motors, thrusters_of, unpacked
 from uwsim.live import LiveSimulator
-from uwsim.live.command_log import Entry
 from uwsim.scenario import Scenario
-from uwsim.simulator.servo_frames import FRAME_BYTES, frame_of, servo_motors, thrusters_of, unpacked
+from uwsim.simulator.helm import Clock, Lease, Source, Timeout
+from uwsim.simulator.lockstep import FRAME_BYTES
 from uwsim.simulator.simulator import Simulator
 
 PORT = 9002
@@ -121,7 +122,9 @@ class ArduSub:
         self._reported = self._exchange.counts
         self._set: dict[str, int] = {}
         self._auxiliary: dict[str, int] = {}
-        self._since_s = time.monotonic()  # time of the last frame
+        self._lease: Lease | None = None
+        limit_s = patience_s if self._live is None else SILENT_S
+        self._silence = Timeout(Clock.LOCKSTEP, lambda: max(limit_s, 1e-9), heard_ns=time.monotonic_ns())
         self._is_silent = False
 
     @property
@@ -176,48 +179,48 @@ class ArduSub:
         if not self._rov.released:
             self._command("undock")
         self._sim.lockstep.attach(self._advance)
-        self._rov.gate.autopilot = "ArduSub"
-        self._since_s = time.monotonic()
+        self._lease = self._rov.helm.take(Source.AUTOPILOT, "ArduSub")
+        self._silence.heard_ns = time.monotonic_ns()
 
     def _detach(self) -> None:
         self._sim.lockstep.detach()
-        self._rov.gate.autopilot = ""
+        if self._lease is not None:
+            self._lease.end()
         self._command("set_effort")
         self._reported, self._exchange = self.counts, None
 
     def _command(self, name: str, **arguments: object) -> None:
-        """Issue a command on the stepping thread, so that a live simulator also logs it."""
-        if self._live is not None and self._live.running:
-            self._live.command(name, vehicle=self.vehicle, **arguments).result()
-            return
-        self._rov.command(name, **arguments)
-        if self._live is not None:
-            self._live.log.append(Entry(self._sim.tick, name, {"vehicle": self.vehicle, **arguments}))
+        """Issue a command between two steps."""
+        if self._live is None:
+            self._rov.command(name, **arguments)
+        else:
+            self._live.command_now(name, vehicle=self.vehicle, **arguments)
 
     def _advance(self, steps: int) -> None:
         """Make one step for each frame. In a live simulator, this ends early if the firmware is silent."""
         while steps:
             made = self._run(steps)
             steps -= made
-            silent_s = 0.0 if made else time.monotonic() - self._since_s
+            is_silent = not made and not self._silence.left_ns(time.monotonic_ns())
             if not made and self._live is not None:
-                self._note_silence(silent_s)
+                if is_silent:
+                    self._note_silence()
                 return
-            if silent_s > self._patience_s:
+            if is_silent:
                 where = f"since {self._sim.time_s:.4f} s" if self.peer else f"on UDP {self.address}"
                 raise SilentAutopilotError(f"ArduSub: no frame {where} for {self._patience_s:g} s: is it running?")
 
     def _run(self, steps: int) -> int:
         """Return the number of steps made."""
         self._set_auxiliary()
-        tick, gate = self._sim.tick, self._rov.gate
+        tick, helm = self._sim.tick, self._rov.helm
         patience_s = min(LIVE_PATIENCE_S, self._patience_s)
         assert self._exchange is not None
-        frames, changed = self._exchange.run(self._core, min(steps, STEPS_AT_ONCE), patience_s, gate.admits_autopilot())
+        frames, changed = self._exchange.run(self._core, min(steps, STEPS_AT_ONCE), patience_s, helm.admit_frames())
         self._report()
         if not frames:
             return 0
-        gate.notice_autopilot()
+        helm.note_command()
         self._sim.journal.note(SERVO_FRAMES, vehicle=self.vehicle, frame=self.frame, from_tick=tick, frames=frames)
         if changed:
             last = unpacked(frames)[-1]
@@ -225,7 +228,7 @@ class ArduSub:
             self._auxiliary = {name: int(last[output - 1]) for name, output in outputs.items() if output is not None}
         if self._is_silent:
             logger.warning("ArduSub: frames arrive again: the world continues")
-        self._since_s, self._is_silent = time.monotonic(), False
+        self._silence.heard_ns, self._is_silent = time.monotonic_ns(), False
         return len(frames) // FRAME_BYTES
 
     def _set_auxiliary(self) -> None:
@@ -249,8 +252,8 @@ class ArduSub:
         except ValueError as error:
             self._log.warning(f"ArduSub: {error}")
 
-    def _note_silence(self, silent_s: float) -> None:
-        if silent_s > SILENT_S and not self._is_silent:
+    def _note_silence(self) -> None:
+        if not self._is_silent:
             self._is_silent = True
             if self.peer:
                 logger.warning("ArduSub: no frame for %g s: the world is paused at %.4f s", SILENT_S, self._sim.time_s)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from contextlib import suppress
 from functools import partial
 from types import TracebackType
 from typing import Any, Self
 
-from uwsim.bridges.answers import Answer, Lane
-from uwsim.channels import Channel, Service, keep_up, require_live
-from uwsim.channels.feed import Feed, Reading, Readings
+from uwsim.bridges.answers import Answer, Lane, outcome
+from uwsim.channels import Channel, Service, require_live, start_updates
+from uwsim.channels.delivery.feed import Feed, Reading, Readings
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 
 COMMAND_BYTES_MAX = 1 << 20
@@ -51,14 +53,14 @@ class Bridge:
         self.services = {service.name: service for service in services}
         self.is_closed = False
         self._usual = Lane(f"uwsim-{name}-service", SERVICE_THREADS, self.log, open_calls)
-        self._vital = Lane(f"uwsim-{name}-vital", 1, self.log, open_calls)
+        self._vital = Lane(f"uwsim-{name}-vital", 1, self.log)
         self._lock = threading.Lock()
         self._ends: dict[str, Callable[[], None]] = {}  # functions that stop reading, by channel
-        self._going_on: list[Subscription] = []
+        self._updates: list[Subscription] = []
 
-    def keep_up(self) -> None:
+    def start_updates(self) -> None:
         """Start the work that channels do even when they are not being read. Subclass constructors call this last."""
-        self._going_on = keep_up(self.live, self.outputs.values())
+        self._updates = start_updates(self.live, self.outputs.values())
 
     def close(self) -> bool:
         """Stop readings, commands and calls; return whether this was the first call to `close`."""
@@ -66,7 +68,7 @@ class Bridge:
             was_open, self.is_closed = not self.is_closed, True
             ends = list(self._ends.values())
             self._ends.clear()
-        for end in (*ends, *(subscription.cancel for subscription in self._going_on)):
+        for end in (*ends, *(subscription.cancel for subscription in self._updates)):
             end()
         self._usual.close()
         self._vital.close()
@@ -119,11 +121,10 @@ class Bridge:
     def apply(self, channel: Channel, message: Any) -> None:
         """Apply a command. Raises ValueError or RuntimeError."""
         live = require_live(self.live)
-        if channel.rights is not None:
-            channel.rights.require(channel.name)
-        channel.apply(live, message)
-        if channel.watch is not None:
-            channel.watch.commanded(live, channel, self.peer)
+        if channel.authority.door is None:
+            channel.apply(live, message)
+        else:
+            channel.authority.door.apply(live, channel, message, self.peer)
 
     def receive(self, channel: Channel, data: bytes, decode: Callable[[bytes, str], Any]) -> None:
         """Decode a command and apply it, or call `refuse` with the error."""
@@ -142,31 +143,44 @@ class Bridge:
 
     def abandon(self, channel: Channel) -> None:
         """Notify a channel that the last peer to send commands on it has gone."""
-        if channel.abandoned is None or self.live is None:
+        if channel.authority.door is None or self.live is None:
             return
         try:
-            if channel.watch is not None:
-                channel.watch.left(self.live, channel)
-            else:
-                channel.abandoned(self.live)
+            channel.authority.door.left(self.live, channel)
         except (ValueError, RuntimeError) as error:
             self.log.warning("topic '%s': %s", channel.name, error)
 
     def call(self, service: Service, request: dict[str, Any], answer: Answer) -> None:
         """Call a service on a separate thread, because it may block waiting for steps, and answer from that thread.
 
-        Vital services have their own thread, so that no other call delays them. Raises ValueError or RuntimeError.
+        Vital services are called at once, so that no other call delays them and they keep their order. Raises
+        ValueError or RuntimeError.
         """
         require_live(self.live)
-        lane = self._vital if service.is_vital else self._usual
-        lane.submit(partial(self.respond, service, request), answer)
+        if not service.is_vital:
+            self._usual.submit(partial(self.respond, service, request), answer)
+            return
+        succeeded, found = outcome(lambda: self._begin(service, request), self.log)
+        if not isinstance(found, Future):
+            answer(succeeded, found)
+            return
+
+        def finish(done: Future[Any]) -> None:  # on the simulator's thread, which an answer could block
+            with suppress(RuntimeError):  # closed
+                self._vital.submit(done.result, answer)
+
+        found.add_done_callback(finish)
 
     def respond(self, service: Service, request: dict[str, Any]) -> dict[str, Any]:
         """Call a service on this thread and return the response, which is a refusal if the caller lacks the right."""
+        found = self._begin(service, request)
+        return found.result() if isinstance(found, Future) else found
+
+    def _begin(self, service: Service, request: dict[str, Any]) -> dict[str, Any] | Future[dict[str, Any]]:
         live = require_live(self.live)
         try:
-            if service.rights is not None:
-                service.rights.require(service.name, request)
+            if service.permit is not None:
+                service.permit(service.name, request)
         except ValueError as error:
             return {"success": False, "message": str(error)}
         return service.call(live, request)

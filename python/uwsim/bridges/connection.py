@@ -9,10 +9,12 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode, Frame, Opcode
 
+from uwsim.bridges.places import HALF_OPEN_S, HalfOpen
+
 READ_BYTES = 1 << 13  # bytes per read; enough for a thousand frames without content
 CONTINUATIONS = 1000  # frames per message
 UNREAD_PONGS_BYTES = 1 << 20
-HEAD_S = 5.0  # time limit for the TLS handshake and for request headers
+SWEEP_LATER_S = 0.01  # so that the sweep finds the connection too old
 GOING_S = 2.0  # time limit for the closing handshake
 REASON_BYTES = 123  # RFC 6455, section 5.5
 
@@ -21,13 +23,14 @@ class HeardConnection(ServerConnection):
     """A connection that tracks the time since anything, including replies to pings, was received.
 
     silent_s: seconds without received data, incremented by the server, excluding time during which the event loop was
-    blocked. most: maximum number of connections to the server, including half-open ones; further connections are
-    aborted.
+    blocked. half_open: the server's connections that have not yet sent a request. most: maximum number of connections
+    to the server, including half-open ones; further connections are aborted.
     """
 
     silent_s = 0.0
     most: ClassVar[int]
     made: ClassVar[set[HeardConnection]]
+    half_open: ClassVar[HalfOpen[HeardConnection]]
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
@@ -40,18 +43,16 @@ class HeardConnection(ServerConnection):
         if hasattr(transport, "max_size"):
             transport.max_size = READ_BYTES
         self.made.add(self)
+        self.half_open.add(self)  # may abort the one that came first
         if len(self.made) > self.most:
             self.transport.abort()
-        self.loop.call_later(HEAD_S, self._require_head)
+        self.loop.call_later(HALF_OPEN_S + SWEEP_LATER_S, self.half_open.sweep)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Make room for a new connection."""
+        self.half_open.discard(self)
         self.made.discard(self)
         super().connection_lost(exc)
-
-    def _require_head(self) -> None:
-        if self.request is None:
-            self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
         """Record that the client is alive. A client that keeps pinging without reading the replies is disconnected."""
@@ -72,6 +73,11 @@ class HeardConnection(ServerConnection):
                 return
         super().process_event(event)
 
+    def abort(self) -> None:
+        """Close at once, and make room for a new connection."""
+        self.made.discard(self)
+        self.transport.abort()
+
     async def dismiss(self, reason: str) -> None:
         """Close with a reason, even in the middle of a message, without waiting long for a client that may not read."""
         reason = reason.encode()[:REASON_BYTES].decode(errors="ignore")
@@ -86,4 +92,5 @@ class HeardConnection(ServerConnection):
 
 def connections_of_one_server(most: int) -> type[HeardConnection]:
     """Return a connection class that allows at most this many simultaneous connections."""
-    return type("BoundedConnection", (HeardConnection,), {"most": most, "made": set()})
+    half_open: HalfOpen[HeardConnection] = HalfOpen(lambda connection: connection.abort())
+    return type("BoundedConnection", (HeardConnection,), {"most": most, "made": set(), "half_open": half_open})

@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed
 
 Frame = str | bytes
 """A WebSocket frame: str for text, bytes for binary."""
-AT_ONCE = 16  # frames after which other clients get a turn
+AT_ONCE, AT_ONCE_S = 16, 0.002  # frames, or CPU time, after which other clients get a turn
 PIECE = 1 << 18  # characters or bytes; a larger message is sent in several frames, so that no write takes long
 
 
@@ -30,6 +30,18 @@ class Allowance:
         self._left = min(self._rate, self._left + (now_s - self._seen_s) * self._rate) - amount
         self._seen_s = now_s
         return max(0.0, -self._left / self._rate)
+
+
+class Share(Allowance):
+    """Limits the CPU time that the frames of all clients take together to a fraction of a core.
+
+    A client that has taken less than an equal part of it is not delayed, whatever the others do. clients: their number.
+    """
+
+    def __init__(self, fraction: float) -> None:
+        super().__init__(fraction)
+        self.fraction = fraction
+        self.clients = 0
 
 
 class Rates(NamedTuple):
@@ -53,31 +65,35 @@ class Session(Protocol):
 
 
 async def converse(
-    connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Allowance
+    connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Share
 ) -> None:
     """Transfer frames in both directions until either side ends. share: limits the total CPU time for all clients."""
+    share.clients += 1
     writer = asyncio.create_task(_write(connection, session, wakes))
     try:
         await _read(connection, session, rates, share)
     except ConnectionClosed:
         pass
     finally:
+        share.clients -= 1
         writer.cancel()
         await asyncio.gather(writer, return_exceptions=True)
 
 
-async def _read(connection: ServerConnection, session: Session, rates: Rates, share: Allowance) -> None:
-    frames, data = Allowance(rates.frames), Allowance(rates.bytes)
-    count = 0
+async def _read(connection: ServerConnection, session: Session, rates: Rates, share: Share) -> None:
+    frames, data, own = Allowance(rates.frames), Allowance(rates.bytes), Allowance(share.fraction)
+    count, since_s = 0, 0.0
     while True:
         frame: Any = await connection.recv()
         size = len(frame)
         taking = session.take(frame)
         del frame  # freed as soon as the session no longer needs it
         worked_s = await taking
-        delay_s = max(frames.delay_after(1), data.delay_after(size), share.delay_after(worked_s))
-        count += 1
-        if delay_s or count % AT_ONCE == 0:
+        work_delay_s = min(share.delay_after(worked_s), own.delay_after(worked_s * share.clients))
+        delay_s = max(frames.delay_after(1), data.delay_after(size), work_delay_s)
+        count, since_s = count + 1, since_s + worked_s
+        if delay_s or count % AT_ONCE == 0 or since_s > AT_ONCE_S:
+            since_s = 0.0
             await asyncio.sleep(delay_s)
 
 

@@ -15,8 +15,9 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.http11 import Request, Response
 
 from uwsim.bridges.admission import Admission, is_socket, tls_context, warn_beyond_loopback
-from uwsim.bridges.connection import HEAD_S, HeardConnection, connections_of_one_server
-from uwsim.bridges.conversation import Allowance, Rates, Session, converse
+from uwsim.bridges.connection import HeardConnection, connections_of_one_server
+from uwsim.bridges.conversation import Rates, Session, Share, converse
+from uwsim.bridges.places import HALF_OPEN_MAX, HALF_OPEN_S
 from uwsim.bridges.rare_log import RareLog
 
 Site = Callable[[Request], Awaitable[Response]]
@@ -31,7 +32,6 @@ OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], Non
 """Opens a session, given a connection and the functions that wake its writer and disconnect the client."""
 
 STOP_S = 5.0
-HALF_OPEN_MAX = 64  # connections beyond `places` that have not yet sent a request
 WRITE_LIMIT = 1 << 16  # bytes in a connection's write buffer; once it is full, the session queues fill up
 
 
@@ -62,7 +62,7 @@ class Listener(Generic[S]):
         *,
         places: int,
         rates: Rates,
-        share: Allowance,
+        share: Share,
         open_session: OpenSession[S],
         main: Main | None = None,
         site: Site | None = None,
@@ -161,7 +161,7 @@ class Listener(Generic[S]):
             write_limit=WRITE_LIMIT,
             close_timeout=1,
             server_header=None,
-            ssl_handshake_timeout=HEAD_S if self._tls else None,
+            ssl_handshake_timeout=HALF_OPEN_S if self._tls else None,
             **self._options,
         )
 
@@ -171,6 +171,9 @@ class Listener(Generic[S]):
         self._rare.warning(f"{context['message']}: {error}" if error else str(context["message"]))
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+        assert isinstance(connection, HeardConnection)
+        connection.half_open.discard(connection)
+        await self._admission.delay_wrong_token(request, str((connection.remote_address or ("?",))[0]))
         asks_site = self._site is not None and not is_socket(request)
         reason = self._admission.refusal(request, clients=None if asks_site else len(self.sessions))
         if reason is not None:

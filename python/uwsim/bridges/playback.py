@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
 from uwsim.bridges.played_feed import PlayedFeed, channels_of
+from uwsim.bridges.plug import Context
+from uwsim.bridges.requested import Bridges
 from uwsim.bridges.rosbridge.server import RosbridgeServer
-from uwsim.channels import Channel
 from uwsim.recording.pacer import Pacer
 from uwsim.recording.reader import Recording
 
 SETTLE_S = 0.5  # time for the last messages to reach the clients
-
-Join = Callable[[ExitStack, Sequence[Channel], PlayedFeed], Sequence[str]]
-"""Opens further bridges for channels and their feed, closed with the stack; returns their addresses as text."""
 
 
 def play(
@@ -27,7 +25,7 @@ def play(
     from_s: float = 0.0,
     until_s: float | None = None,
     wait: bool = False,
-    join: Join = lambda stack, channels, feed: (),
+    bridges: Bridges | None = None,
     say: Callable[[str], object] = lambda text: None,
     **access: Any,
 ) -> None:
@@ -35,13 +33,13 @@ def play(
 
     from_s, until_s: the simulated times to play. Latched messages from before from_s are sent immediately. wait:
     whether to wait for the first rosbridge client or the first subscriber on another bridge. access: host, origins,
-    token, certfile and keyfile, as in RosbridgeServer.
+    token, certfile and keyfile, as in RosbridgeServer. bridges: further bridges, prepared.
     """
     feed = PlayedFeed(channels_of(recording))
     channels = list(feed.channels.values())
     with ExitStack() as stack:
         server = stack.enter_context(RosbridgeServer(None, port=port, channels=channels, feed=feed, **access))
-        others = join(stack, channels, feed)
+        others = [] if bridges is None else bridges.open(stack, Context(channels, feed, access=access))
         say(", ".join((f"{recording.path} at {server.url}", *others)))
         while wait and not server.sessions and not feed.is_wanted:
             time.sleep(0.05)
@@ -59,7 +57,7 @@ def _send(recording: Recording, feed: PlayedFeed, pacer: Pacer, from_ns: int, un
             break
         if recorded.time_ns >= from_ns:
             pacer.wait(recorded.time_ns)
-        elif not channel.latched:
+        elif not channel.delivery.latched:
             continue
         feed.play(channel, recorded)
         sent += 1

@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from uwsim.bridges.played_map import PlayedMap
-from uwsim.channels import Channel
-from uwsim.channels.feed import Reading, Sink
-from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels import Channel, Delivery
+from uwsim.channels.delivery.feed import Reading, Sink
+from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.recording.commands import COMMANDS
 from uwsim.recording.mcap_sink import is_latched
-from uwsim.recording.reader import Recorded, Recording
+from uwsim.recording.messages import Recorded
+from uwsim.recording.reader import Recording
 
 logger = logging.getLogger("uwsim.bridges")
 
@@ -26,7 +27,7 @@ def channels_of(recording: Recording) -> list[Channel]:
             about = recording.metadata(info.name)
             description, latched = about.get("description", ""), is_latched(about)
             found.append(
-                Channel(info.name, info.type, "out", description, rate_hz=info.rate_hz, latched=latched)
+                Channel(info.name, info.type, "out", description, rate_hz=info.rate_hz, delivery=Delivery(latched))
             )  # fmt: skip
     return found
 
@@ -44,7 +45,7 @@ class PlayedFeed:
         for channel in channels:
             if channel.type == MAP_CHANGES:
                 grown = self._maps[channel.name] = PlayedMap()
-                channel = replace(channel, catch_up=grown.catch_up)
+                channel = replace(channel, delivery=replace(channel.delivery, catch_up=grown.catch_up))
             self.channels[channel.name] = channel
         self._lock = threading.Lock()
         self._sinks: dict[str, tuple[Sink, ...]] = {}
@@ -77,7 +78,7 @@ class PlayedFeed:
         newest = self._newest.get(channel.name)
         return newest if newest is None or channel.name not in self._maps else newest.caught_up()
 
-    def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
+    def listen_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
         """Report the recorded time [ns] to a sink once per recorded period; return a function that stops it."""
         key = object()
         self._clocks[key] = _Clock(round(1e9 * period_s), sink)
@@ -91,13 +92,13 @@ class PlayedFeed:
         """Pass a message to all sinks, and return it as a reading."""
         reading = Reading(channel, None, recorded.time_ns, 0, cdr=memoryview(recorded.data))
         if channel.name in self._maps:
-            self._maps[channel.name].take(reading)
+            self._maps[channel.name].apply(reading)
         with self._lock:
             sinks = self._sinks.get(channel.name, ())
-            if channel.latched:
+            if channel.delivery.latched:
                 self._newest[channel.name] = reading
         for clock in list(self._clocks.values()):
-            clock.tell(recorded.time_ns)
+            clock.pass_to(recorded.time_ns)
         for sink in sinks:
             try:
                 sink(reading)
@@ -118,7 +119,7 @@ class _Clock:
         self._sink = sink
         self._last: int | None = None
 
-    def tell(self, time_ns: int) -> None:
+    def pass_to(self, time_ns: int) -> None:
         """Report the time if a report is due."""
         if time_ns // self._period_ns != self._last:
             self._last = time_ns // self._period_ns

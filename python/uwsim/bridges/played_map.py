@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from uwsim.channels import build
-from uwsim.channels.feed import Reading
-from uwsim.channels.map_changes import MapChanges, Part
-from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels.delivery.feed import Reading
+from uwsim.channels.families.map_changes import MapChanges, Part
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import MAP_CHANGES
 
 
 class PlayedMap:
@@ -18,13 +18,13 @@ class PlayedMap:
         self._header: Any = None
         self._time_ns = -1
 
-    def take(self, reading: Reading) -> None:
+    def apply(self, reading: Reading) -> None:
         """Apply the next message."""
         message = reading.message
         if reading.time_ns < self._time_ns:
             self._changes.forget(message.resolution)
         self._time_ns, self._header = reading.time_ns, message.header
-        self._changes.take(Part(*(getattr(message, name) for name in Part._fields)))
+        self._changes.apply(Part(*(getattr(message, name) for name in Part._fields)))
 
     def catch_up(self, cursor: Any) -> tuple[Any, Any]:
         """Return one message with all changes since a cursor (None: since the beginning), and the next cursor."""

@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import NamedTuple, Self
 
 from uwsim.base.extras import need_extra
-from uwsim.channels.pictures import RATE_HZ
+from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.instruments.cameras import Camera, Frame
 from uwsim.live import LiveSimulator, Subscription
 from uwsim.simulator.simulator import Simulator
@@ -118,7 +118,7 @@ class VideoStream:
         """Start. Raises NotRunningError."""
         if not self._is_local:
             logger.warning("video is sent to %s, beyond this machine, in plain text", self.target)
-        self._subscription = self._live.every(1 / RATE_HZ, self._begin, self._take)
+        self._subscription = self._live.every(1 / RATE_HZ, self._begin, self._queue)
         self._thread.start()
         return self
 
@@ -142,7 +142,7 @@ class VideoStream:
         self._begun_s = now_s
         return sim.vehicles[self._vehicle].cameras[self.camera].later()
 
-    def _take(self, capture: Callable[[], Frame] | None) -> None:
+    def _queue(self, capture: Callable[[], Frame] | None) -> None:
         if capture is not None:
             self._is_idle = False
             self._waiting.put(capture)

@@ -1,17 +1,20 @@
 """Channels: a simulator's topics and services, and the messages that they carry."""
 
-from uwsim.channels.channel import Channel, Service, keep_up, require_live
-from uwsim.channels.diagnostics import diagnostics_channel
+from uwsim.channels.channel import Authority, Channel, Delivery, OverLink, Service, require_live, start_updates
+from uwsim.channels.families.diagnostics import diagnostics_channel
 from uwsim.channels.table import ORIGINS, Table, channels, services
 
 __all__ = [
     "ORIGINS",
+    "Authority",
     "Channel",
+    "Delivery",
+    "OverLink",
     "Service",
     "Table",
     "channels",
     "diagnostics_channel",
-    "keep_up",
     "require_live",
     "services",
+    "start_updates",
 ]

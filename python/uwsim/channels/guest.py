@@ -26,7 +26,8 @@ class GuestService:
     """A service that a guest offers.
 
     call: receives the caller's name and the request, and returns the response or a Future of it. It may raise
-    ValueError. is_brief: whether `call` runs on the network thread, which it must not block.
+    ValueError. is_brief: whether `call` runs on the network thread, which it must not block. fields: the names of the
+    request's fields, in order.
     """
 
     name: str
@@ -34,6 +35,7 @@ class GuestService:
     call: Callable[[str, Values], Values | Future[Values]]
     description: str = ""
     is_brief: bool = False
+    fields: tuple[str, ...] = ()
 
 
 class Node(Protocol):

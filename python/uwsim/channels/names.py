@@ -10,6 +10,7 @@ from uwsim.channels.channel import Channel, Service
 
 SHARED = frozenset({"clock", "tf", "tf_static", "diagnostics"})
 """Topics that all programs in a graph share, whatever their namespace."""
+NODE = "uwsim"
 EARLIER = {"odometry/estimate": "odometry/filtered"}
 """Names from earlier versions, by current name. The earlier name now belongs to robot_localization's output."""
 _NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
@@ -24,8 +25,14 @@ def checked_namespace(namespace: str) -> str:
 
 
 def node_name(namespace: str) -> str:
-    """Return the name of the simulator's node in a graph."""
-    return "_".join((*checked_namespace(namespace).split("/"), "uwsim")).removeprefix("_")
+    """Return the full name of the simulator's node in a graph, without the leading slash, such as "auv_1/uwsim"."""
+    return f"{checked_namespace(namespace)}/{NODE}".removeprefix("/")
+
+
+def split_node(name: str) -> tuple[str, str]:
+    """Return the namespace, such as "/auv_1" or "/", and the base name of a node's full name."""
+    namespace, _, base = name.rpartition("/")
+    return f"/{namespace}", base
 
 
 def channels_in(namespace: str, channels: Iterable[Channel]) -> list[Channel]:

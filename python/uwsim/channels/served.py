@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from uwsim.channels.diagnostics import diagnostics_channel
-from uwsim.channels.frames import Tf, clock_channel
+from uwsim.channels.families.diagnostics import diagnostics_channel
+from uwsim.channels.families.frames import Tf, clock_channel
 from uwsim.channels.table import Table, Wire
 from uwsim.live import LiveSimulator
 from uwsim.scenario import Scenario

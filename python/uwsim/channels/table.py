@@ -10,27 +10,28 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.channels import frames
-from uwsim.channels.cameras import station_cameras, vehicle_cameras
+from uwsim.channels.authority.rights import Rights
+from uwsim.channels.authority.steering import Steering, is_cut_off
+from uwsim.channels.calls.parameters import parameter_services
+from uwsim.channels.calls.services import simulation_services, stream_service, vehicle_services
 from uwsim.channels.channel import Channel, Service
-from uwsim.channels.commands import command_channels
-from uwsim.channels.estimate import estimate_channels, has_estimate
-from uwsim.channels.frames import Tf
-from uwsim.channels.imaging import imaging_channels
-from uwsim.channels.instruments import sensor_channels
-from uwsim.channels.map import PingMap
-from uwsim.channels.parameters import parameter_services
-from uwsim.channels.pictures import Pictures
-from uwsim.channels.pings import Pings
-from uwsim.channels.plain_link import plain_link_channels
-from uwsim.channels.published import TRUE_TOPICS, published_channels, station_picture
-from uwsim.channels.rights import Rights
-from uwsim.channels.scans import scan_channels
-from uwsim.channels.services import simulation_services, stream_service, vehicle_services
+from uwsim.channels.delivery.pictures import Pictures
+from uwsim.channels.families import frames
+from uwsim.channels.families.cameras import station_cameras, vehicle_cameras
+from uwsim.channels.families.commands import command_channels
+from uwsim.channels.families.estimate import estimate_channels, has_estimate
+from uwsim.channels.families.frames import Tf
+from uwsim.channels.families.imaging import imaging_channels
+from uwsim.channels.families.instruments import sensor_channels
+from uwsim.channels.families.map import PingMap
+from uwsim.channels.families.pings import Pings
+from uwsim.channels.families.plain_link import plain_link_channels
+from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
+from uwsim.channels.families.scans import scan_channels
+from uwsim.channels.families.telemetry import telemetry_channel
+from uwsim.channels.families.water_column import water_column_channels
 from uwsim.channels.source import Source
-from uwsim.channels.steering import Steering, is_cut_off
-from uwsim.channels.telemetry import telemetry_channel
-from uwsim.channels.water_column import water_column_channels
+from uwsim.simulator.helm import Helm
 from uwsim.simulator.simulator import Simulator
 
 Wire = Literal["standard", "published", "both"]
@@ -81,8 +82,13 @@ class Table:
         self.maps = {
             source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
         }
-        self.rights = Rights()
-        self.steering = {source.name: Steering(source, self.rights) for source in self.sources}
+        helms = {source.name: source.of(sim).helm for source in self.sources}
+        self.rights = Rights(helms.values())
+        shores = helms if sim.link is None else {name: Helm(name, lambda: None) for name in helms}
+        self.steering = {
+            source.name: Steering(source, self.rights, helms[source.name], shores[source.name])
+            for source in self.sources
+        }
         self.channels: list[Channel] = self._published(sim) if wire != "standard" else []
         self.published = frozenset(channel.name for channel in self.channels)
         self.channels += self._standard(sim) if wire != "published" else []
@@ -125,7 +131,9 @@ class Table:
     def _vehicles(self, source: Source, channels: list[Channel]) -> list[Channel]:
         """Return a vehicle's channels, restricted by its link and by the right to command it."""
         return [
-            replace(channel, rights=self.rights) if channel.direction == "in" else channel
+            replace(channel, authority=replace(channel.authority, door=self.steering[source.name]))
+            if channel.direction == "in"
+            else channel
             for channel in over_link(source, channels)
         ]
 

@@ -2,34 +2,69 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+from uwsim.base.options import Options, need, option
 
-from uwsim.cli.bounds import readable
-from uwsim.cli.options import need
-
-Token = Annotated[str | None, typer.Option(help="Token that clients must pass: ws://HOST:PORT/?token=TOKEN.")]
-Certfile = Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.", callback=readable)]
-Keyfile = Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)]
-Page = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="Web page that may connect, in addition to this machine's own, such as https://station.example; "
-        "file:// for pages opened from files, and some desktop programs."
-    ),
-]
+TOKEN_VARIABLE, INSTRUCTOR_VARIABLE = "UWSIM_TOKEN", "UWSIM_INSTRUCTOR_TOKEN"
+"""Environment variables with tokens, which other users cannot see in the list of processes."""
+TOKEN_BYTES_MAX = 1000
 
 
-def access(
-    host: str, *, page: Sequence[str] | None, token: str | None, certfile: Path | None, keyfile: Path | None
-) -> dict[str, Any]:
-    """Return the access settings, which all servers of a command share.
+@dataclass(frozen=True)
+class Tokens(Options):
+    """The token with which clients connect."""
 
-    Raises WithoutEffectError for a keyfile without a certfile.
-    """
-    if certfile is None:
-        need("--certfile", keyfile=keyfile)
-    return {"host": host, "origins": page or (), "token": token, "certfile": certfile, "keyfile": keyfile}
+    token: str | None = option(
+        None,
+        "Token that clients must pass: ws://HOST:PORT/?token=TOKEN. All users of this machine can see the options "
+        f"of a process: prefer --token-file, or the environment variable {TOKEN_VARIABLE}.",
+    )
+    token_file: Path | None = option(None, "File with the token, in place of --token.")
+
+    def settings(self, host: str) -> dict[str, Any]:
+        """Return the access settings, which all servers of a command share.
+
+        host: the address to listen on. Raises ValueError for two tokens or a bad file.
+        """
+        return {"host": host, "token": secret("--token", self.token, self.token_file, TOKEN_VARIABLE)}
+
+
+@dataclass(frozen=True)
+class Access(Tokens):
+    """The clients that may connect, and encryption. Raises OptionError for a key without a certificate."""
+
+    certfile: Path | None = option(None, "Certificate in PEM, for wss.")
+    keyfile: Path | None = option(None, "The certificate's key in PEM.")
+    page: tuple[str, ...] = option(
+        (),
+        "Web page that may connect, in addition to this machine's own, such as https://station.example; file:// for "
+        "pages opened from files, and some desktop programs.",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.certfile is None:
+            need("--certfile", keyfile=self.keyfile)
+
+    def settings(self, host: str) -> dict[str, Any]:
+        """Return the access settings, as for Tokens."""
+        return super().settings(host) | {"origins": self.page, "certfile": self.certfile, "keyfile": self.keyfile}
+
+
+def secret(option: str, value: str | None, file: Path | None, variable: str) -> str | None:
+    """Return a token: an option's value, the content of `option`-file or an environment variable. Raises ValueError."""
+    if file is None:
+        return value if value is not None else os.environ.get(variable) or None
+    if value is not None:
+        raise ValueError(f"{option}: cannot be given with {option}-file")
+    try:
+        text = file.read_bytes()[:TOKEN_BYTES_MAX].decode().strip()
+    except (OSError, UnicodeDecodeError):
+        raise ValueError(f"{option}-file '{file}': must be a readable text file") from None
+    if not text:
+        raise ValueError(f"{option}-file '{file}': is empty")
+    return text

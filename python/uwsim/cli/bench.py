@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ast
 import inspect
+import json
 import re
 import runpy
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,13 +20,15 @@ from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.values import packaged_folder
 
+JsonFile = Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")]
+
 
 class Benchmarks(TyperGroup):
     """One command per file in the benchmarks' folder; only the benchmark that runs is imported."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the benchmarks."""
-        return sorted(path.stem for path in _folder().glob("*.py"))
+        return sorted(path.stem for path in _folder().glob("[!_]*.py"))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a benchmark's command or, for help and shell completion, an outline that is quick to build."""
@@ -32,9 +36,9 @@ class Benchmarks(TyperGroup):
         if not path.is_file():
             return None
         text = path.read_text()
-        main = _outline(text) if ctx.resilient_parsing else runpy.run_path(str(path))["main"]
         program = typer.Typer(**SETTINGS)
-        program.command(cmd_name, short_help=_first_line(text))(main)
+        command = _outline(text) if ctx.resilient_parsing else _command(path)
+        program.command(cmd_name, short_help=_first_line(text))(command)
         return typer.main.get_command(program)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
@@ -58,6 +62,7 @@ app = typer.Typer(
     invoke_without_command=True,
     callback=show_help,
     subcommand_metavar="NAME [ARGS]...",
+    rich_help_panel="Check",
     **SETTINGS,
 )
 
@@ -70,25 +75,46 @@ def _first_line(text: str) -> str:
     return text.removeprefix('"""').partition("\n")[0]
 
 
-def _outline(text: str) -> Any:
-    """Return an empty function with the options of a benchmark's `main`, all as text."""
+def _command(path: Path) -> Callable[..., None]:
+    """Return a benchmark's `main` as a command, with an option --json for the values that it returns."""
+    sys.path.append(str(path.parent))  # the benchmarks share a module
+    main = runpy.run_path(str(path))["main"]
+    options = {name: each.annotation for name, each in inspect.signature(main, eval_str=True).parameters.items()}
+
+    def run(json_file: Path | None, **given: Any) -> None:
+        figures = main(**given)
+        if json_file is not None:
+            json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+    run.__doc__ = main.__doc__
+    defaults = {name: each.default for name, each in inspect.signature(main).parameters.items()}
+    return _with_options(run, options | {"json_file": JsonFile}, defaults)
+
+
+def _outline(text: str) -> Callable[..., None]:
+    """Return an empty function with the options of a benchmark, all as text."""
 
     def main() -> None: ...
 
-    found = dict(_options(text))
+    return _with_options(main, dict(_options(text)) | {"json_file": Annotated[str | None, typer.Option("--json")]}, {})
+
+
+def _with_options(
+    function: Callable[..., None], options: Mapping[str, Any], defaults: Mapping[str, Any]
+) -> Callable[..., None]:
     parameters = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
-        for name, annotation in found.items()
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=defaults.get(name), annotation=annotation)
+        for name, annotation in options.items()
     ]
-    main.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    main.__annotations__ = found
-    return main
+    function.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    function.__annotations__ = dict(options)
+    return function
 
 
 def _options(text: str) -> Iterator[tuple[str, Any]]:
-    head = re.search(r"^def main\(.*?\) -> None:", text, flags=re.DOTALL | re.MULTILINE)
+    head = re.search(r"^def main\(.*?\) -> ", text, flags=re.DOTALL | re.MULTILINE)
     assert head, "a benchmark without a main"
-    (function,) = ast.parse(f"{head[0]} ...").body
+    (function,) = ast.parse(f"{head[0]}None: ...").body
     assert isinstance(function, ast.FunctionDef)
     for argument in function.args.args:
         for call in ast.walk(argument):

@@ -10,6 +10,8 @@ from typing import Any
 
 import typer
 
+from uwsim.base.options import OptionError, require_within
+
 
 class UsageError(typer.BadParameter):
     """An invalid command line; typer exits with the same code as for an unknown option."""
@@ -24,10 +26,10 @@ def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for number in value if isinstance(value, tuple) else (value,):
-            if number is not None and not low <= number <= high:
-                rule = f"must be in [{low:.12g}, {high:.12g}] {unit}".rstrip()
-                shown = f"{option_name(param)} = {str(number)[:40]} {unit}".rstrip()
-                raise UsageError(f"{shown}: {rule}")
+            try:
+                require_within(option_name(param), number, low, high, unit)
+            except OptionError as error:
+                raise UsageError(str(error)) from None
         return value
 
     check.bounds = low, high, unit  # type: ignore[attr-defined]  # read by code that lists options with bounds

@@ -9,9 +9,11 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
+from uwsim.cli.groups import under
 from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
 
 
+@under("Look")
 def camera(
     scenario: ScenarioName = "lake",
     out: Annotated[Path, typer.Option(help="The picture to write: .png or .jpg.")] = Path("camera.png"),

@@ -6,7 +6,8 @@ from typing import Any
 
 import typer
 
-from uwsim.cli.bounds import UsageError, option_name
+from uwsim.base.options import require_one_of
+from uwsim.cli.bounds import option_name
 from uwsim.cli.values import words
 
 
@@ -15,11 +16,7 @@ def one_of(*known: str) -> dict[str, Any]:
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for word in value if isinstance(value, list) else (value,):
-            if word is not None and word not in known:
-                from uwsim.base.did_you_mean import did_you_mean
-
-                rule = f"must be one of {', '.join(known)}{did_you_mean(word, known)}"
-                raise UsageError(f"{option_name(param)} = '{word[:40]}': {rule}")
+            require_one_of(option_name(param), word, known)
         return value
 
     return {"callback": check, "autocompletion": words(*known)}

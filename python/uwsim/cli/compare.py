@@ -7,27 +7,32 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from uwsim.base.sockets import load, registered
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
+from uwsim.cli.groups import under
 from uwsim.cli.options import Threads
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import scenarios, words
 
 if TYPE_CHECKING:
     from uwsim.flight.compare import Comparison
 
 
+PLANNERS = "uwsim.kinds.planner"  # entry points: missions, functions of a vehicle and of arguments with defaults
+COVERING = ("unknown_water", "frontier", "boustrophedon")  # those that cover an area
 WIDTH = 165  # width of the table if stdout is a file
 BY: dict[str, Literal["truth", "filter"]] = {"truth": "truth", "estimate": "filter"}
 
 
+@under("Fly")
 def compare(
     missions: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Missions: files, or planners: unknown_water, frontier, boustrophedon (default: these three), "
-            "pipeline, gate, wall, curves.",
+            help=f"Missions: files, or planners: {', '.join(registered(PLANNERS))}. Default: {', '.join(COVERING)}.",
             metavar="[MISSION]...",
             show_default=False,
+            autocompletion=words(*registered(PLANNERS)),
         ),
     ] = None,
     scenario: Annotated[
@@ -67,18 +72,16 @@ def compare(
     from uwsim.flight.compare import compare as fly_all
     from uwsim.flight.mission_file import parsed_arguments
     from uwsim.flight.terminal import Terminal
-    from uwsim.missions.planners.area_missions import AREA_MISSIONS
-    from uwsim.missions.planners.inspection_missions import INSPECTION_MISSIONS
 
-    known = {**AREA_MISSIONS, **INSPECTION_MISSIONS}
+    planners = registered(PLANNERS)
     chosen: dict[str, Any] = {}
-    for text in missions or AREA_MISSIONS:
+    for text in missions or COVERING:
         name = Path(text).stem
-        if text not in known and not Path(text).is_file():
-            raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(known)}")
+        if text not in planners and not Path(text).is_file():
+            raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(planners)}")
         if name in chosen:
             raise ValueError(f"mission '{text}': there is another '{name}'")
-        chosen[name] = known.get(text) or Path(text)
+        chosen[name] = load(PLANNERS, text) if text in planners else Path(text)
     try:
         numbers = [int(seed) for seed in seeds.split(",")]
     except ValueError:
@@ -95,14 +98,13 @@ def compare(
 
 def _fault(text: str) -> dict[str, Any]:
     """Parse a fault, written as in a scenario file, with or without its braces. Raises ValueError."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
+    from uwsim.base.texts.yaml_document import yaml_document
 
     try:
-        fault = YAML(typ="safe").load(text if text.lstrip().startswith("{") else f"{{{text}}}")
-    except YAMLError:
-        fault = None
-    if not isinstance(fault, dict) or "kind" not in fault:
+        fault = yaml_document(text if text.lstrip().startswith("{") else f"{{{text}}}", "--fault").values
+    except ValueError:
+        fault = {}
+    if "kind" not in fault:
         raise ValueError(
             f"--fault {text}: must be written as in a scenario, such as 'kind: sensor, sensor: dvl, at_s: 60'"
         )

@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import readable, within, writable
+from uwsim.cli.groups import under
 
 
+@under("Scenarios and maps")
 def decompose(
     mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.", callback=readable)],
     out: Annotated[

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from uwsim.base.options import need
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import need
 from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:

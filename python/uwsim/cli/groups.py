@@ -1,35 +1,103 @@
-"""Groups of commands: the headings of `uwsim --help`, and commands with subcommands."""
+"""The commands that are registered, their headings in `uwsim --help`, and commands with subcommands."""
 
 from __future__ import annotations
 
-from typing import Any
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeVar
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
+
+from uwsim.base.sockets import is_offered, load, load_all, registered
+from uwsim.cli.flags import expanded
+from uwsim.cli.options import SETTINGS
+
+SOCKET = "uwsim.cli"
+"""The group of entry points for commands: functions, as for `typer.Typer.command`, and `typer.Typer` for groups.
+
+Those of some commands with subcommands are groups, too: `uwsim.cli.map` and `uwsim.cli.scenario`.
+"""
+OTHERS = "From other packages"
+"""The heading of commands that give none."""
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
-class CommandsByHeading(TyperGroup):
-    """A program whose --help lists each command under a heading, the command's `rich_help_panel`.
+def under(heading: str) -> Callable[[F], F]:
+    """List a command under this heading of `uwsim --help`. For a group: typer.Typer(rich_help_panel=heading)."""
 
-    Typer shows these headings only in its markup mode, which would swallow units in brackets.
-    """
+    def mark(command: F) -> F:
+        command.rich_help_panel = heading  # type: ignore[attr-defined]
+        return command
+
+    return mark
+
+
+class Program(TyperGroup):
+    """The program: each registered command is imported when it is used, and all of them for --help."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = _Commands()  # type: ignore[assignment]  # read, never written
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the commands by heading, all aligned in the same columns."""
-        shown = {name: command for name, command in self.commands.items() if not command.hidden}
+        """Write the commands by heading, all aligned in the same columns.
+
+        Typer shows headings only in its markup mode, which would swallow units in brackets.
+        """
+        shown = {name: each for name, each in load_all(SOCKET, _outline).items() if not each.hidden}
         width = max(map(len, shown))
-        for heading in dict.fromkeys(_heading(command) for command in shown.values()):
+        for heading in dict.fromkeys(_heading(each) for each in shown.values()):
             rows = [
-                (name.ljust(width), command.get_short_help_str(formatter.width - width - 6))
-                for name, command in shown.items()
-                if _heading(command) == heading
+                (name.ljust(width), each.get_short_help_str(formatter.width - width - 6))
+                for name, each in shown.items()
+                if _heading(each) == heading
             ]
             with formatter.section(heading):
                 formatter.write_dl(rows)
 
 
-def _heading(command: Any) -> str:
-    return command.rich_help_panel or "Commands"
+def _heading(outline: Any) -> str:
+    return outline.rich_help_panel or OTHERS
+
+
+class _Commands(Mapping[str, Any]):
+    """The registered commands by name, built when they are read. Raises ValueError for one that cannot be used."""
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in registered(SOCKET):
+            raise KeyError(name)
+        return load(SOCKET, name, _command)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(registered(SOCKET))
+
+    def __len__(self) -> int:
+        return len(registered(SOCKET))
+
+
+def _command(name: str, found: Any) -> Any:
+    """Return typer's command or group of what is registered under a name. Raises TypeError."""
+    program = typer.Typer(**SETTINGS)
+    if isinstance(found, typer.Typer):
+        known = {each.name for each in found.registered_commands}
+        more = load_all(f"{SOCKET}.{name}") if is_offered(f"{SOCKET}.{name}") else {}
+        for subcommand in [each for each in more if each not in known]:
+            found.command(subcommand)(more[subcommand])
+        program.add_typer(found, name=name, rich_help_panel=found.rich_help_panel)
+    elif inspect.isfunction(found):
+        program.command(name)(expanded(found))
+    else:
+        raise TypeError(f"{type(found).__name__}: must be a function or a typer.Typer")
+    return typer.main.get_group(program).commands[name]
+
+
+def _outline(name: str, found: Any) -> Any:
+    """Return a command as --help of the program lists it: without options, since building those takes longest."""
+    if not inspect.isfunction(found):
+        return _command(name, found)
+    return TyperCommand(name, help=inspect.getdoc(found), rich_help_panel=getattr(found, "rich_help_panel", None))
 
 
 def show_help(context: typer.Context) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.base.sockets import registered
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import show_help
@@ -19,10 +20,16 @@ app = typer.Typer(
     short_help="Inspect, convert, score, draw and compare maps.",
     invoke_without_command=True,
     callback=show_help,
+    rich_help_panel="Scenarios and maps",
     **SETTINGS,
 )
 
-MapFile = Annotated[Path, typer.Argument(help="A map, .bt or .ot.", callback=readable)]
+MAPS, CLOUDS, GRIDS = (
+    [f".{name}" for name in registered(f"uwsim.kinds.{kind}_file")] for kind in ("map", "cloud", "grid")
+)
+"""Suffixes of all formats; uwsim.mapping.files.formats would be slow to import."""
+
+MapFile = Annotated[Path, typer.Argument(help=f"A map, {' or '.join(MAPS)}.", callback=readable)]
 FigureFile = Annotated[Path | None, typer.Option(help="The figure to write, a PNG.")]
 MapOrigin = Annotated[
     tuple[float, float, float],
@@ -47,10 +54,12 @@ def info(source: MapFile, origin: MapOrigin = ZERO) -> None:
 @app.command()
 def convert(
     source: Annotated[
-        Path, typer.Argument(help="A map (.bt, .ot) or a cloud (.ply, .pcd, .las, .xyz).", callback=readable)
+        Path,
+        typer.Argument(help=f"A map ({', '.join(MAPS)}) or a cloud ({', '.join(CLOUDS)}).", callback=readable),
     ],
     target: Annotated[
-        Path, typer.Argument(help="The file to write: .bt .ot .ply .pcd .las .xyz, or .tif for a depth grid.")
+        Path,
+        typer.Argument(help=f"The file to write: {' '.join((*MAPS, *CLOUDS))}, or {' '.join(GRIDS)} for a depth grid."),
     ],
     cell: Annotated[
         float | None,
@@ -74,49 +83,12 @@ def convert(
     typer.echo(f"{target}: {what}")
 
 
-@app.command("from")
-def from_recording(
-    source: Annotated[
-        Path, typer.Argument(help="A recording, FILE.mcap, of a survey or a live run.", callback=readable)
-    ],
-    out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")] = Path("map.bt"),
-    report: Annotated[
-        Path | None, typer.Option(help="Also write the survey's report into this folder (of a survey only).")
-    ] = None,
-    vehicle: Annotated[
-        str | None, typer.Option(help="Vehicle whose pings to use. Default: the first with any.")
-    ] = None,
-) -> None:
-    """Rebuild the map from a recording, byte for byte as in the run."""
-    from uwsim.mapping.files.map_files import MAP_SUFFIXES
-    from uwsim.recording.mcap_sink import SURVEY
-    from uwsim.recording.reader import Recording
-
-    if out.suffix not in MAP_SUFFIXES:
-        raise ValueError(f"--out {out}: must end in {' or '.join(MAP_SUFFIXES)}")
-    recording = Recording(source)
-    if recording.start.kind == SURVEY:
-        if vehicle is not None:
-            raise ValueError("--vehicle: a survey has one vehicle")
-        from uwsim.flight.from_recording import survey_from
-
-        count = survey_from(recording, out, report)
-    else:
-        if report is not None:
-            raise ValueError(f"--report: '{source}' is no recording of a survey")
-        from uwsim.recording.live_map import live_map
-
-        occupancy, count = live_map(recording, vehicle)
-        occupancy.write(out)
-    typer.echo(f"{out}: {count:,} pings" + ("" if recording.complete else "; the recording was cut off"))
-
-
 @app.command()
 def merge(
     sources: Annotated[
         list[Path], typer.Argument(help="Two or more maps with the same resolution.", callback=readable)
     ],
-    out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")],
+    out: Annotated[Path, typer.Option(help=f"The map to write, {' or '.join(MAPS)}.")],
 ) -> None:
     """Merge maps of one area, or of its parts.
 

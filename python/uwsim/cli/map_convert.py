@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from uwsim.cli.options import need
+from uwsim.base.options import need
 from uwsim.mapping.depth_grid import depth_grid
-from uwsim.mapping.files import CLOUD_FORMATS, write_cloud
-from uwsim.mapping.files.geotiff import write_depth_tiff
-from uwsim.mapping.files.map_files import MAP_SUFFIXES, ZERO, Origin, open_map, open_points
+from uwsim.mapping.files import write_cloud
+from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin
+from uwsim.mapping.files.map_files import ZERO, open_map, open_points
 from uwsim.scenario import load
 from uwsim.scenario.georeference import georeference
-
-TIFF_SUFFIXES = (".tif", ".tiff")
 
 
 def convert(
@@ -25,17 +23,17 @@ def convert(
 ) -> str:
     """Convert `source` to `target`, written atomically; return a description of the content.
 
-    .bt, .ot: from a map only. .ply, .pcd, .las, .xyz: the centres of a map's occupied voxels, or a cloud's points.
-    .tif: a depth grid with cells of cell_m (by default the map's voxels), placed on Earth by the scenario's terrain.
-    Raises ValueError or OSError without writing anything.
+    A map: from a map only. A cloud: the centres of a map's occupied voxels, or a cloud's points. A depth grid has cells
+    of cell_m (by default the map's voxels), and is placed on Earth by the scenario's terrain. Raises ValueError or
+    OSError without writing anything.
     """
     suffix = target.suffix.lower()
-    known = (*MAP_SUFFIXES, *CLOUD_FORMATS, *TIFF_SUFFIXES)
+    known = (*MAP_FORMATS, *CLOUD_FORMATS, *GRID_FORMATS)
     if suffix not in known:
         raise ValueError(f"target '{target}': must end in {', '.join(known)}")
-    if suffix not in TIFF_SUFFIXES:
-        need("a target that ends in .tif", cell=cell_m, scenario=scenario)
-    if suffix in MAP_SUFFIXES:
+    if suffix not in GRID_FORMATS:
+        need(f"a target that ends in {' or '.join(GRID_FORMATS)}", cell=cell_m, scenario=scenario)
+    if suffix in MAP_FORMATS:
         if source.suffix.lower() in CLOUD_FORMATS:
             raise ValueError(f"source '{source}': a cloud has no free space, so it cannot become a map")
         open_map(source, origin_world_m).write(target)
@@ -53,5 +51,5 @@ def convert(
         raise ValueError("cell: missing: a cloud has no voxels that determine the width of the grid's cells")
     place = georeference(load(scenario) if scenario is not None else None)
     grid = depth_grid(points, width_m)
-    write_depth_tiff(target, grid, place)
+    GRID_FORMATS[suffix].write(target, grid, place)
     return f"{grid.depth_m.shape[1]} x {grid.depth_m.shape[0]} cells of {width_m:g} m"

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from uwsim.cli.bounds import UsageError, within
-from uwsim.cli.values import modems, scenarios, sonars
+from uwsim.cli.bounds import within
+from uwsim.cli.values import modems, scenarios, sonars, vehicle_models
 
 SETTINGS: dict[str, Any] = {
     "add_completion": False,
@@ -25,6 +25,14 @@ Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.", 
 Voxel = Annotated[
     float | None,
     typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
+]
+VehicleModel = Annotated[
+    str | None,
+    typer.Option(
+        "--vehicle-model",
+        help="Replaces the model of the scenario's first vehicle: a packaged one's name, or a YAML file.",
+        autocompletion=vehicle_models,
+    ),
 ]
 SonarModel = Annotated[
     str | None,
@@ -95,25 +103,6 @@ Threads = Annotated[
         help="Number of threads; the result does not depend on it. Default: one per core.", callback=within(1, 1024)
     ),
 ]
-
-
-class WithoutEffectError(UsageError):
-    """Raised for an option that would have no effect."""
-
-
-def need(needed: str, **options: object) -> None:
-    """Raise WithoutEffectError for options that were passed without the option that they need.
-
-    needed: the missing option, such as "--record". options: values by argument name; None, False and empty lists mean
-    that an option was not passed.
-    """
-    given = [
-        f"--{name.replace('_', '-')}"
-        for name, value in options.items()
-        if value is not None and value is not False and value != []
-    ]
-    if given:
-        raise WithoutEffectError(f"{', '.join(given)}: {'need' if len(given) > 1 else 'needs'} {needed}")
 
 
 def sonar_model(text: str | None) -> int | str | None:

@@ -7,9 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
+from uwsim.cli.groups import under
 from uwsim.cli.values import scenarios
 
 
+@under("Scenarios and maps")
 def parameters(
     scenario: Annotated[
         str, typer.Argument(help="A packaged scenario, or the path of a YAML file.", autocompletion=scenarios)

@@ -13,54 +13,22 @@ import resource
 import signal
 import sys
 import warnings
-from collections.abc import Callable
 from typing import Annotated, Any, NoReturn
 
 import typer
 
-from uwsim.cli.bench import app as bench_app
 from uwsim.cli.bounds import UsageError
-from uwsim.cli.camera import camera
-from uwsim.cli.compare import compare
-from uwsim.cli.connect import connect
-from uwsim.cli.dataset import dataset
-from uwsim.cli.decompose import decompose
-from uwsim.cli.diff import diff
-from uwsim.cli.doctor import doctor
-from uwsim.cli.exercise import exercise
 from uwsim.cli.exit_codes import FAILED, exit_code_help
-from uwsim.cli.fingerprint import fingerprint
-from uwsim.cli.fleet import fleet
-from uwsim.cli.groups import CommandsByHeading
-from uwsim.cli.identify import identify
-from uwsim.cli.link import link
-from uwsim.cli.map import app as map_app
-from uwsim.cli.nodes import nodes
+from uwsim.cli.groups import Program
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.parameters import parameters
-from uwsim.cli.rays import rays
-from uwsim.cli.recording import recording
-from uwsim.cli.replay import replay
-from uwsim.cli.reproduce import reproduce
-from uwsim.cli.ros import app as ros_app
-from uwsim.cli.run import run
-from uwsim.cli.scenario import app as scenario_app
-from uwsim.cli.serve import serve
 from uwsim.cli.signals import exit_interrupted
-from uwsim.cli.sonar import sonar
-from uwsim.cli.station import station
-from uwsim.cli.survey import survey
-from uwsim.cli.sweep import sweep
-from uwsim.cli.teleop import teleop
-from uwsim.cli.validate import validate
-from uwsim.cli.vehicle import vehicle
 
 COLLECT_EVERY = 200_000
 """Objects between garbage collections, instead of 700: imports and scenarios create many, nearly all of which stay."""
 
 app = typer.Typer(
     name="uwsim",
-    cls=CommandsByHeading,
+    cls=Program,
     help="A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap.",
     epilog=exit_code_help(),
     **{**SETTINGS, "add_completion": True},
@@ -84,22 +52,6 @@ def _program(
     """A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap."""
 
 
-def _add(heading: str, *commands: Callable[..., object], **groups: typer.Typer) -> None:
-    """Add commands, and groups of commands by name, under a heading of --help."""
-    for command in commands:
-        app.command(rich_help_panel=heading)(command)
-    for name, group in groups.items():
-        app.add_typer(group, name=name, rich_help_panel=heading)
-
-
-_add("Fly", survey, run, exercise, compare, sweep, fleet, dataset)
-_add("Look", sonar, camera, link, rays)
-_add("Connect", serve, station, teleop, connect, nodes, doctor, ros=ros_app)
-_add("Record", recording, replay, diff)
-_add("Scenarios and maps", vehicle, parameters, decompose, scenario=scenario_app, map=map_app)
-_add("Check", validate, identify, fingerprint, reproduce, bench=bench_app)
-
-
 def run_program() -> NoReturn:
     """Run the command. A user's mistake produces one line on stderr and a non-zero exit code, without a traceback."""
     _spare_address_space()
@@ -112,6 +64,7 @@ def run_program() -> NoReturn:
         from uwsim.cli.values import offer_fast
 
         offer_fast()
+        warnings.simplefilter("ignore")  # they would appear in the line that is being typed
     try:
         _require_no_empty_word(sys.argv[1:])
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
@@ -122,7 +75,7 @@ def run_program() -> NoReturn:
             raise
         for mistake in getattr(error, "mistakes", None) or [_message_of(error)]:  # mistakes in a scenario file
             _print_error(mistake)
-        sys.exit(FAILED)
+        sys.exit(getattr(error, "exit_code", FAILED))
     except Exception as error:
         if str(error) == "can't start new thread":  # CPython's RuntimeError
             _print_error("the system allows no further thread: its limit of processes, threads or memory is reached")

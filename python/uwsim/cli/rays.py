@@ -10,9 +10,11 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.groups import under
 from uwsim.cli.options import ScenarioName
 
 
+@under("Look")
 def rays(
     source: Annotated[str, typer.Option("--from", help="Position of the source: X,Y,Z [m].")],
     receiver: Annotated[str, typer.Option("--to", help="Position of the receiver: X,Y,Z [m].")],

@@ -8,16 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.cli.ardusub import (
-    Ardusub,
-    ArdusubFrame,
-    ArdusubHost,
-    ArdusubLights,
-    ArdusubNoise,
-    ArdusubPort,
-    ArdusubTilt,
-    Autopilot,
-)
+from uwsim.base.options import WithoutEffectError, flag_name, need
+from uwsim.cli.autopilots import Autopilots, prepared
 from uwsim.cli.bounds import readable
 from uwsim.cli.flights import (
     Autosave,
@@ -36,6 +28,7 @@ from uwsim.cli.flights import (
     given,
     require_consistent,
 )
+from uwsim.cli.groups import under
 from uwsim.cli.options import (
     Frequency,
     Link,
@@ -44,10 +37,9 @@ from uwsim.cli.options import (
     Seed,
     SonarModel,
     Threads,
+    VehicleModel,
     Voxel,
-    WithoutEffectError,
     hertz,
-    need,
 )
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
@@ -57,10 +49,12 @@ if TYPE_CHECKING:
     from uwsim.simulator.simulator import Simulator
 
 UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
-ALONE = "ArduSub cannot be put back to where it was, so its flight is neither saved nor resumed"
+ALONE = "an autopilot cannot be put back to where it was, so its flight is neither saved nor resumed"
 
 
+@under("Fly")
 def run(
+    *,
     mission: Annotated[
         Path | None,
         typer.Argument(
@@ -105,17 +99,12 @@ def run(
     ] = None,
     function: Annotated[str | None, typer.Option(help="Name of the mission's function. Default: mission.")] = None,
     seed: Seed = None,
+    vehicle_model: VehicleModel = None,
     sonar_model: SonarModel = None,
     frequency: Frequency = None,
     mission_time: MissionTime = None,
     link: Link = None,
-    ardusub: Ardusub = False,
-    ardusub_port: ArdusubPort = None,
-    ardusub_host: ArdusubHost = None,
-    ardusub_frame: ArdusubFrame = None,
-    ardusub_noise: ArdusubNoise = False,
-    ardusub_lights: ArdusubLights = None,
-    ardusub_tilt: ArdusubTilt = None,
+    autopilots: Autopilots,
     threads: Threads = None,
     record: Record = None,
     record_topic: Annotated[
@@ -131,24 +120,22 @@ def run(
     Ctrl-C ends it early and keeps the results so far. If it is killed, --resume repeats it up to the last saved point,
     without its map, and then continues to the same results.
     """
+    autopilot = autopilots.only
+    switch = None if autopilot is None else flag_name(str(autopilot.switch))
     of_map = {
         "--voxel": voxel, "--engine": engine, "--verify-map": verify_map or None, "--map-memory": map_memory,
         "--outlier-filter": outlier_filter, "--close-loops": close_loops or None, "--min-coverage": min_coverage,
     }  # fmt: skip
     simulated = {
-        "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model, "--frequency": frequency,
-        "--mission-time": mission_time, "--link": link, "--threads": threads, "--record": record,
-        "--ardusub": ardusub or None,
+        "--estimate": estimate, "--seed": seed, "--vehicle-model": vehicle_model, "--sonar-model": sonar_model,
+        "--frequency": frequency, "--mission-time": mission_time, "--link": link, "--threads": threads,
+        "--record": record, **({} if switch is None else {switch: True}),
         **{name: value for name, value in of_map.items() if name != "--voxel"},
     }  # fmt: skip
     if mission is None and not resume:
         raise WithoutEffectError("needs the mission's file, such as my_mission.py")
-    autopilot = Autopilot(
-        ardusub=ardusub, ardusub_port=ardusub_port, ardusub_host=ardusub_host, ardusub_frame=ardusub_frame,
-        ardusub_noise=ardusub_noise, ardusub_lights=ardusub_lights, ardusub_tilt=ardusub_tilt,
-    )  # fmt: skip
-    if autopilot:
-        _refuse({"--autosave": autosave, "--resume": resume or None}, "--ardusub", ALONE)
+    if switch is not None:
+        _refuse({"--autosave": autosave, "--resume": resume or None}, switch, ALONE)
     if connect is None:
         need("--connect", lockstep=lockstep, odometry=odometry)
     else:
@@ -170,7 +157,7 @@ def run(
     )  # fmt: skip
     of_simulator = given(
         seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_hz=hertz(frequency),
-        mission_time_s=mission_time, link=link, threads=threads,
+        vehicle_model=vehicle_model, mission_time_s=mission_time, link=link, threads=threads,
     )  # fmt: skip
     of_flight = given(
         estimate=estimate, engine=engine, verify_map=verify_map or None, map_memory_mb=map_memory,
@@ -178,10 +165,10 @@ def run(
     )  # fmt: skip
     flown: FlightRecord
     if connect is not None:
-        from uwsim.flight.remote import fly_remote
+        from uwsim.base.sockets import load
 
         assert mission is not None
-        flown = fly_remote(
+        flown = load("uwsim.flights", "remote")(
             mission, connect, out, odometry=odometry or "odom", lockstep=lockstep, truth=scenario, **asked
         )
     elif resume:
@@ -194,9 +181,9 @@ def run(
         topics = tuple(record_topic or ()) or None
         scene: str | Path | Simulator = scenario or "lake"
         with ExitStack() as stack:
-            if autopilot:
-                scene, of_simulator = autopilot.simulator(scenario or "lake", **of_simulator), {}
-                typer.echo(" ".join(stack.enter_context(autopilot.flying(scene))))
+            if autopilot is not None:
+                scene, of_simulator = prepared(autopilot, scenario or "lake", **of_simulator), {}
+                typer.echo(stack.enter_context(autopilot.flying(scene)))
             flown = fly(
                 mission, scene, out, close_loops=close_loops, record=record, record_topics=topics,
                 **asked, **of_simulator, **of_flight,

@@ -9,10 +9,12 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
+from uwsim.cli.groups import under
 from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName, hertz
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
+@under("Look")
 def sonar(
     scenario: ScenarioName = "lake",
     vehicle: VehicleName = None,

@@ -25,6 +25,7 @@ from uwsim.cli.flights import (
     given,
     require_consistent,
 )
+from uwsim.cli.groups import under
 from uwsim.cli.options import (
     Frequency,
     Link,
@@ -34,12 +35,14 @@ from uwsim.cli.options import (
     SonarModel,
     SurveyTopics,
     Threads,
+    VehicleModel,
     Voxel,
     hertz,
 )
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
+@under("Fly")
 def survey(
     scenario: ScenarioOfFlight = None,
     out: Out = Path("out"),
@@ -51,6 +54,7 @@ def survey(
         ),
     ] = None,
     seed: Seed = None,
+    vehicle_model: VehicleModel = None,
     sonar_model: SonarModel = None,
     frequency: Frequency = None,
     mission_time: MissionTime = None,
@@ -88,7 +92,7 @@ def survey(
 
     asked = given(
         mission=mission, seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_hz=hertz(frequency),
-        mission_time_s=mission_time, time_limit_s=time_limit, voxel_m=voxel, engine=engine,
+        vehicle_model=vehicle_model, mission_time_s=mission_time, time_limit_s=time_limit, voxel_m=voxel, engine=engine,
         verify_map=verify_map or None, outlier_filter=outlier_filter, link=link, estimate=estimate, threads=threads,
         map_memory_mb=map_memory, report=report, autosave_s=autosave,
     )  # fmt: skip

@@ -44,6 +44,7 @@ def packaged(kind: str, *others: str) -> Completer:
 
 scenarios = packaged("scenarios")
 exercises = packaged("exercises")
+vehicle_models = packaged("vehicles")
 sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
 vehicles = packaged("vehicles")

@@ -1,10 +1,10 @@
 """A minimal mission: leave the dock, dive, read the altitude, come up."""
 
 import uwsim
-from uwsim.missions import OwnVehicle, Steps, dive_to, hold
+from uwsim.missions import Steps, Vehicle, dive_to, hold
 
 
-def mission(vehicle: OwnVehicle, depth_m: float = 8.0) -> Steps[float]:
+def mission(vehicle: Vehicle, depth_m: float = 8.0) -> Steps[float]:
     """Dive to a depth, stay for five seconds, and come up to 3 m; return the altitude at the deepest point."""
     vehicle.undock()
     yield from dive_to(vehicle, depth_m)

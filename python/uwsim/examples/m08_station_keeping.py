@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import uwsim
-from uwsim.missions import OwnVehicle, Steps, goto, hold
+from uwsim.missions import Steps, Vehicle, goto, hold
 from uwsim.scenario.read.assets import assets_folder
 
 PLACE_M = (0.0, 0.0, -5.0)
@@ -19,7 +19,7 @@ CURRENT = """
 """
 
 
-def mission(vehicle: OwnVehicle) -> Steps[None]:
+def mission(vehicle: Vehicle) -> Steps[None]:
     """Go to a position and stay there for a minute."""
     yield from goto(vehicle, PLACE_M)
     vehicle.log("there")

@@ -4,7 +4,7 @@ import numpy as np
 
 import uwsim
 from uwsim.bridges import RosbridgeServer
-from uwsim.flight.remote import fly_remote
+from uwsim.bridges.remote.flight import fly_remote
 from uwsim.live import LiveSimulator
 from uwsim.missions import OwnVehicle, Steps, goto, turn_to
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from uwsim.base.agenda import Rank, next_tick
-from uwsim.base.commands import bound_command
+from uwsim.base.commands import COMMANDS, bound_command
+from uwsim.channels.authority.rights import AidKind
+from uwsim.exercises.conduct import Conduct, OutsideAct
 from uwsim.exercises.exercise import Event, Exercise
-from uwsim.exercises.goals import Progress
+from uwsim.exercises.goal import Progress
 from uwsim.exercises.limits import AGAIN_S
 from uwsim.exercises.moment import Moment
 from uwsim.simulator.simulator import Simulator
@@ -56,17 +58,33 @@ class Course:
     """An exercise in progress.
 
     sim: a simulator of the exercise's scenario. command: issues the commands of events; by default directly, without a
-    live simulator. Call `attach` for a simulator stepped by a mission; with a LiveSimulator call `judge` every
-    PERIOD_S.
+    live simulator. outsider: who else could have issued commands that change the world. aids: returns the aids in use
+    that the simulator does not know. Call `attach` for a simulator stepped by a mission; with a LiveSimulator call
+    `judge` every PERIOD_S.
+
+    attempt: the number of the attempt, from 1. has_begun: whether it has begun; until then, nothing is judged. conduct:
+    outside acts and aids in this attempt.
     """
 
-    def __init__(self, exercise: Exercise, sim: Simulator, command: Command | None = None) -> None:
+    def __init__(
+        self,
+        exercise: Exercise,
+        sim: Simulator,
+        command: Command | None = None,
+        *,
+        outsider: str = "the pilot's program",
+        aids: Callable[[], Collection[AidKind]] = tuple,
+    ) -> None:
         self.exercise, self.sim = exercise, sim
         self._vehicle = sim.rov
         self._command = command or (lambda name, arguments: bound_command(name, arguments)(sim))
+        self._outsider, self._other_aids = outsider, aids
+        self._issues = False  # while the course itself issues a command
         self.due_tick = sim.tick
         self._returning: Any = None
+        self.attempt = 1
         self.restart()
+        sim.journal.listen(self, efforts=False)
 
     def __repr__(self) -> str:
         return f"<Course '{self.exercise.title}' of {self.sim!r}>"
@@ -87,9 +105,23 @@ class Course:
 
     def restart(self) -> None:
         """Begin at the current tick."""
+        self.has_begun, self.conduct = True, Conduct(self.exercise.aids)
         self._now = _State([goal.begun() for goal in self.exercise.goals], self.sim.tick)
         limits = len(self.exercise.limits)
         self._now.broken_s, self._now.is_broken = [-math.inf] * limits, [False] * limits
+
+    def wait_to_begin(self, attempt: int) -> None:
+        """Judge nothing until `restart` begins an attempt with this number."""
+        self.restart()
+        self.has_begun, self.attempt = False, attempt
+
+    def concluded(self, because: str) -> Course:
+        """Return a copy that keeps the result of the present attempt, which ends as last judged if it is not over."""
+        found = copy.copy(self)
+        found._now = copy.deepcopy(self._now)
+        if not found.is_over:
+            found._end(max(self._now.last_s, 0.0), because)
+        return found
 
     def attach(self) -> Course:
         """Start judging whenever due while the simulator steps; return self."""
@@ -97,25 +129,33 @@ class Course:
         return self
 
     def detach(self) -> None:
-        """Stop judging."""
+        """Stop judging, and hearing commands."""
         self.sim.agenda.remove(self)
+        self.sim.journal.detach(self)
 
     def _jump(self, tick: int) -> None:
         self.due_tick = tick
 
     def saved(self) -> object:
         """Return a copy of the state, for `return_to`."""
-        return self.sim.tick, copy.deepcopy(self._now)
+        return self.sim.tick, copy.deepcopy(self._now), self.has_begun
 
     def return_to(self, saved: Any) -> None:
         """Continue from a saved state once the simulator has been restored to the same moment."""
         self._returning = saved
 
     @property
+    def is_returning(self) -> bool:
+        """True from `return_to` until the simulator is back at that moment and has been judged there."""
+        return self._returning is not None
+
+    @property
     def time_s(self) -> float:
         """Simulated seconds since the beginning, up to the end."""
         if self._now.over_s is not None:
             return self._now.over_s
+        if not self.has_begun:
+            return 0.0
         return (self.sim.tick - self._now.begun_tick) * self.sim.step_s
 
     @property
@@ -127,12 +167,17 @@ class Course:
     def score(self) -> float:
         """The points so far, not below 0."""
         gained = sum(g.points * p.share for g, p in zip(self.exercise.goals, self._now.progress, strict=True))
-        return max(gained - self._now.lost, 0.0)
+        return max(gained - self._now.lost - self.conduct.cost, 0.0)
 
     @property
     def has_passed(self) -> bool:
-        """True if the score is high enough to pass."""
-        return self.score >= self.exercise.pass_points
+        """True if the score is valid, and high enough to pass."""
+        return not self.conduct.invalid_because and self.score >= self.exercise.pass_points
+
+    @property
+    def has_jumped_back(self) -> bool:
+        """True if simulated time is before the beginning, or before what was judged last."""
+        return self.sim.tick < self._now.begun_tick or self._elapsed_s < self._now.last_s - 1e-9
 
     def judge(self) -> None:
         """Judge the current moment. Called every PERIOD_S; a jump back to before the beginning restarts it."""
@@ -141,9 +186,11 @@ class Course:
         self.due_tick = next_tick(sim.tick, period_ns, step_ns)
         if self._returning is not None and sim.tick == self._returning[0]:
             now = self._now = copy.deepcopy(self._returning[1])
-            self._returning = None
+            self.has_begun, self._returning = self._returning[2], None
             return
-        if sim.tick < now.begun_tick or self._elapsed_s < now.last_s - 1e-9:
+        if not self.has_begun:
+            return
+        if self.has_jumped_back:
             self.restart()
             now = self._now
         if self.is_over:
@@ -152,6 +199,8 @@ class Course:
         self._let_happen(moment)
         self._judge_goals(moment)
         self._judge_limits(moment, now.collisions if now.last_s >= 0.0 else moment.collisions)
+        for aid in self._aids_in_use():
+            self.conduct.note_aid(aid, moment.time_s - max(now.last_s, 0.0))
         now.last_s, now.collisions = moment.time_s, moment.collisions
         now.track.append((moment.time_s, *moment.position_world_m.tolist(), moment.yaw_rad, moment.altitude_m))
         if self.is_over:
@@ -174,12 +223,32 @@ class Course:
         self._now.over_s, self._now.ended_because = time_s, because
         self._now.log.append(Happening(time_s, "end", because))
 
+    def _aids_in_use(self) -> set[AidKind]:
+        holds = self._vehicle.holds
+        own: set[AidKind] = {"hold"} if holds is not None and holds.has_control else set()
+        return own | set(self._other_aids())
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Note a command that changes the world, unless it is an event of the exercise; see CommandObserver."""
+        if name in COMMANDS and COMMANDS[name].changes_world and not self._issues:
+            given = ", ".join(f"{key} {value}" for key, value in arguments.items())
+            self.note_outside(f"{name.replace('_', ' ')}: {given}"[:200], self._outsider, changed=True)
+
+    def note_outside(self, text: str, by: str, *, changed: bool) -> None:
+        """Note an act of another than the pilot. changed: whether it changed the world."""
+        if not self.is_over and self.has_begun:
+            self.conduct.note(OutsideAct(self._elapsed_s, by, text, changed))
+
     def _let_happen(self, moment: Moment) -> None:
         for index, event in enumerate(self.exercise.events):
             if index not in self._now.done and self._is_due(event, moment):
                 self._now.done.add(index)
                 self._note(moment, "event", event.note or event.command.replace("_", " "))
-                self._command(event.command, event.arguments)
+                self._issues = True
+                try:
+                    self._command(event.command, event.arguments)
+                finally:
+                    self._issues = False
 
     def _is_due(self, event: Event, moment: Moment) -> bool:
         if event.at_s is not None:
@@ -230,7 +299,12 @@ class Course:
             "score": self.score,
             "points": self.exercise.points,
             "pass_points": self.exercise.pass_points,
-            "lost": now.lost,
+            "lost": now.lost + self.conduct.cost,
+            "attempt": self.attempt,
+            "has_begun": self.has_begun,
+            "is_valid": not self.conduct.invalid_because,
+            "invalid_because": self.conduct.invalid_because,
+            "aids": self.conduct.aids(),
             "is_over": self.is_over,
             "has_passed": self.has_passed,
             "ended_because": now.ended_because,
@@ -252,7 +326,10 @@ class Course:
              "position_world_m": list(h.position_world_m)}
             for h in self._now.log
         ]  # fmt: skip
-        return {**self.state(), "seed": self.sim.seed, "scenario": self.exercise.scenario, "goals": goals, "log": log}
+        return {
+            **self.state(), "seed": self.sim.seed, "scenario": self.exercise.scenario, "goals": goals, "log": log,
+            "outside_acts": self.conduct.outside_acts(), "outside_acts_omitted": self.conduct.omitted,
+        }  # fmt: skip
 
     @property
     def track(self) -> np.ndarray[Any, np.dtype[np.float64]]:

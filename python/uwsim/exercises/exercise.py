@@ -8,7 +8,8 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from uwsim.base.commands import COMMANDS
-from uwsim.exercises.goals import Goal, Points
+from uwsim.channels.authority.rights import AidKind
+from uwsim.exercises.goal import Goal, Points
 from uwsim.exercises.limits import Limit
 from uwsim.scenario.load import load
 from uwsim.scenario.read.assets import packaged_names
@@ -63,14 +64,25 @@ class Event(Model):
         return self
 
 
+class Aid(Model):
+    """An aid that the pilot may use.
+
+    kind: autopilot (a plan on the chart, flown by the station), hold (the vehicle's holds) or program (a program that
+    commands the vehicle, over any bridge). cost_per_s: points lost per second of use.
+    """
+
+    kind: AidKind
+    cost_per_s: Points = 0.0
+
+
 class Exercise(Model):
     """An exercise for a pilot.
 
     title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. obstacles: added to the
     scenario's. hidden: names of obstacles that the station's 3D view and chart leave out. start: the pose of the first
     vehicle, by default as in the scenario. seed: seed of all random draws. time_s: time after which it ends. goals,
-    limits,
-    events: see their models. pass_points: points needed to pass.
+    limits, events: see their models. aids: those that the pilot may use; all others are refused. pass_points: points
+    needed to pass.
     """
 
     title: str = Field(min_length=1, max_length=120)
@@ -84,6 +96,7 @@ class Exercise(Model):
     goals: list[Goal] = Field(min_length=1, max_length=200)
     limits: list[Limit] = Field(default_factory=list)
     events: list[Event] = Field(default_factory=list)
+    aids: list[Aid] = Field(default_factory=list)
     pass_points: Points
 
     @property
@@ -106,6 +119,10 @@ class Exercise(Model):
         for index, name in enumerate(self.hidden):
             if name not in [obstacle.name for obstacle in self.obstacles]:
                 raise broken("must be the name of one of the exercise's obstacles", at=("hidden", index), value=name)
+        kinds = [aid.kind for aid in self.aids]
+        for index, kind in enumerate(kinds):
+            if kind in kinds[:index]:
+                raise broken(f"there is already an aid '{kind}'", at=("aids", index, "kind"), value=kind)
         if self.pass_points > self.points:
             raise broken(f"must be at most {self.points:g}, the points of all goals", at=("pass_points",))
         return self

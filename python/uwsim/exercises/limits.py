@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from uwsim.exercises.goals import NoteCategory, Points, inside
+from uwsim.base.commands.notes import NoteCategory
+from uwsim.exercises.goal import Points, inside
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Point2
 

@@ -3,53 +3,109 @@
 from __future__ import annotations
 
 import json
+import logging
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import require_own
 from uwsim.exercises.course import Course
 
 TEMPLATE = Path(__file__).with_name("sheet.html.j2")
 SCORE, SHEET, TRACK = "score.json", "sheet.html", "true-track.csv"
+NAMES = (SCORE, SHEET, TRACK)
+TRACK_COLUMNS = "time_s,x_m,y_m,z_m,yaw_rad,altitude_m\n"
+LOGGER = logging.getLogger("uwsim.exercises")
+
+
+class SheetFigure(NamedTuple):
+    """A figure of the page. uri: its data, or "" if it could not be drawn; the caption then gives the reason."""
+
+    title: str
+    caption: str
+    uri: str = ""
+
+
+def require_room(out: Path) -> None:
+    """Raise FileExistsError if a folder has a file of a sheet's name that uwsim did not write."""
+    for name in NAMES:
+        require_own(out / name)
+
+
+def remove_stale_sheet(out: Path) -> None:
+    """Remove an earlier sheet from a folder, so that no file of it can be taken for the next one's. Raises OSError."""
+    require_room(out)
+    for name in NAMES:
+        (out / name).unlink(missing_ok=True)
 
 
 def write_sheet(out: Path, course: Course) -> list[Path]:
-    """Write the files into a folder; return their paths. Without matplotlib, sheet.html is left out. Raises OSError."""
+    """Write the files into a folder; return their paths. Without matplotlib, sheet.html is left out. Raises OSError.
+
+    A figure that cannot be drawn is replaced by the reason.
+    """
     out.mkdir(parents=True, exist_ok=True)
-    sheet = course.sheet()
-    write_atomically(out / SCORE, (json.dumps(sheet, indent=1) + "\n").encode())
-    rows = ["time_s,x_m,y_m,z_m,yaw_rad,altitude_m"]
-    rows += [",".join(f"{value:.6g}" for value in row) for row in course.track.tolist()]
-    write_atomically(out / TRACK, ("\n".join(rows) + "\n").encode())
+    remove_stale_sheet(out)
+    text = json.dumps(course.sheet(), indent=1)
+    write_atomically(out / SCORE, f"{text}\n".encode())
+    rows = [",".join(f"{value:.6g}" for value in row) + "\n" for row in course.track.tolist()]
+    write_atomically(out / TRACK, (TRACK_COLUMNS + "".join(rows)).encode())
     written = [out / SCORE, out / TRACK]
     if find_spec("matplotlib") is not None:
-        write_atomically(out / SHEET, sheet_html(out, course).encode())
+        write_atomically(out / SHEET, sheet_html(course).encode())
         written.append(out / SHEET)
     return written
 
 
-def sheet_html(folder: Path, course: Course) -> str:
-    """Return the self-contained page; its figures are also left in the folder. Raises OSError."""
+def sheet_html(course: Course) -> str:
+    """Return the self-contained page. Raises OSError."""
+    from uwsim.figures.html_page import filled_page
+
+    return filled_page(TEMPLATE, sheet=course.sheet(), figures=_figures(course))
+
+
+def _figures(course: Course) -> list[SheetFigure]:
     from uwsim.figures.exercise import draw_errors, draw_exercise_track  # here, since matplotlib takes a second
     from uwsim.figures.flight import draw_depth
-    from uwsim.figures.html_page import data_uri, filled_page
 
+    track, marks = course.track, _marks(course.sheet())
     figures = []
-    track, sheet = course.track, course.sheet()
     if len(track) > 1:
-        path = folder / "exercise_track.png"
-        draw_exercise_track(path, course.sim.world, track[:, 1:4], _places(course), _marks(sheet))
-        figures.append(("Where it went", "From the circle to the square, with goals and what happened.", path))
-        path = folder / "exercise_depth.png"
-        draw_depth(path, track[:, 0], track[:, 3], track[:, 3] - track[:, 5], track[:, 0] < 0.0)
-        figures.append(("Depth and altitude", "Its true height, and that of what lies below it.", path))
+        figures.append(
+            _drawn(
+                "Where it went",
+                "From the circle to the square, with goals and what happened.",
+                lambda path: draw_exercise_track(path, course.sim.world, track[:, 1:4], _places(course), marks),
+            )
+        )
+        figures.append(
+            _drawn(
+                "Depth and altitude",
+                "Its true height, and that of what lies below it.",
+                lambda path: draw_depth(path, track[:, 0], track[:, 3], track[:, 3] - track[:, 5], track[:, 0] < 0.0),
+            )
+        )
     if errors := course.errors():
-        path = folder / "exercise_errors.png"
-        draw_errors(path, errors)
-        figures.append(("Errors", "Deviations from what was to be held.", path))
-    return filled_page(
-        TEMPLATE, sheet=sheet, figures=[(title, caption, data_uri(path)) for title, caption, path in figures]
-    )
+        caption = "Deviations from what was to be held."
+        figures.append(_drawn("Errors", caption, lambda path: draw_errors(path, errors)))
+    return figures
+
+
+def _drawn(title: str, caption: str, draw: Callable[[Path], None]) -> SheetFigure:
+    """Draw a figure. Any error is logged and becomes the caption, since the sheet matters more than its figures."""
+    from uwsim.figures.html_page import data_uri
+
+    try:
+        with TemporaryDirectory() as folder:
+            path = Path(folder, "figure.png")
+            draw(path)
+            return SheetFigure(title, caption, data_uri(path))
+    except Exception as error:
+        LOGGER.exception("the score sheet's figure '%s' could not be drawn", title)
+        return SheetFigure(title, f"This figure could not be drawn: {error}")
 
 
 def _places(course: Course) -> dict[str, list[tuple[float, ...]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zlib
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.plain_figure import PlainFigure, show_as_written
 
 PIXELS_PER_INCH = 150
 PAD_IN = 0.15
@@ -27,11 +29,13 @@ INK, FAINT_INK = "#1b2733", "#7d8a96"
 ACCENT, MISSED = "#ff6a3d", "#e3127e"
 HEIGHTS = matplotlib.colormaps["viridis"]
 PROGRESS = matplotlib.colormaps["YlOrRd"]
+OWN_LABEL = re.compile(r"_child\d+|_nolegend_")
+"""The labels that matplotlib itself gives to what is not to be in a legend."""
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
     """Return an empty figure that needs no display."""
-    figure = Figure(figsize=(width_in, height_in), dpi=PIXELS_PER_INCH, facecolor="white")
+    figure = PlainFigure(figsize=(width_in, height_in), dpi=PIXELS_PER_INCH, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
@@ -60,15 +64,24 @@ def add_colour_bar(
 
 def add_legend(axes: Axes, columns: int) -> Legend:
     """Add a legend below the axes, under the x axis ticks and label."""
+    keep_all_labels(axes)
     return axes.legend(
         loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.4, ncols=columns, fontsize=9.5, frameon=False,
         handletextpad=0.5,
     )  # fmt: skip
 
 
+def keep_all_labels(axes: Axes) -> None:
+    """Put a space before labels that begin with "_", such as names from a file, which a legend would leave out."""
+    for artist in axes.get_children():
+        if (label := str(artist.get_label())).startswith("_") and not OWN_LABEL.fullmatch(label):
+            artist.set_label(f" {label}")
+
+
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a PNG atomically, without date or version, so that equal figures give equal bytes. Raises OSError."""
     canvas: Any = FigureCanvasAgg(figure)  # matplotlib's class has no types
+    show_as_written(figure)  # for a pyplot's figure, and before the layout measures the texts
     _fit(figure, canvas)
     canvas.draw()
     buffer = io.BytesIO()

@@ -32,6 +32,7 @@ PANEL_PIXELS, GAP_PIXELS = 960, 50
 AZIMUTH_RAD = -2.06
 OVERVIEW_ELEVATION_RAD, DETAIL_ELEVATION_RAD = 0.66, 0.42
 DETAIL_HALF_M = np.array([15.0, 11.0])
+CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 CUT_DEPTH_M = 1.5
 SUN_WORLD = np.array([-0.62, 0.21, 0.76])
 
@@ -137,7 +138,8 @@ def _detail_block(
 ) -> NDArray[np.float64] | None:
     """Return a rectangle (4, 2) around the solid that stands highest above the ground in the map, or None.
 
-    Solids higher than half the rectangle's length are ignored, since the picture could not show the ground around them.
+    Solids higher than half the rectangle's length are ignored, since the picture could not show the ground around them,
+    and so are places where the ground itself rises by more, which would fill the picture with the block's sides.
     """
     above_m = occupied_centres_m[:, 2] - world.height_at(np.asarray(occupied_centres_m[:, :2], np.float64))
     with np.errstate(invalid="ignore"):
@@ -148,13 +150,13 @@ def _detail_block(
         mine = np.all((standing >= low - voxel_m) & (standing <= high + voxel_m), axis=1)
         mine[mine] = solid.distance_m(standing[mine]) <= voxel_m
         if mine.any() and highest_m < above_m[mine].max() < DETAIL_HALF_M[0]:
-            highest_m = float(above_m[mine].max())
             xy = standing[mine, :2]
             peak = xy[above_m[mine].argmax()]
-            best = xy[np.all(np.abs(xy - peak) < DETAIL_HALF_M, axis=1)].mean(axis=0)
-    if best is None:
-        return None
-    return np.asarray(best + DETAIL_HALF_M * [[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float64)
+            block = xy[np.all(np.abs(xy - peak) < DETAIL_HALF_M, axis=1)].mean(axis=0) + DETAIL_HALF_M * CORNERS
+            ground_m = _ground_heights(world, block)
+            if len(ground_m) == 0 or np.ptp(ground_m) < DETAIL_HALF_M[0]:
+                best, highest_m = block, float(above_m[mine].max())
+    return best
 
 
 def _solids(world: _core.World) -> list[tuple[_core.RayScene, NDArray[np.float64], NDArray[np.float64]]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from uwsim import _core
-from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
+from uwsim.figures.style import ACCENT, FAINT_INK, INK, keep_all_labels, label_axes, new_figure, save_figure
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -73,6 +73,7 @@ def draw_vehicle(
     legend.plot([], [], "v", color=INK, markerfacecolor="none", label="centre of mass")
     for k, name in enumerate(views):
         legend.plot([], [], color=COLOURS(k % 20), linewidth=5, alpha=0.5, label=name)
+    keep_all_labels(legend)
     legend.legend(loc="center left", fontsize=9, frameon=False, title=model.name, title_fontsize=11)
     save_figure(figure, path)
 
@@ -117,6 +118,7 @@ def draw_circles(path: Path, tracks_m: Mapping[str, Floats]) -> None:
         axes.plot(*track.T, color=COLOURS(2 * k % 20), linewidth=1.3, label=title)
     axes.plot(0.0, 0.0, "o", color=INK, markersize=5)
     axes.set_aspect("equal", adjustable="datalim")
+    keep_all_labels(axes)
     axes.legend(fontsize=9, frameon=False)
     label_axes(axes, "Turning from rest at the dot, from above", "x [m]", "y [m]")
     save_figure(figure, path)
@@ -130,6 +132,7 @@ def draw_eigenvalues(path: Path, values_1_s: Mapping[str, NDArray[np.complex128]
         both = np.concatenate([values, values.conj()])
         axes.plot(both.real, both.imag, "osx^"[k % 4], color=COLOURS(2 * k % 20), markerfacecolor="none", label=title)
     axes.axvline(0.0, color=FAINT_INK, linewidth=0.8)
+    keep_all_labels(axes)
     axes.legend(fontsize=9, frameon=False)
     label_axes(axes, "Eigenvalues: left of the line, motion dies out", "real part [1/s]", "imaginary part [1/s]")
     save_figure(figure, path)

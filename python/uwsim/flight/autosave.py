@@ -17,16 +17,16 @@ class FlightAutosave(Stoppable):
     """Schedules a save every interval_s seconds of wall time; 0 disables saving.
 
     The first save is at the start, so that there is always a map. The first failed save is reported through `report`,
-    and so is the next successful one; the flight continues in between. hears_signals: whether Ctrl-C and SIGTERM end
+    and so is the next successful one; the flight continues in between. handles_signals: whether Ctrl-C and SIGTERM end
     the flight.
     """
 
     def __init__(
-        self, interval_s: float, report: Callable[[str], None] = lambda text: None, *, hears_signals: bool = False
+        self, interval_s: float, report: Callable[[str], None] = lambda text: None, *, handles_signals: bool = False
     ) -> None:
         if not 0.0 <= interval_s < math.inf:
             raise ValueError(f"autosave_s = {interval_s} s: must be 0 (never) or more")
-        self._interval_s, self._report, self._hears_signals = interval_s, report, hears_signals
+        self._interval_s, self._report, self._handles_signals = interval_s, report, handles_signals
         self._started_s = self._next_s = time.monotonic()
         self._saves = 0
         self._reported = False
@@ -40,7 +40,7 @@ class FlightAutosave(Stoppable):
 
     def flying(self) -> AbstractContextManager[None]:
         """Let signals stop the flight during the block, if enabled."""
-        return stop_on_signals(self) if self._hears_signals else nullcontext()
+        return stop_on_signals(self) if self._handles_signals else nullcontext()
 
     def due(self) -> bool:
         """Return whether a save is due; once this has returned True, it returns False until that save is done."""

@@ -18,7 +18,6 @@ import hashlib
 import io
 import os
 import re
-import shutil
 from collections.abc import Collection
 from pathlib import Path
 
@@ -26,12 +25,17 @@ import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import read_npz
+from uwsim.base.own_files import adopt, is_own, remove_own
+from uwsim.flight.mission_log import LOG
+from uwsim.flight.samples import COLUMNS
 from uwsim.flight.saved_flight import SavedFlight, read_state
 from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
 BEFORE_ONE_ENGINE = "survey.state"
 """State file of a survey saved by a version in which surveys were not yet flights."""
+SIGN = 8  # first columns of the samples, by which a file of them is recognized
 LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
 
 
@@ -94,10 +98,25 @@ class FlightCheckpoint:
                 maps[kind] = OccupancyMap.read(file, engine=engines[kind], memory_limit_mb=limit_mb)
         if ("map" in maps) != state.request.map or ("reference" in maps) != state.request.verify_map:
             raise ValueError(f"--resume: '{path}': its maps, {sorted(maps)}, are not those of its request")
+        self._adopt(state.files)
         try:
             return SavedFlight.of(state, arrays, maps.get("map"), maps.get("reference"))
         except (KeyError, ValueError) as error:
             raise ValueError(f"--resume: '{path}': {error}") from None
+
+    def _adopt(self, files: Collection[str]) -> None:
+        """Mark the files of a copied folder, which have no marks, but whose seal and contents are ours."""
+        for own in (STATE, *files):
+            adopt(self.folder / Path(own).name)
+        for name in (MAP, LOG):
+            adopt(self.out / name)
+        with contextlib.suppress(OSError, ValueError):
+            SurveyTrack.read(self.out / TRACK)
+            adopt(self.out / TRACK)
+        for samples in self.out.glob("track-*.csv"):
+            with samples.open("rb") as file:
+                if file.readline().startswith(",".join(COLUMNS[:SIGN]).encode()):
+                    adopt(samples)
 
     def require_one(self) -> None:
         """Raise ValueError if there is no flight to resume."""
@@ -115,18 +134,21 @@ class FlightCheckpoint:
             _remove_leftovers(folder)
 
     def remove(self) -> None:
-        """Remove the saved flight; called when it has ended."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        """Remove the saved flight; called when it has ended. Files that are not our own stay."""
+        with contextlib.suppress(OSError):
+            remove_own(self.folder)
 
     def set_aside(self) -> Path | None:
         """Rename a saved flight's folder to make room for another; return the new path, or None if no flight was saved.
 
-        Raises OSError.
+        The folder that was set aside before it is removed. Raises OSError if that holds files that are not our own.
         """
-        if not self.folder.exists():
+        if not self.exists:
             return None
         aside = self.out / EARLIER
-        shutil.rmtree(aside, ignore_errors=True)
+        if aside.exists() and (left := remove_own(aside)):
+            first = left[0].relative_to(self.out)
+            raise OSError(f"--out {self.out}: '{first}' is not as uwsim wrote it: remove it first")
         return self.folder.rename(aside)
 
     def _files_of_state(self) -> Collection[str]:
@@ -140,7 +162,7 @@ class FlightCheckpoint:
         """Remove all maps and arrays except `keep`, and the folder if `keep` is empty."""
         with contextlib.suppress(OSError):
             for path in self.folder.iterdir():
-                if path.suffix in (".ot", ".npz") and path.name not in keep:
+                if path.suffix in (".ot", ".npz") and path.name not in keep and is_own(path):
                     path.unlink()
             if not keep:
                 self.folder.rmdir()
@@ -150,7 +172,7 @@ def _remove_leftovers(folder: Path) -> None:
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             found = LEFTOVER.fullmatch(path.name)
-            if found and not (found[1] and _is_running(int(found[1]))):
+            if found and is_own(path) and not (found[1] and _is_running(int(found[1]))):
                 path.unlink()
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.flight.record import FlightRecord
+from uwsim.flight.record import ClosedPath, FlightRecord
 from uwsim.flight.vehicle_chain import chain_of
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.closure import ClosedTrack, PingTrack, close_loops
@@ -47,25 +47,6 @@ class PingKeeper:
         points = np.where(ping.valid[:, None], ping.points_sonar_m, np.nan)
         self.track.add(self._sim.time_s, world_from_body, body_from_sonar, ping.ranges_m, points, std_m, deviation_m)
         self.true_path_m.append(true_body[:3, 3])
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ClosedPath:
-    """A vehicle's track after loop closure.
-
-    times_s: ping times (n,). path_world_m: positions (n, 3) at those times. errors_m: position errors (n,). submaps:
-    number of submaps. tried, matched: numbers of submap overlaps for which a match was attempted and found.
-    """
-
-    times_s: Array
-    path_world_m: Array
-    errors_m: Array
-    submaps: int
-    matched: int
-    tried: int
-
-    def __repr__(self) -> str:
-        return f"<ClosedPath: {len(self.times_s)} pings, {self.matched} of {self.tried} overlaps matched>"
 
 
 def closed_flight(

@@ -95,7 +95,7 @@ def compare(
         raise ValueError("compare: needs at least one mission and one seed")
     if len(set(numbers)) < len(numbers):
         raise ValueError(f"seeds = {numbers}: must not contain duplicates")
-    folder = made_folder(Path(out))
+    folder = made_folder(Path(out), (TABLE, VALUES, FIGURE))
     flown: list[tuple[str, int, FlightRecord, SeenBed]] = []
     for name, mission in missions.items():
         for seed in numbers:

@@ -15,6 +15,7 @@ from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import MAP, FlightCheckpoint
 from uwsim.flight.clock import FlightClock, FlightOverError
 from uwsim.flight.end import End, run_to_end
+from uwsim.flight.folder import remove_stale_results
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.missions import Begun, warn_of_left_out
 from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED, FlightRecord
@@ -24,14 +25,13 @@ from uwsim.flight.saved_flight import SavedFlight, SavedMission, state_digest
 from uwsim.flight.setup import Setup
 from uwsim.flight.stages import AUTOSAVE, MISSION, PHYSICS, STAGES, WAITING
 from uwsim.flight.terminal import Show
-from uwsim.flight.watched import Watched, linked, mapping, sampling
+from uwsim.flight.watched import Watched, mapping, sampling
 from uwsim.missions.own_vehicle import Event, OwnVehicle
+from uwsim.simulator.link_traffic import link_rows
 from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
-    from uwsim.flight.ashore import Ashore
     from uwsim.flight.pinging import MapMaker
-    from uwsim.link.table import LinkRow
 
 
 class Flight:
@@ -49,7 +49,6 @@ class Flight:
         self._begun_tick = self._restored.begun_tick if self._restored else self._sim.tick
         self._repeating = saved is not None and saved.mission is None
         self._maker: MapMaker | None = None
-        self._ashore: Ashore | None = None
         self._begun: Begun | None = None
 
     @property
@@ -66,30 +65,31 @@ class Flight:
         setup = self._setup
         self._remove_stale_results()
         self._log = MissionLog(setup.out, self._restored.events if self._restored else ())
+        attachments = list(setup.attachments.values())
         try:
-            if setup.recorder is not None:
-                setup.recorder.start()
+            for each in attachments:
+                each.start()
             with setup.screen.flight(f"flying {setup.mission.title} in {self._sim.scenario.name}") as show:
                 flown = self._flown(show)
-            if setup.recorder is not None:
-                setup.recorder.note(flown)
+            for each in attachments:
+                flown = each.ended(flown)
         finally:
             self._log.close()
-            unwritten = None if setup.recorder is None else setup.recorder.try_close()
+            unwritten = [error for each in attachments if (error := each.try_close()) is not None]
         flown = self._verified(self._closed(flown))
         if setup.out is not None:
             flown = self._written(flown, setup.out)
         if flown.error is not None:
             raise flown.error
-        if unwritten is not None:
-            raise unwritten
+        if unwritten:
+            raise unwritten[0]
         return flown
 
     def _remove_stale_results(self) -> None:
         """Remove the results of an earlier flight, which would not match this flight's map."""
         if (out := self._setup.out) is not None:
-            for stale in RESULT_FILES if self._saved is not None else (MAP, *RESULT_FILES):
-                (out / stale).unlink(missing_ok=True)
+            names = RESULT_FILES if self._saved is not None else (MAP, *RESULT_FILES)
+            remove_stale_results(out, names, self._setup.screen)
 
     def _closed(self, flown: FlightRecord) -> FlightRecord:
         """Return the record, with its tracks corrected by loop closure if requested."""
@@ -129,24 +129,27 @@ class Flight:
         self._clock = clock = self._new_clock(show)
         own = {name: self._own_vehicle(name, clock) for name in setup.names}
         if not self._restored:
-            self._hear("", "begun", {"mission": setup.mission.title, "scenario": sim.scenario.name, "seed": sim.seed})
+            self._log_event(
+                "", "begun", {"mission": setup.mission.title, "scenario": sim.scenario.name, "seed": sim.seed}
+            )
         with ExitStack() as stack:
             stack.enter_context(self._autosave.flying())
             watched = Watched(setup, own, self._timer, self._begun_tick)
-            self._sampler = stack.enter_context(sampling(watched, self._hear))
-            self._ashore = stack.enter_context(linked(watched))
+            self._sampler = stack.enter_context(sampling(watched, self._log_event))
+            for each in setup.attachments.values():
+                stack.enter_context(each.flying())
             end = run_to_end(lambda: self._result_of_mission(watched), setup.mission.file)
             if self._repeating and self._saved is not None and end.error is None and end.because != INTERRUPTED:
                 raise self._saved.another_flight(sim.step_s)
             for name in setup.names:
                 sim.vehicles[name].set_effort()
-        self._hear("", "ended", {"because": end.because})
+        self._log_event("", "ended", {"because": end.because})
         record = self._record(end)
         return record if self._maker is None else self._maker.recorded(record)
 
     def _result_of_mission(self, watched: Watched) -> Any:
         """Fly the mission while its map is built; return its result."""
-        with mapping(watched, self._ashore) as self._maker, self._timer.measure(MISSION):
+        with mapping(watched) as self._maker, self._timer.measure(MISSION):
             self._begun = self._mission_with(watched.own)
             return self._begun.run()
 
@@ -170,8 +173,7 @@ class Flight:
             error=end.error,
             threads=sim.threads,
             stage_wall_s=self._timer.wall_s,
-            link=_link_rows(sim),
-            ashore=self._ashore,
+            link=link_rows(sim),
             planned=setup.mission.make is not None,
             lanes_left_out=setup.lanes_left_out,
         )
@@ -202,7 +204,7 @@ class Flight:
             begun.resumable.restore(self._restored.state)
         return begun
 
-    def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
+    def _log_event(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
         self._log.add(Event(self._sim.time_s, vehicle, event, values))
 
     def _on_pause(self, show: Show | None) -> None:
@@ -254,10 +256,14 @@ class Flight:
             clock=self._clock.phase,
             begun_tick=self._begun_tick,
             events=list(self._log.events),
-            ashore=None if self._ashore is None else self._ashore.save(),
+            attachments=self._saved_attachments(),
         )
         rows = {name: samples.values for name, samples in self._sampler.samples().items()}
         return replace(saved, mission=mission, simulation=state, samples=rows)
+
+    def _saved_attachments(self) -> dict[str, dict[str, Any]]:
+        found = {name: each.save() for name, each in self._setup.attachments.items()}
+        return {name: state for name, state in found.items() if state is not None}
 
 
 def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
@@ -271,11 +277,3 @@ def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
     if sim.tick > saved.tick or not saved.is_state(sim.save_state()):
         raise saved.another_flight(sim.step_s)
     return True
-
-
-def _link_rows(sim: Simulator) -> list[LinkRow]:
-    if sim.link is None:
-        return []
-    from uwsim.link.table import link_rows  # here, since channels are slow to import
-
-    return link_rows(sim)

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from uwsim.base.folder_lock import alone_in, require_free
+from uwsim.flight.attachment import Departure, attached
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.checkpoint import FlightCheckpoint
 from uwsim.flight.engine import Flight
@@ -32,9 +33,6 @@ from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
 
-if TYPE_CHECKING:
-    from uwsim.flight.flight_recorder import FlightRecorder
-
 
 def fly(
     mission: AnyMission,
@@ -57,6 +55,7 @@ def fly(
     seed: int | None = None,
     sonar_model: int | str | None = None,
     sonar_frequency_hz: float | None = None,
+    vehicle_model: str | Path | None = None,
     mission_time_s: float | None = None,
     link: str | Path | None = None,
     carried: tuple[str, ...] | None = None,
@@ -114,12 +113,12 @@ def fly(
         require_free(Path(out))
     of_simulator = {
         "seed": seed, "sonar_model": sonar_model, "sonar_frequency_hz": sonar_frequency_hz,
-        "mission_time_s": mission_time_s, "link": link, "threads": threads,
+        "vehicle_model": vehicle_model, "mission_time_s": mission_time_s, "link": link, "threads": threads,
     }  # fmt: skip
     sim = _simulator(scenario, of_simulator, screen)
-    names = tuple(vehicles) or (tuple(sim.vehicles) if found.takes_all else (sim.rov.name,))
-    _require_able(sim, found, names, estimate, map, outlier_filter)
+    names = tuple(vehicles) or (tuple(sim.vehicles) if found.flies_all else (sim.rov.name,))
     plan, left_out = found.planned(sim)
+    _require_able(sim, found, names, estimate, map, outlier_filter)
     request = FlightRequest(
         mission=None if found.file is None else str(found.file.resolve()),
         function=function,
@@ -129,6 +128,7 @@ def fly(
         seed=sim.seed,
         sonar_model=resolved_path(sonar_model),
         sonar_frequency_hz=sonar_frequency_hz,
+        vehicle_model=None if vehicle_model is None else resolved_path(vehicle_model),
         mission_time_s=mission_time_s,
         link=None if link is None else resolved_path(link),
         carried=carried,
@@ -145,12 +145,12 @@ def fly(
     )
     if found.file is None:
         request = replace(request, mission=found.name)
-    recorder = None if record is None else _recorder(sim, record, record_topics, found, request)
+    attachments = attached(Departure(sim, names, found.make is not None, map, request, carried, record, record_topics))
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
-        plan=plan, lanes_left_out=left_out, carried=carried, recorder=recorder, sample_sensors=sample_sensors,
-        out=None if out is None else results_folder(Path(out)),
+        plan=plan, lanes_left_out=left_out, attachments=attachments, sample_sensors=sample_sensors,
+        out=None if out is None else results_folder(Path(out), names),
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
     if map:
@@ -159,7 +159,7 @@ def fly(
         )
         setup.mapping = replace(
             _map_setup(sim, request, occupancy, request.new_reference(), report), keep=close_loops,
-            on_ping=() if recorder is None or recorder.take_ping is None else (recorder.take_ping,),
+            on_ping=tuple(each.on_ping for each in attachments.values() if each.on_ping is not None),
         )  # fmt: skip
     if setup.out is None:
         return Flight(setup).run()
@@ -199,13 +199,13 @@ def resume(
             saved.request.require_same_file()
             warn_of_other_build("the saved flight", saved.build)
             setup = _resumed(saved, threads, report)
-        setup.out, setup.autosave, setup.screen = results_folder(checkpoint.out), saving, screen
+        setup.out, setup.autosave, setup.screen = results_folder(checkpoint.out, setup.names), saving, screen
         checkpoint.remove_leftovers()
         return Flight(setup).run()
 
 
 def _autosave(interval_s: float, screen: Silent) -> FlightAutosave:
-    return FlightAutosave(interval_s, screen.message, hears_signals=screen.hears_signals)
+    return FlightAutosave(interval_s, screen.message, handles_signals=screen.handles_signals)
 
 
 def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
@@ -217,10 +217,14 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     mapping = None
     if saved.occupancy is not None:
         mapping = _map_setup(sim, request, saved.occupancy, saved.reference, report)
+    names = request.vehicles or (sim.rov.name,)
+    states = {} if saved.mission is None else saved.mission.attached
+    has_map = mapping is not None
+    departure = Departure(sim, names, mission.make is not None, has_map, request, request.carried, saved=states)
     return Setup(
-        sim=sim, mission=mission, names=request.vehicles or (sim.rov.name,), estimate=request.estimate,
-        mapping=mapping, time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out,
-        carried=request.carried, request=request, report=report, saved=saved, sample_sensors=request.sample_sensors,
+        sim=sim, mission=mission, names=names, estimate=request.estimate, mapping=mapping,
+        time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out, attachments=attached(departure),
+        request=request, report=report, saved=saved, sample_sensors=request.sample_sensors,
     )  # fmt: skip
 
 
@@ -232,15 +236,6 @@ def _map_setup(
     if report != "none" and area_m is not None:
         ahead = SurfaceAhead(sim.world, sim.scene, occupancy.resolution_m, area_m)
     return MapSetup(occupancy, reference, request.outlier_filter, growth=request.map_growth, ahead=ahead)
-
-
-def _recorder(
-    sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
-) -> FlightRecorder:
-    """Return a recorder that has not yet written anything. Raises ValueError if its arguments are invalid."""
-    from uwsim.flight.flight_recorder import flight_recorder  # imported here, since recording formats take long
-
-    return flight_recorder(sim, path, topics, request if mission.make is not None else None)
 
 
 def _require_consistent(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
+from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.scenario import Scenario, ScenarioError, Survey, start_pose
 from uwsim.simulator.simulator import Simulator
@@ -49,6 +50,13 @@ def required_survey(scenario: Scenario) -> Survey:
             f"scenario '{scenario.name}': has no survey: specify area_m, altitude_m, line_spacing_m, speed_m_s"
         )
     return scenario.survey
+
+
+def require_lanes_flown_by(sim: Simulator) -> None:
+    """Raise ScenarioError, with all that is missing, if the first vehicle cannot fly a survey's lanes."""
+    if missing := missing_for_lanes(sim.rov):
+        with sim.scenario.source_file.errors_at("vehicles", 0, "model"):
+            raise ScenarioError(f"vehicle '{sim.rov.name}' cannot fly the survey's lanes: {'; '.join(missing)}")
 
 
 def survey_plan(survey: Survey) -> LawnMowerPlan:

@@ -3,28 +3,45 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
+from uwsim.base.own_files import require_own
 from uwsim.flight.checkpoint import MAP
-from uwsim.flight.results import REPORT, SUMMARY
-from uwsim.scoring.survey_track import TRACK
+from uwsim.flight.mission_log import LOG
+from uwsim.flight.results import RESULT_FILES
+from uwsim.flight.terminal import Silent
 
 
-def made_folder(out: Path) -> Path:
-    """Create a folder and return it. Raises OSError if it is not writable."""
+def made_folder(out: Path, writes: Iterable[str] = ()) -> Path:
+    """Create a folder and return it.
+
+    writes: names of the files that will be written there. Raises OSError if the folder is not writable, or holds such a
+    file that uwsim did not write.
+    """
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out):
             pass
     except OSError as error:
         raise OSError(f"--out {out}: cannot write there: {error.strerror}") from error
-    return out
-
-
-def results_folder(out: Path) -> Path:
-    """Create a flight's results folder and return it. Raises OSError if results could not be written there."""
-    made_folder(out)
-    for name in (MAP, REPORT, TRACK, SUMMARY):
+    for name in writes:
         if (out / name).exists() and not (out / name).is_file():
             raise OSError(f"--out {out}: '{name}' in it is not a file")
+        require_own(out / name)
     return out
+
+
+def results_folder(out: Path, vehicles: Iterable[str]) -> Path:
+    """Create a flight's results folder and return it. Raises OSError if results could not be written there."""
+    return made_folder(out, (MAP, LOG, *RESULT_FILES, *(f"track-{vehicle}.csv" for vehicle in vehicles)))
+
+
+def remove_stale_results(out: Path, names: Iterable[str], screen: Silent) -> None:
+    """Remove the results of an earlier flight, which would not match this flight's map."""
+    stale = [name for name in names if (out / name).exists()]
+    for name in stale:
+        require_own(out / name)
+        (out / name).unlink()
+    if stale:
+        screen.message(f"{out}: removed the results of an earlier flight: {', '.join(stale)}")

@@ -13,6 +13,7 @@ from typing import Any
 
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.missions.run import MissionFunction, first_parameter
+from uwsim.missions.unrun_steps import require_steps_run
 
 FUNCTION = "mission"
 
@@ -41,6 +42,10 @@ def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
     except ValueError as error:
         code = getattr(found, "__code__", None)  # classes have no __code__
         raise MissionError(f"{path}{f':{code.co_firstlineno}' if code else ''}: {error}") from None
+    try:
+        require_steps_run(found)
+    except ValueError as error:
+        raise MissionError(str(error).replace(str(file.resolve()), str(path), 1)) from None
     return found  # type: ignore[no-any-return]
 
 

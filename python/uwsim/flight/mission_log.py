@@ -9,6 +9,7 @@ from typing import IO
 import orjson
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import mark, require_own
 from uwsim.missions.own_vehicle import Event
 
 LOG = "log.jsonl"
@@ -24,7 +25,11 @@ class MissionLog:
     def __init__(self, out: Path | None, events: Iterable[Event] = ()) -> None:
         self.events: list[Event] = []
         self._path = None if out is None else out / LOG
-        self._file: IO[bytes] | None = None if self._path is None else self._path.open("wb", buffering=0)
+        self._file: IO[bytes] | None = None
+        if self._path is not None:
+            require_own(self._path)
+            self._file = self._path.open("wb", buffering=0)
+            mark(self._path, unfinished=True)
         for event in events:
             self.add(event)
 
@@ -44,6 +49,8 @@ class MissionLog:
         if self._file is not None:
             self._file.close()
             self._file = None
+            assert self._path is not None
+            mark(self._path)
 
 
 def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:

@@ -12,13 +12,21 @@ from pathlib import Path
 from typing import Any, cast
 
 from uwsim.base.did_you_mean import did_you_mean
-from uwsim.flight.flyable_lanes import LEAST_SHARE, SurveyAreaWarning, flyable_plan, required_survey, survey_plan
+from uwsim.flight.flyable_lanes import (
+    LEAST_SHARE,
+    SurveyAreaWarning,
+    flyable_plan,
+    require_lanes_flown_by,
+    required_survey,
+    survey_plan,
+)
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission, StoppedError
 from uwsim.missions.mission import SteppedMission
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.run import MissionFunction, first_parameter, made, steps_of
 from uwsim.missions.steps import Steps, drive
+from uwsim.missions.unrun_steps import require_steps_run
 from uwsim.navigation.control.protocols import Clock, SurveyVehicle
 from uwsim.simulator.simulator import Simulator
 
@@ -69,18 +77,22 @@ class FlownMission:
     name: str | None = None
 
     @property
-    def takes_all(self) -> bool:
+    def flies_all(self) -> bool:
         """Whether the mission flies all vehicles at once."""
         return self.steps is not None and first_parameter(self.steps) == "vehicles"
 
     def planned(self, sim: Simulator, least_share: float = LEAST_SHARE) -> tuple[LawnMowerPlan | None, str | None]:
         """Return the plan for a planned mission, and a sentence about lanes left out; both may be None.
 
-        Raises ScenarioError if the scenario has no survey or too little of it can be flown.
+        Raises ScenarioError if the scenario has no survey, too little of it can be flown, or its first vehicle cannot
+        fly lanes.
         """
         if self.make is None:
             return None, None
-        return flyable_plan(sim, survey_plan(required_survey(sim.scenario)), least_share)
+        survey = required_survey(sim.scenario)
+        if inspect.isclass(self.make) and issubclass(self.make, AdaptiveLawnMower):
+            require_lanes_flown_by(sim)
+        return flyable_plan(sim, survey_plan(survey), least_share)
 
     def begun(self, vehicles: Mapping[str, OwnVehicle], clock: Clock, plan: LawnMowerPlan | None) -> Begun:
         """Return the mission bound to its vehicles, ready to run."""
@@ -125,7 +137,8 @@ def found_mission(
         rule = "must take (vehicle, clock, plan) and make a uwsim.missions.Mission, or be a generator of (vehicle)"
         raise ValueError(f"mission {_title(found)}: {rule}")
     steps = with_arguments(cast("MissionFunction", found), arguments or {})
-    first_parameter(steps)  # raises ValueError
+    first_parameter(steps)  # raises ValueError, as does the next
+    require_steps_run(steps)
     return FlownMission(mission_name(steps, None), steps=steps, name=mission if isinstance(mission, str) else None)
 
 

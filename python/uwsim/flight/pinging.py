@@ -137,6 +137,7 @@ class MapMaker:
         self._keepers: dict[str, Any] = {}
         for name, vehicle in vehicles.items():
             sonar = sim.vehicles[name].sonar
+            sonar.map_as(self._filters[name], setup.occupancy.resolution_m)  # also for maps elsewhere, as over a link
             filler = MapFiller(
                 setup.occupancy, sonar.model.range_max_m, threads=sim.threads if alone else 1, timer=timer,
                 reference=setup.reference, on_mapped=ahead,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,23 +11,57 @@ from numpy.typing import NDArray
 from uwsim.flight.ping_log import PingSample
 from uwsim.flight.samples import Samples
 from uwsim.flight.stages import MAP_THREAD_STAGES
-from uwsim.mapping import OccupancyMap
+from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.survey_track import SurveyTrack
+from uwsim.simulator.link_traffic import LinkRow
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from uwsim.flight.ashore import Ashore
-    from uwsim.flight.closed_flight import ClosedPath
     from uwsim.flight.map_growth import GrowthRow
-    from uwsim.link.table import LinkRow
 
 DONE = "the mission is complete"
 BATTERY_EMPTY = "the battery is used up"  # missions that check the battery themselves use the same text
 INTERRUPTED = "interrupted (Ctrl-C)"
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ClosedPath:
+    """A vehicle's track after loop closure.
+
+    times_s: ping times (n,). path_world_m: positions (n, 3) at those times. errors_m: position errors (n,). submaps:
+    number of submaps. tried, matched: numbers of submap overlaps for which a match was attempted and found.
+    """
+
+    times_s: Array
+    path_world_m: Array
+    errors_m: Array
+    submaps: int
+    matched: int
+    tried: int
+
+    def __repr__(self) -> str:
+        return f"<ClosedPath: {len(self.times_s)} pings, {self.matched} of {self.tried} overlaps matched>"
+
+
+class Ashore(Protocol):
+    """The station's end of a link: what arrived of a mapping flight; see uwsim.link.flight."""
+
+    @property
+    def ping_count(self) -> int:
+        """Number of pings that have arrived."""
+
+    def table(self) -> list[LinkRow]:
+        """Return the numbers of messages sent, delivered, lost and late, by topic."""
+
+    def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:
+        """Return a map built from the pings that have arrived."""
+
+    def save(self) -> dict[str, Any]:
+        """Return everything that future results depend on, as JSON values."""
 
 
 @dataclass(frozen=True, eq=False)

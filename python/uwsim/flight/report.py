@@ -16,10 +16,10 @@ from uwsim.flight.record import FlightRecord
 from uwsim.flight.report_figures import ReportFigure, flight_figures, map_figures
 from uwsim.flight.samples import Samples
 from uwsim.flight.summary import ashore_text, duration_text, key_figures, vehicle_figures, warnings
-from uwsim.link.table import HEADINGS
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.score_text import coverage_text, distance_text, order_met, order_rows
+from uwsim.simulator.link_traffic import HEADINGS
 from uwsim.simulator.simulator import Simulator
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")

@@ -16,7 +16,7 @@ from uwsim.simulator.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
-PATHS = ("mission", "scenario", "sonar_model", "link")
+PATHS = ("mission", "scenario", "sonar_model", "vehicle_model", "link")
 """Names of the arguments that may be paths."""
 
 
@@ -25,7 +25,8 @@ class FlightRequest:
     """The arguments that determine a flight.
 
     mission: the path of its file, or `module:name`; if None, the scenario's survey. mission_digest: digest of the file.
-    vehicles: by default the scenario's first, or all if the mission takes `vehicles`. link: a modem that replaces the
+    vehicles: by default the scenario's first, or all if the mission takes `vehicles`. vehicle_model: replaces the first
+    vehicle's. link: a modem that replaces the
     scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated
     time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if
     one is built. sample_sensors: whether `samples` include the sensors' readings.
@@ -41,6 +42,7 @@ class FlightRequest:
     seed: int | None = None
     sonar_model: int | str | None = None
     sonar_frequency_hz: float | None = None
+    vehicle_model: str | None = None
     mission_time_s: float | None = None
     link: str | None = None
     carried: tuple[str, ...] | None = None
@@ -71,6 +73,7 @@ class FlightRequest:
             seed=self.seed,
             sonar_model=self.sonar_model,
             sonar_frequency_hz=self.sonar_frequency_hz,
+            vehicle_model=self.vehicle_model,
             mission_time_s=self.mission_time_s,
             link=self.link,
             threads=threads,

@@ -15,7 +15,7 @@ import numpy as np
 
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.mission_log import rewrite_if_lost
-from uwsim.flight.record import FlightRecord
+from uwsim.flight.record import Ashore, FlightRecord
 from uwsim.flight.summary import ashore_text, flight_values, summary_table
 from uwsim.flight.terminal import Silent
 from uwsim.mapping import OccupancyMap
@@ -23,11 +23,11 @@ from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import write_json
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
+from uwsim.simulator.link_traffic import text_table
 from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
     from uwsim.figures.truth_and_map import TruthAndMap
-    from uwsim.flight.ashore import Ashore
 
 REPORTS = ("full", "json", "none")
 REPORT, SUMMARY, MAP_ASHORE = "report.html", "summary.json", "map_ashore.bt"
@@ -164,8 +164,6 @@ def _print(flown: FlightRecord, screen: Silent, report: str, out: Path) -> None:
     if report != "none":
         screen.result(summary_table(flown))
     if flown.ashore is not None and flown.ashore_score is not None:
-        from uwsim.link.table import text_table  # here, since channels are slow to import
-
         screen.result(text_table(flown.ashore.table()))
         screen.result(f"{ashore_text(flown, flown.ashore_score)}  {out / MAP_ASHORE}")
     screen.result(f"ended because {flown.ended_because}")

@@ -41,7 +41,7 @@ TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
 _FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
 AT = {name: k for k, name in enumerate(COLUMNS)}
 LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
-Hear = Callable[[str, str, dict[str, Any]], object]
+OnEvent = Callable[[str, str, dict[str, Any]], object]
 """A function called with a vehicle's name, an event's name and its values."""
 
 
@@ -120,16 +120,16 @@ class Samples:
 class Sampler:
     """Samples a simulator's vehicles and reports changes on their panels as events, as an Observer of its journal.
 
-    vehicles: the vehicles by name, as seen by the mission. hear: receives the events. timer: measures the time spent on
+    vehicles: the vehicles by name, as seen by the mission. on_event: receives events. timer: measures the time spent on
     sampling. saved: by vehicle, the rows (n, columns) of the flight being resumed; that flight began at begun_tick.
     with_sensors: whether the samples include the sensors' readings, which take longer than everything else.
     """
 
     def __init__(
-        self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], hear: Hear, timer: Measurement, *,
+        self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], on_event: OnEvent, timer: Measurement, *,
         with_sensors: bool = True, begun_tick: int = 0, saved: Mapping[str, NDArray[np.float64]] | None = None,
     ) -> None:  # fmt: skip
-        self._sim, self._hear, self._timer = sim, hear, timer
+        self._sim, self._on_event, self._timer = sim, on_event, timer
         self._steps = max(1, round(PERIOD_S / sim.step_s))
         self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
         self._columns = {name: _Columns(sim.vehicles[name], with_sensors) for name in vehicles}
@@ -160,7 +160,7 @@ class Sampler:
         """Report a command as an event, unless such commands are too frequent."""
         if name not in TOO_MANY:
             values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
-            self._hear(str(arguments.get("vehicle") or ""), name, values)
+            self._on_event(str(arguments.get("vehicle") or ""), name, values)
 
     def samples(self) -> dict[str, Samples]:
         """Return all samples so far, by vehicle."""
@@ -175,13 +175,13 @@ class Sampler:
         if row[LIT_AT] != were_lit:
             for warning, is_lit, was_lit in zip(PANEL_WARNINGS, row[LIT_AT], were_lit, strict=True):
                 if is_lit != was_lit:
-                    self._hear(name, f"{warning}_warning", {"lit": bool(is_lit)})
+                    self._on_event(name, f"{warning}_warning", {"lit": bool(is_lit)})
         if before is None:
             return
         if (more := row[AT["collisions"]] - before[AT["collisions"]]) > 0:
-            self._hear(name, "collision", {"times": int(more)})
+            self._on_event(name, "collision", {"times": int(more)})
         if row[AT["battery_percent"]] <= 0.0 < before[AT["battery_percent"]]:
-            self._hear(name, "battery_empty", {})
+            self._on_event(name, "battery_empty", {})
 
 
 class _Columns:

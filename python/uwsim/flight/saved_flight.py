@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from uwsim.base.texts.json_text import json_value
 from uwsim.flight.map_growth import GrowthRow
 from uwsim.flight.mission_file import MissionError
 from uwsim.flight.pinging import SavedPinging
@@ -28,7 +29,7 @@ class SavedMission(BaseModel):
     """The state from which a mission with `save` continues, apart from the simulator's state and the samples.
 
     state: the mission's own state. clock: see FlightClock.phase. begun_tick: tick at which the flight began. events:
-    the log so far. ashore: see Ashore.save.
+    the log so far. attachments: what each returned from `save`, by name. ashore: the link's, in older files.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -36,7 +37,13 @@ class SavedMission(BaseModel):
     clock: tuple[Tick, float]
     begun_tick: Tick
     events: list[Event] = Field(default_factory=list)
+    attachments: dict[str, dict[str, Any]] = Field(default_factory=dict)
     ashore: dict[str, Any] | None = None
+
+    @property
+    def attached(self) -> dict[str, dict[str, Any]]:
+        """The saved state of each attachment by name, whatever the version."""
+        return self.attachments if self.ashore is None else {"link": self.ashore}
 
 
 class StateFile(BaseModel):
@@ -78,14 +85,14 @@ def _checksum(content: Mapping[str, Any]) -> str:
 def read_state(data: bytes) -> StateFile:
     """Parse a state file. Raises ValueError if it is damaged or of another version."""
     try:
-        content = json.loads(data)
+        content = json_value(data, "the file")
         state = StateFile.model_validate(content)
     except ValidationError as error:
         first = error.errors()[0]
         if first["loc"] == ("version",):
             raise ValueError(f"has version {first['input']!s:.20}: this uwsim reads up to {VERSION}") from None
         raise ValueError(f"is damaged: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise ValueError(f"is damaged: {error}") from None
     if state.version > 1 and state.checksum != _checksum(content):
         raise ValueError("is damaged: its checksum does not match its content")

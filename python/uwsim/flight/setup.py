@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from uwsim.flight.attachment import Attachment
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.missions import FlownMission
 from uwsim.flight.pinging import MapSetup
@@ -14,9 +15,6 @@ from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.terminal import Silent
 from uwsim.missions import LawnMowerPlan
 from uwsim.simulator.simulator import Simulator
-
-if TYPE_CHECKING:
-    from uwsim.flight.flight_recorder import FlightRecorder
 
 
 @dataclass
@@ -36,8 +34,7 @@ class Setup:
     time_limit_s: float | None = None
     plan: LawnMowerPlan | None = None
     lanes_left_out: str | None = None
-    carried: tuple[str, ...] | None = None
-    recorder: FlightRecorder | None = None
+    attachments: Mapping[str, Attachment] = field(default_factory=dict)
     out: Path | None = None
     request: FlightRequest | None = None
     sample_sensors: bool = True

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from uwsim.flight.attachment import Departure, attached
 from uwsim.flight.engine import Flight
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey
@@ -15,7 +16,7 @@ from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind
 from uwsim.flight.setup import Setup
 from uwsim.flight.terminal import Silent, Terminal
-from uwsim.flight.vehicle_chain import filters_outliers, require_sonar
+from uwsim.flight.vehicle_chain import filters_outliers
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
@@ -39,9 +40,7 @@ def run_survey(
     or ValueError for an error in the scenario or the arguments, OSError if `out` cannot be written. The map is written
     even if the mission fails.
     """
-    loaded = load(scenario)  # before building the world
-    required_survey(loaded)
-    require_sonar(loaded, loaded.vehicles[0].name)
+    required_survey(load(scenario))  # before building the world
     return fly(
         mission,
         scenario,
@@ -92,9 +91,11 @@ def fly_survey(
     sim.scene.prepare()
     found = found_mission(mission)
     plan, left_out = found.planned(sim, least_share)
+    names = (sim.rov.name,)
+    departure = Departure(sim, names, found.make is not None, has_map=True, carried=SURVEYED)
     setup = Setup(
-        sim=sim, mission=found, names=(sim.rov.name,), estimate=estimate, plan=plan, lanes_left_out=left_out,
-        carried=SURVEYED, sample_sensors=False,
+        sim=sim, mission=found, names=names, estimate=estimate, plan=plan, lanes_left_out=left_out,
+        attachments=attached(departure), sample_sensors=False,
     )  # fmt: skip
     flight = Flight(setup)
     on_ping = () if on_ping_taken is None else (on_ping_taken,)

@@ -22,7 +22,7 @@ REDRAW_S = 0.1  # wall time between updates of the progress bar
 class Silent:
     """Shows nothing; the base class of all flight displays."""
 
-    hears_signals = False
+    handles_signals = False
     """Whether Ctrl-C and SIGTERM end the displayed flight and keep its results so far."""
 
     def status(self, activity: str) -> AbstractContextManager[object]:
@@ -44,7 +44,7 @@ class Silent:
 class Terminal(Silent):
     """Prints the progress and the results of a flight."""
 
-    hears_signals = True
+    handles_signals = True
 
     def __init__(self) -> None:
         self._messages = Console(stderr=True)

@@ -13,10 +13,10 @@ from uwsim.flight.stages import CODEC
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap, depth_string
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.build.hull import hull_box_m
+from uwsim.scenario.build.ping_chain import map_voxel_m, ping_chain
 from uwsim.simulator.simulator import Simulator
 
-PING_RATE_HZ, VOXEL_M = 10.0, 0.2  # for scenarios without a survey
+PING_RATE_HZ = 10.0  # for scenarios without a survey
 Array = NDArray[np.float64]
 
 
@@ -31,19 +31,17 @@ def chain_of(
 ) -> PingToMap:
     """Return the processing chain from a vehicle's pings to a map. filters: whether to discard outliers."""
     (entry,) = (entry for entry in sim.scenario.vehicles if entry.name == vehicle)
-    sonar, survey = sim.vehicles[vehicle].sonar, sim.scenario.survey
-    wire, limit_m = depth_string(sonar.model, transmit), None
-    if filters and sonar.mode == "physics":
-        asked_m = None if survey is None else survey.max_uncertainty_m
-        limit_m = filler.occupancy.resolution_m / 2.0 if asked_m is None else asked_m
-    return PingToMap(
+    sonar = sim.vehicles[vehicle].sonar
+    wire = depth_string(sonar.model, transmit)
+    return ping_chain(
+        sim.scenario,
+        entry.model,
         sonar.model,
-        hull_box_m(entry.model),
-        filler,
-        wire=wire if timer is None else timer.timed(CODEC, wire),
-        decodes=True,
+        in_physics=sonar.mode == "physics",
         outlier_filter=filters,
-        max_uncertainty_m=limit_m,
+        voxel_m=filler.occupancy.resolution_m,
+        filler=filler,
+        wire=wire if timer is None else timer.timed(CODEC, wire),
     )
 
 
@@ -85,8 +83,8 @@ def survey_area_m(sim: Simulator) -> Array | None:
 
 
 def default_voxel_m(sim: Simulator) -> float:
-    """Return the scenario's voxel edge length, or VOXEL_M without a survey."""
-    return sim.scenario.survey.voxel_m if sim.scenario.survey is not None else VOXEL_M
+    """Return the scenario's voxel edge length."""
+    return map_voxel_m(sim.scenario)
 
 
 def require_sonar(scenario: Scenario, vehicle: str) -> None:

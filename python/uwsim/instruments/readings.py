@@ -41,6 +41,13 @@ class ImuReading(Reading):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class PositionReading(Reading):
+    """Position in the world, position_m (3,), along east, north and up."""
+
+    position_m: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class VelocityReading(Reading):
     """Velocity over ground, linear_velocity_m_s (3,), and angular_velocity_rad_s (3,), in sensor axes."""
 
@@ -84,6 +91,7 @@ class UsblReading(Reading):
 
 READINGS: dict[str, type[Reading]] = {
     "imu": ImuReading,
+    "position": PositionReading,
     "velocity": VelocityReading,
     "acceleration": AccelerationReading,
     "dvl": DvlReading,

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast, overload
 
 import numpy as np
 
 from uwsim import _core
 from uwsim.base.named import Named
-from uwsim.base.sealed import Sealed
+from uwsim.base.sealed import Attached
+from uwsim.instruments.derived import Derivation, reading_class
 from uwsim.instruments.distortion import Distortion
 from uwsim.instruments.readings import (
     READINGS,
     AccelerationReading,
     DvlReading,
     ImuReading,
+    PositionReading,
     UsblReading,
     VelocityReading,
 )
 from uwsim.instruments.sample_stream import Samples, SampleSource, SampleStream
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 
 R = TypeVar("R")
 """A sensor's reading: a float in its unit, or one of the classes of uwsim.instruments.readings."""
@@ -43,12 +48,12 @@ class Sample(Generic[R]):
         return self.stamp_ns * 1e-9
 
 
-class Sensor(Sealed, Generic[R]):
+class Sensor(Attached, Generic[R]):
     """A sensor whose noise comes from its own seeded random stream.
 
     Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
 
-    kind: one of _core.sensor_kinds(). meaning: a description of the measured quantities. on: whether the sensor is
+    kind: see uwsim.scenario.spec.sensor_kind. meaning: a description of the measured quantities. on: whether it is
     powered; see Simulator.parameters. period_s: time between samples. spec: its mounting, parameters and errors. Axes:
     x forward, y left, z up, unless the vehicle's YAML file rotates the sensor.
 
@@ -79,8 +84,11 @@ class Sensor(Sealed, Generic[R]):
         index: int,
         spec: _core.SensorSpec,
         step_s: float,
-        on: bool = True,
+        mount: SensorMount,
+        stream: str,
+        seed: Callable[[], int],
     ) -> None:
+        """mount: as in the scenario. stream: "vehicle/sensor", for the noise of kinds in Python. seed: the run's."""
         self._step_s = step_s
         self._source = SampleSource(
             lambda: self._distorted(*simulation.take_samples(vehicle, index)),
@@ -89,8 +97,10 @@ class Sensor(Sealed, Generic[R]):
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
-        kind = _core.sensor_kind(spec.kind)
-        self._reading = READINGS.get(kind.name)
+        kind = sensor_kind(mount.kind)
+        self._derived = Derivation(kind, mount, stream, 0.0, seed) if isinstance(kind, DerivedKind) else None
+        self._source_fields = _core.sensor_kind(spec.kind).fields
+        self._reading = reading_class(kind) if isinstance(kind, DerivedKind) else READINGS.get(kind.name)
         self._scalar = next(iter(kind.fields)) if self._reading is None else None
         self._fields = kind.fields
         self._units = {field: unit for field, (_, unit) in kind.fields.items()}
@@ -98,7 +108,7 @@ class Sensor(Sealed, Generic[R]):
         self.kind = kind.name
         self.meaning = kind.meaning
         self._distortion: Distortion | None = None
-        self.change(spec, on)
+        self.change(spec, mount)
 
     @property
     def distortion(self) -> Distortion | None:
@@ -117,22 +127,31 @@ class Sensor(Sealed, Generic[R]):
 
     def stick(self) -> None:
         """Repeat the current reading from now on. Faults call this."""
-        self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
+        self.distort(Distortion.stuck_at(self._quantities(self._newest(True), True)))
+
+    def add_bias(self, bias: float, field: str | None) -> None:
+        """Add a constant to each component of a field, or of all fields, from now on. Faults call this."""
+        self.distort(Distortion(field=field, bias=bias))
 
     def _distorted(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
         """Return samples as the sensor reports them: distorted by a fault, or invalid while the sensor is off."""
+        if self._derived is not None:
+            readings = self._derived.rows(stamps_ns, readings, self._source_fields)
         if self._distortion is not None:
             readings = self._distortion.of_rows(readings, self._fields)
         return stamps_ns, arrivals_ns, readings, valid & self.on
 
-    def change(self, spec: _core.SensorSpec, on: bool) -> None:
+    def change(self, spec: _core.SensorSpec, mount: SensorMount) -> None:
         """Replace the sensor's errors and timing. Simulator.parameters calls this."""
-        if on != self.__dict__.get("on", on):
+        on = mount.on
+        if on != self.__dict__.get("on", on) or (self._derived is not None and mount != self._derived.mount):
             self._source.settle()
         period_s = max(1.0 / spec.rate_hz, self._step_s) if spec.rate_hz else self._step_s
         self.__dict__ |= {
             "rate_hz": spec.rate_hz or None, "latency_s": spec.latency_s, "period_s": period_s, "spec": spec, "on": on,
         }  # fmt: skip
+        if self._derived is not None:
+            self._derived = replace(self._derived, mount=mount, rate_hz=1.0 / period_s)
 
     @property
     def unit(self) -> str | dict[str, str]:
@@ -146,7 +165,7 @@ class Sensor(Sealed, Generic[R]):
         current value is measured. `sample` distinguishes these cases. noise=False returns the current true value,
         without errors, rate, latency or drop-outs. A sensor that is off returns NaN.
         """
-        return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)
+        return self._value(self._newest(noise), noise)
 
     def sample(self, *, noise: bool = True) -> Sample[R]:
         """Return the value of `read` with its time and validity.
@@ -154,7 +173,7 @@ class Sensor(Sealed, Generic[R]):
         A sample is invalid if there is no measurement (a DVL without bottom lock, a distance out of range, no USBL
         fix), if the newest sample was dropped, if none has arrived yet, or if the sensor is off.
         """
-        reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
+        reading = self._newest(noise)
         return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
 
     def stream(self, from_ns: int | None = None) -> SampleStream:
@@ -195,8 +214,18 @@ class Sensor(Sealed, Generic[R]):
         """Simulated time in nanoseconds."""
         return self._simulation.time_ns
 
+    def _newest(self, noise: bool) -> _core.SensorReading:
+        return self._simulation.read_sensor(self._vehicle, self._index, noise)
+
+    def _quantities(self, reading: _core.SensorReading, noise: bool) -> dict[str, Any]:
+        """Return the quantities of this sensor's kind by name."""
+        if self._derived is None:
+            return reading.values
+        return self._derived.reading(reading.values, reading.stamp_ns, noise=noise)
+
     def _value(self, reading: _core.SensorReading, noise: bool) -> R:
-        values = reading.values if self.on else {field: value * math.nan for field, value in reading.values.items()}
+        values = self._quantities(reading, noise)
+        values = values if self.on else {field: value * math.nan for field, value in values.items()}
         if noise and self._distortion is not None and self.on:
             values = self._distortion.of(values)
         if self._reading is not None:
@@ -219,6 +248,8 @@ class Sensors(Named[Sensor[Any]]):
 
         @overload
         def __getitem__(self, name: Literal["imu"], /) -> Sensor[ImuReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["position"], /) -> Sensor[PositionReading]: ...
         @overload
         def __getitem__(self, name: Literal["velocity"], /) -> Sensor[VelocityReading]: ...
         @overload

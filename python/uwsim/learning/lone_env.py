@@ -48,7 +48,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         if options:
             raise ValueError(f"options = {options!r:.60}: would have no effect")
         self.episodes.seed(0, seed)
-        self._take_generator()
+        self._adopt_generator()
         self._ended = False
         return first(self.episodes.begin(np.ones(1, np.bool_))), {}
 
@@ -78,11 +78,11 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         Raises ValueError if it is damaged or of another environment.
         """
         observation, ended = restore_episodes(self.episodes, state)
-        self._take_generator()
+        self._adopt_generator()
         self._ended = bool(ended[0])
         return first(observation)
 
-    def _take_generator(self) -> None:
+    def _adopt_generator(self) -> None:
         self._np_random = self.episodes.generators[0]
         self._np_random_seed = self.episodes.generator_seeds[0]
 

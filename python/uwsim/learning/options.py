@@ -11,7 +11,7 @@ from uwsim.base.did_you_mean import did_you_mean
 from uwsim.batch.arguments import FaultList
 from uwsim.learning.task import AnyScenario, Task
 from uwsim.scenario import Scenario
-from uwsim.scenario.spec.fault import CameraFault, FaultModel, LinkLoss, SensorFault, SonarFault
+from uwsim.scenario.spec.fault import FaultModel, Observer
 from uwsim.simulator.parameters import Parameters
 
 Ranges = Mapping[str, tuple[float, float]]
@@ -65,17 +65,10 @@ def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Sce
     """Raise ValueError for faults that affect neither the task nor a failsafe. camera: the observed camera, if any."""
     failsafes = [entry.failsafe or entry.model.failsafe for entry in scenario.vehicles]
     watches_sensors = any(failsafe and failsafe.sensor_then for failsafe in failsafes)
+    observer = Observer(kind.__name__, kind.sensors, watches_sensors, camera, kind.pings, scenario.link is not None)
     for index, fault in enumerate(faults):
-        place = f"faults[{index}]: would have no effect"
-        if isinstance(fault, LinkLoss) and scenario.link is None:
-            raise ValueError(f"{place}: the scenario has no link")
-        if isinstance(fault, SonarFault) and not kind.pings:
-            raise ValueError(f"{place}: {kind.__name__} uses no sonar")
-        if isinstance(fault, CameraFault) and fault.camera != camera:
-            raise ValueError(f"{place}: camera '{fault.camera}': is not observed")
-        if isinstance(fault, SensorFault) and fault.sensor not in kind.sensors and not watches_sensors:
-            read = ", ".join(kind.sensors) or "none"
-            raise ValueError(f"{place}: sensor '{fault.sensor}': {kind.__name__} reads {read}")
+        if reason := fault.unnoticed(observer):
+            raise ValueError(f"faults[{index}]: would have no effect: {reason}")
 
 
 def checked_ranges(ranges: Ranges, scenario: Scenario) -> dict[str, tuple[float, float]]:

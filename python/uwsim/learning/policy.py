@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.short_repr import ShortRepr
+from uwsim.base.texts.json_text import json_value
 from uwsim.scenario.read.assets import assets_folder
 
 Floats = NDArray[np.float64]
@@ -52,7 +53,7 @@ class LinearPolicy(ShortRepr):
         """
         packaged = assets_folder() / "learning" / "policies" / f"{source}.json"
         path = packaged if packaged.is_file() else Path(source)
-        about = json.loads(path.read_text(encoding="utf-8"))
+        about = json_value(path.read_bytes(), f"policy '{path}'")
         try:
             weights, bias = (np.array(about.pop(key), np.float64) for key in ("weights", "bias"))
         except (KeyError, TypeError, ValueError, AttributeError):

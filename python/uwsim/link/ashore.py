@@ -10,18 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.channels import Channel, build
-from uwsim.channels.map import PLACED, PUBLISH_NS, PingMap, binary, empty_map
-from uwsim.channels.pings import Pings
+from uwsim.channels import Channel
+from uwsim.channels.families.map import PLACED, PUBLISH_NS, PingMap, binary, empty_map
+from uwsim.channels.families.pings import Pings
+from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.channels.table import Table
 from uwsim.link.carried import Carried
+from uwsim.mapping.ping_to_map import received_echoes
 from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
 RANGE_MAX_M = 1000.0  # reported for scans whose sender has already applied its limit
 
-LookedFor = Callable[[str, Simulator], object]
+OnRead = Callable[[str, Simulator], object]
 """A function called each time that the station reads a channel."""
 
 
@@ -33,10 +35,10 @@ class MapAshore(PingMap):
     """
 
     def __init__(
-        self, source: Source, pings: Pings, carried: Carried, network: Network, looked_for: LookedFor | None = None
+        self, source: Source, pings: Pings, carried: Carried, network: Network, on_read: OnRead | None = None
     ) -> None:
         super().__init__(source, pings)
-        self._carried, self._network, self._looked_for = carried, network, looked_for
+        self._carried, self._network, self._on_read = carried, network, on_read
         self._is_slow = network.modem.kind == "modem"
         self._looked_ns = self._published_ns = 0
         self._is_new = self._has_changed = False
@@ -62,7 +64,7 @@ class MapAshore(PingMap):
         return self._last_changes[1]
 
     def _new_map(self, sim: Simulator) -> Any:
-        self.keep_up(sim)
+        self.update(sim)
         if not self._is_new or (self._is_slow and sim.time_ns < self._published_ns + PUBLISH_NS):
             return None
         self._is_new, self._published_ns = False, sim.time_ns
@@ -71,7 +73,7 @@ class MapAshore(PingMap):
         return self._message(self._newest_ns, self._worker.submit(binary, self._map).result())
 
     def _new_changes(self, sim: Simulator) -> Any:
-        self.keep_up(sim)
+        self.update(sim)
         if not self._has_changed:
             return None
         self._has_changed = False
@@ -80,10 +82,10 @@ class MapAshore(PingMap):
         part = self._worker.submit(self._note_changes).result()
         return self._changes_message(self._newest_ns, (part, None))[0] if len(part.cells) else None
 
-    def keep_up(self, sim: Simulator) -> None:
+    def update(self, sim: Simulator) -> None:
         """Insert the pings that have arrived; start a new map if simulated time has gone back."""
-        if self._looked_for is not None:
-            self._looked_for(self._carried.channel.name, sim)  # a cable carries only the channels that are read
+        if self._on_read is not None:
+            self._on_read(self._carried.channel.name, sim)  # a cable carries only the channels that are read
         if sim.time_ns < self._looked_ns:
             self._map, self._looked_ns, self._published_ns = None, 0, 0
         for message in arrived(self._network, self._carried, self._looked_ns):
@@ -109,10 +111,10 @@ def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64
     angles_rad = message.angle_min + message.angle_increment * np.arange(len(ranges_m))
     met = np.isfinite(ranges_m)
     across = np.column_stack([np.cos(angles_rad[met]), np.sin(angles_rad[met]), np.zeros(met.sum())])
-    at, turn = message.sonar.position, message.sonar.orientation
-    position = np.array([at.x, at.y, at.z])
-    points = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).apply(ranges_m[met, None] * across) + position
-    return points.astype(np.float32), position
+    at, turn, pose = message.sonar.position, message.sonar.orientation, np.eye(4)
+    pose[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
+    pose[:3, 3] = at.x, at.y, at.z
+    return received_echoes(ranges_m[met, None] * across, pose), pose[:3, 3]
 
 
 def with_scans(seen: Iterable[Channel]) -> list[Channel]:
@@ -151,7 +153,7 @@ def maps_ashore(
     network: Network,
     channels: Iterable[Channel],
     carried: dict[str, Carried],
-    looked_for: LookedFor | None = None,
+    on_read: OnRead | None = None,
 ) -> list[Channel]:
     """Return the channels, with onboard maps replaced by maps built ashore, which the table's services then save."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
@@ -163,7 +165,7 @@ def maps_ashore(
         if one is None:
             del table.maps[source.name]
             continue
-        table.maps[source.name] = MapAshore(source, table.pings[source.name], one, network, looked_for)
+        table.maps[source.name] = MapAshore(source, table.pings[source.name], one, network, on_read)
         made |= {channel.name: channel for channel in table.maps[source.name].map_channels()}
     return [
         replace(made[channel.name], description=f"ashore: {channel.description}") if channel.name in made else channel

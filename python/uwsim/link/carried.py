@@ -17,6 +17,7 @@ class Carried(NamedTuple):
     channel: Channel
     vehicle: str
     packing: Packing
+    priority: int
 
 
 def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
@@ -41,7 +42,7 @@ def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carrie
         packing = packing_of(channel, network.modem)
         vehicle = vehicle_of(channel, sim)
         if channel.over_link and packing and vehicle and is_chosen(channel.name, setup.carries):
-            found.append(Carried(channel, vehicle, packing))
+            found.append(Carried(channel, vehicle, packing, channel.over_link.priority))
     return found
 
 

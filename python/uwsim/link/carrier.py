@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import replace
+from functools import partial
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,6 +15,7 @@ from uwsim.base.agenda import NEVER, Rank
 from uwsim.base.commands import COMMANDS
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels import Channel, Service, Table
+from uwsim.channels.calls.request import Request, following
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline
@@ -68,8 +70,8 @@ class Carrier:
         self._listened: dict[str, int] = {}
         self.rates: dict[str, float] = {}
         self.channels = [
-            self._heard(channel) if channel.direction == "in" else channel
-            for channel in seen_channels(sim, table, given, self.look_for)
+            self._sent_over(channel) if channel.direction == "in" else channel
+            for channel in seen_channels(sim, table, given, self.note_read)
         ]
         self._sim = sim
         self._turns: list[Turn] = []
@@ -122,14 +124,19 @@ class Carrier:
         """Return variants of the services that send their commands over the link and respond once these are queued."""
         return [replace(service, call=self._called(service)) for service in services]
 
-    def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
-        def call(live: LiveSimulator, request: dict[str, Any]) -> dict[str, Any]:
+    def _called(self, service: Service) -> Callable[[LiveSimulator, Request], Request | Future[Request]]:
+        def call(live: LiveSimulator, request: Request) -> Request | Future[Request]:
             far = remote.RemoteSimulator(self._live, self.command)
             answer = service.call(far, request)  # type: ignore[arg-type]
-            is_sent = far.has_sent and answer.get("success") and not answer.get("message")
-            return {**answer, "message": f"sent over {self.modem}"} if is_sent else answer
+            if isinstance(answer, Future):
+                return following(answer, lambda: self._sent(far, answer.result()))
+            return self._sent(far, answer)
 
         return call
+
+    def _sent(self, far: remote.RemoteSimulator, answer: Request) -> Request:
+        is_sent = far.has_sent and answer.get("success") and not answer.get("message")
+        return {**answer, "message": f"sent over {self.modem}"} if is_sent else answer
 
     def remote(self) -> LiveSimulator:
         """Return the simulator as seen from the station: commands to vehicles go over the link."""
@@ -149,10 +156,10 @@ class Carrier:
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
         """Send one of uwsim.base.commands to a vehicle; the future resolves when it is queued."""
         topic, payload = remote.packed(name, arguments)
-        is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # its release may be lost
-        return self._send(vehicle, topic, payload, replaces=COMMANDS[name].replaces, is_vital=is_vital)
+        stops = arguments.get("on", True) if COMMANDS[name].is_vital else None
+        return self._send(vehicle, topic, payload, replaces=COMMANDS[name].replaces, stops=stops)
 
-    def _heard(self, channel: Channel) -> Channel:
+    def _sent_over(self, channel: Channel) -> Channel:
         one = self._carried.get(channel.name)
         if one is None:
             return channel
@@ -161,20 +168,27 @@ class Carrier:
             payload = one.packing.pack(message)
             return self._send(one.vehicle, channel.name, payload, replaces=one.packing.may_replace(message))
 
-        abandoned, idle, far = channel.abandoned, channel.idle, self.remote()
+        abandoned, idle, far = channel.authority.abandoned, channel.authority.idle, self.remote()
         if abandoned is None:
             return replace(channel, apply=apply)
         # Aboard, silence may be due to the modem, so the station monitors the publishers and reports when they have
         # left.
         gone = (lambda live: abandoned(far)) if idle is None else (lambda live: apply(live, idle))
-        return replace(channel, apply=apply, abandoned=gone)
+        return replace(channel, apply=apply, authority=replace(channel.authority, abandoned=gone))
 
-    def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
-        """Submit a message to the link. is_vital: whether to send the message even if it is late, and to repeat it."""
-        repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
-        return self._live.command(
+    def _send(
+        self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, stops: bool | None = None
+    ) -> Future[Any]:
+        """Submit a message to the link.
+
+        stops: True if it sets all stop, which is sent even if it is late, and repeated; False if it releases all stop,
+        which may be lost; None for others.
+        """
+        repeats = max(self._repeats(topic), VITAL_REPEATS if stops else 0)
+        issue = self._live.command if stops is None else partial(self._live.carry_stop, vehicle, stops)
+        return issue(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
-            lifetime_s=None if is_vital else self._command_life_s(), replaces=replaces, repeats=repeats,
+            lifetime_s=None if stops else self._command_life_s(), replaces=replaces, repeats=repeats,
         )  # fmt: skip
 
     def _repeats(self, topic: str) -> int:
@@ -187,7 +201,7 @@ class Carrier:
         turn_s = (modem.slot_s + modem.guard_s) * len(self._network.nodes)
         return max(COMMAND_LIFE_S, 2.0 * turn_s) if modem.kind == "modem" else COMMAND_LIFE_S
 
-    def look_for(self, name: str, sim: Simulator) -> None:
+    def note_read(self, name: str, sim: Simulator) -> None:
         """Record that the station reads a channel. Called on the simulator's thread."""
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
 
@@ -200,7 +214,7 @@ class Carrier:
         if left_out:
             logger.warning("the link has no room for %s", ", ".join(left_out))
         is_modem = self._network.modem.kind == "modem"
-        self._turns = turns(self._carried, self.rates, sim.step_s, self._say, shared=is_modem)
+        self._turns = turns(self._carried, self.rates, sim.step_s, self._send_newest, shared=is_modem)
         for turn in self._turns:
             turn.due_tick = sim.tick
         if saved is not None:
@@ -249,12 +263,12 @@ class Carrier:
         self._tick, self._awaited_tick, self._arrived_ns = tick - 1, NEVER, self._sim.time_ns
         self._listened.clear()
 
-    def _say(self, name: str) -> bool:
+    def _send_newest(self, name: str) -> bool:
         """Send a channel's current message; return whether there was one to send."""
         one, sim = self._carried[name], self._sim
         channel = one.channel
-        only_if_heard = self._network.modem.kind != "modem" or channel.late
-        if only_if_heard and self._listened.get(channel.name, -1) < sim.time_ns:
+        only_if_read = self._network.modem.kind != "modem" or channel.delivery.late
+        if only_if_read and self._listened.get(channel.name, -1) < sim.time_ns:
             return False
         try:
             message = channel.read(sim)
@@ -265,10 +279,10 @@ class Carrier:
         if payload is not None:
             self._live.command(
                 "link_send", sender=one.vehicle, receiver=STATION, topic=channel.name, payload=payload,
-                priority=channel.priority, replaces=True, lifetime_s=max(2.0 / self.rates[channel.name], 1.0),
+                priority=one.priority, replaces=True, lifetime_s=max(2.0 / self.rates[channel.name], 1.0),
                 repeats=self._repeats(channel.name),
             )  # fmt: skip
-            if channel.late:
+            if channel.delivery.late:
                 self._listened.pop(channel.name, None)  # the next picture is sent when this one has been read
         return payload is not None
 

@@ -6,6 +6,7 @@ from uwsim import _core
 from uwsim.link.rates import airtime_s
 from uwsim.scenario.spec.modem import Access, ModemModel
 from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.simulator.simulator import Simulator
 
 
@@ -20,5 +21,5 @@ def ranging_share(sim: Simulator, vehicle: str, modem: ModemModel, access: Acces
 
 
 def _shares_modem(mount: SensorMount) -> bool:
-    known = _core.sensor_kind(mount.kind).parameters.get("shares_modem")
+    known = sensor_kind(mount.kind).parameters.get("shares_modem")
     return known is not None and bool(mount.parameters.get("shares_modem", (known.by_default,))[0])

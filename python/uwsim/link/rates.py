@@ -79,7 +79,7 @@ def send_rates(
     times = times or {}
     rates: dict[str, float] = {}
     grown: dict[str, float] = {}
-    by_priority = groupby(sorted(carried, key=lambda one: one.channel.priority), lambda one: one.channel.priority)
+    by_priority = groupby(sorted(carried, key=lambda one: one.priority), lambda one: one.priority)
     for priority, group in by_priority:
         names = [one.channel.name for one in group]
         costs_s = {name: times.get(name, 1) * airtime_s(modem, access, sizes[name]) for name in names}

@@ -10,6 +10,7 @@ from typing import Any
 
 from uwsim.base.arguments import plain
 from uwsim.base.commands import COMMANDS, bound_command
+from uwsim.base.texts.json_text import json_object
 from uwsim.live import LiveSimulator
 
 TOPIC = "command/"
@@ -61,7 +62,7 @@ def packed(name: str, arguments: dict[str, Any]) -> tuple[str, bytes]:
 def unpacked(topic: str, payload: bytes) -> tuple[str, dict[str, Any]]:
     """Return a command's name and its arguments."""
     text = zlib.decompress(payload[1:]) if payload[:1] == b"\x01" else payload[1:]
-    return topic.removeprefix(TOPIC), json.loads(text) if text else {}
+    return topic.removeprefix(TOPIC), json_object(text, topic) if text else {}
 
 
 def _rounded(value: Any) -> Any:

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from uwsim.channels import Channel
-from uwsim.channels.own_types import LINK
+from uwsim.channels.ros.own_types import LINK
 from uwsim.channels.table import Table
-from uwsim.link.ashore import LookedFor, maps_ashore
+from uwsim.link.ashore import OnRead, maps_ashore
 from uwsim.link.carried import Carried, carried_channels
 from uwsim.link.status import status_channels
 from uwsim.simulator.network import STATION, Network
@@ -20,13 +20,13 @@ MODEM_HZ, QUICK_HZ = 20.0, 100.0
 
 
 def seen_channels(
-    sim: Simulator, table: Table, given: Iterable[Channel] | None = None, looked_for: LookedFor | None = None
+    sim: Simulator, table: Table, given: Iterable[Channel] | None = None, on_read: OnRead | None = None
 ) -> list[Channel]:
     """Return a table's channels as seen at the station, where channels that cross the link deliver arrived messages.
 
     Channels that could go over the link but are not carried are left out; maps, including the table's own, are built
     ashore. Messages depend only on the simulator's state, so that a replay reads the same messages. given: the table's
-    channels to consider, by default all. looked_for: called each time that a channel is read.
+    channels to consider, by default all. on_read: called each time that a channel is read.
     """
     network = sim.link
     given = list(table.channels if given is None else given)
@@ -34,10 +34,10 @@ def seen_channels(
         return given
     carried = {one.channel.name: one for one in carried_channels(given, sim)}
     seen = []
-    for channel in maps_ashore(table, network, given, carried, looked_for):
+    for channel in maps_ashore(table, network, given, carried, on_read):
         one = carried.get(channel.name)
         if one is not None:
-            seen.append(_seen(one, network, looked_for) if channel.direction == "out" else channel)
+            seen.append(_seen(one, network, on_read) if channel.direction == "out" else channel)
         elif not channel.over_link:
             seen.append(channel)
     return seen + status_channels(sim, network)
@@ -48,14 +48,15 @@ def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
     return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 
-def _seen(one: Carried, network: Network, looked_for: LookedFor | None) -> Channel:
+def _seen(one: Carried, network: Network, on_read: OnRead | None) -> Channel:
     rate_hz = MODEM_HZ if network.modem.kind == "modem" else QUICK_HZ
     name = one.channel.name
 
     def read(sim: Simulator) -> Any:
-        if looked_for is not None:
-            looked_for(name, sim)
+        if on_read is not None:
+            on_read(name, sim)
         found = [got for got in network.received(STATION, sim.time_s - 1.0 / rate_hz) if got.topic == name]
         return one.packing.unpack(found[-1].payload, one.channel) if found else None
 
-    return replace(one.channel, rate_hz=rate_hz, read=read, late=False, keep_up=None, catch_up=None)
+    delivery = replace(one.channel.delivery, late=False, update=None, catch_up=None)
+    return replace(one.channel, rate_hz=rate_hz, read=read, delivery=delivery)

@@ -6,8 +6,9 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from uwsim.channels import Channel, build
-from uwsim.channels.own_types import LINK
+from uwsim.channels import Channel
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import LINK
 from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.link.table import LinkRow, link_rows
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.link import link_spec
 from uwsim.scenario.build.station import in_world
 from uwsim.scenario.spec.link import LinkFault
+from uwsim.simulator.link_traffic import LinkRow, link_rows
 from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
@@ -183,7 +183,7 @@ def _open_water(sim: Simulator, size: int, depth_m: float) -> Curve:
     water, nothing = _core.LinkWater(spec, sim.world.water), _core.RayScene(_core.World())
     ranges_m = np.geomspace(5.0, FARTHEST_M, 160)
     start = np.array([0.0, 0.0, spec.station_transducer_world_m[2]])
-    heard = [water.hear(nothing, start, (far_m, 0.0, -depth_m)) for far_m in ranges_m]
+    heard = [water.receive(nothing, start, (far_m, 0.0, -depth_m)) for far_m in ranges_m]
     is_modem = setup.modem.kind == "modem"
     delivery = [1.0 - one.packet_loss(spec.modem, size) if is_modem else 1.0 for one in heard]
     delays_s = [one.delay_s if one.reached else np.nan for one in heard]

@@ -49,7 +49,7 @@ def turns(
     found: list[Turn] = []
     of_pictures: dict[str, Turn] = {}
     for name, rate_hz in rates.items():
-        vehicle, is_picture = carried[name].vehicle, carried[name].channel.priority == PICTURE
+        vehicle, is_picture = carried[name].vehicle, carried[name].priority == PICTURE
         if shared and is_picture and vehicle in of_pictures:
             of_pictures[vehicle].names.append(name)
             continue

@@ -8,12 +8,13 @@ import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from uwsim.base.arguments import plain
-from uwsim.base.commands import COMMANDS, bound_command
+from uwsim.base.commands import ALL_STOP, COMMANDS, bound_command
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
 from uwsim.live.pace import Pace, Speed
@@ -27,6 +28,9 @@ from uwsim.simulator.simulator import Simulator
 T = TypeVar("T")
 
 STOP_S = 1.0
+PACE_ACTS = ("pause", "resume", "step", "speed")
+ACTS = (CALL, RESET, *PACE_ACTS)
+"""The acts on a live simulator that are not commands: a call of a function, a jump in time, and changes of the pace."""
 
 logger = logging.getLogger("uwsim.live")
 
@@ -47,7 +51,8 @@ class LiveSimulator:
     after longer delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error`
     contains the reason, and `reset` allows it to continue.
 
-    refusal: if not empty, commands, calls and resets raise ValueError with this reason, as during a replay.
+    refusal_of: returns the reason why an act (a command's name, or one of ACTS) is refused now, or "". The act then
+    raises ValueError with this reason, except within `privileged`. By default nothing is refused.
 
     The attribute `simulator` is for fixed properties and single readings; do not step or command it directly.
     `vehicles` and `rov` accept commands from any thread. `log` is the CommandLog.
@@ -63,7 +68,8 @@ class LiveSimulator:
         self._pace = Pace(speed, self.simulator.step_s)
         self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
         self._thread: threading.Thread | None = None
-        self.refusal = ""
+        self.refusal_of: Callable[[str], str] = lambda act: ""
+        self._privileges = threading.local()
 
     def __repr__(self) -> str:
         state = "stopped" if not self.running else "paused" if self.paused else f"at speed {self.speed}"
@@ -158,6 +164,7 @@ class LiveSimulator:
 
     @speed.setter
     def speed(self, speed: Speed) -> None:
+        self._require("speed")
         with self._loop.lock:
             self._pace.set_speed(speed)
             self._loop.lock.notify_all()
@@ -194,12 +201,14 @@ class LiveSimulator:
 
     def pause(self) -> None:
         """Pause; return once no step is in progress."""
+        self._require("pause")
         self._loop.set_paused(True)
         if self.running and not self._on_loop:
             self.read(lambda sim: None).result()
 
     def resume(self) -> None:
         """Continue, after all earlier commands. Raises the error that stopped the simulation, if any."""
+        self._require("resume")
         if self.running and not self._on_loop:
             self._loop.in_turn(lambda: self._loop.set_paused(False))
         else:
@@ -212,6 +221,7 @@ class LiveSimulator:
         """
         if isinstance(n, bool) or not isinstance(n, int) or not 0 <= n < 2**53:
             raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
+        self._require("step")
         if self._on_loop:
             raise RuntimeError("step: a call or sink must not wait for steps")
         self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
@@ -246,11 +256,28 @@ class LiveSimulator:
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
         """Issue one of uwsim.live.COMMANDS at the start of the next step. Arguments must be of JSON types or arrays.
 
-        Raises ValueError for an unknown name or arguments that the table of commands does not allow; the future
+        All stop comes before all commands that wait. Raises ValueError for an unknown name or arguments that the table
+        of commands does not allow; the future
         receives exceptions raised by the command itself.
         """
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         return self._submit(bound_command(name, kept), name, kept)
+
+    def carry_stop(self, vehicle: str, is_stop: bool, name: str, /, **arguments: Any) -> Future[Any]:
+        """Issue a command that carries an all stop, or its release, to a vehicle: it takes the place of an all stop."""
+        kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
+        request = self._request(bound_command(name, kept), name, kept)
+        return self._queue(replace(_stopping(request, vehicle, is_stop), is_vital=True))
+
+    def command_now(self, name: str, /, **arguments: Any) -> Any:
+        """Issue a command like `command`, but at once; return its result, or raise its error.
+
+        Only for the stepping thread, or for any thread while the simulator is not running.
+        """
+        kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
+        request = self._request(bound_command(name, kept), name, kept)
+        self._loop.answer(request)
+        return request.future.result()
 
     def every(
         self,
@@ -273,20 +300,43 @@ class LiveSimulator:
         self._loop.subscribe(subscription)
         return subscription
 
+    @contextmanager
+    def privileged(self) -> Iterator[None]:
+        """Within the block, this thread's acts are not refused: those of an instructor, or of the program itself."""
+        before, self._privileges.is_held = getattr(self._privileges, "is_held", False), True
+        try:
+            yield
+        finally:
+            self._privileges.is_held = before
+
+    def _require(self, act: str) -> None:
+        if not getattr(self._privileges, "is_held", False) and (reason := self.refusal_of(act)):
+            raise ValueError(reason)
+
     @property
     def _on_loop(self) -> bool:
         return threading.current_thread() is self._thread
 
-    def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
-        if name is not None and self.refusal:
-            raise ValueError(self.refusal)
+    def _request(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Request:
+        if name is not None:
+            self._require(name)
         is_vital = name in COMMANDS and COMMANDS[name].is_vital
         request = Request(function, name, arguments, is_vital=is_vital)
+        return _stopping(request, arguments["vehicle"], arguments.get("on", True)) if name == ALL_STOP else request
+
+    def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
+        return self._queue(self._request(function, name, arguments))
+
+    def _queue(self, request: Request) -> Future[Any]:
         if self._on_loop:  # for example a sink, which issues commands between two steps
             self._loop.answer(request)
         else:
             self._loop.submit(request)
         return request.future
+
+
+def _stopping(request: Request, vehicle: str, is_stop: bool) -> Request:
+    return replace(request, stops=vehicle if is_stop else None, releases=None if is_stop else vehicle)
 
 
 def _end(loop: StepLoop, thread: threading.Thread) -> None:

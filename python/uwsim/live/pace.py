@@ -6,6 +6,8 @@ import math
 from collections import deque
 from typing import Literal
 
+from uwsim.base.arguments import is_number
+
 Speed = float | Literal["max"]
 
 SLIP_S = 0.25
@@ -116,7 +118,6 @@ def checked_speed(speed: Speed) -> Speed:
     """Return the speed as a float or "max". Raises ValueError if it is invalid."""
     if isinstance(speed, str) and speed == "max":
         return "max"
-    is_number = isinstance(speed, int | float) and not isinstance(speed, bool)
-    if not is_number or not 1e-3 <= float(speed) <= 1e6:
-        raise ValueError(f"speed = {speed!r}: must be a factor in [0.001, 1000000], or 'max'")
+    if not is_number(speed) or not 1e-3 <= speed <= 1e6:
+        raise ValueError(f"speed = {speed!r:.60}: must be a factor in [0.001, 1000000], or 'max'")
     return float(speed)

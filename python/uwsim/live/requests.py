@@ -19,7 +19,8 @@ class Request:
     """A function to call with the simulator between two steps. The future receives its result or error.
 
     name, arguments: the entry in the log. If name is None, the function changes nothing and is not logged. is_vital:
-    whether to accept the request even if the queue is full.
+    whether to accept the request even if the queue is full. stops: the vehicle that it stops, ahead of all waiting
+    requests; releases: the vehicle whose stop it releases.
     """
 
     function: Callable[[Simulator], Any]
@@ -27,3 +28,5 @@ class Request:
     arguments: dict[str, Any] = field(default_factory=dict)
     future: Future[Any] = field(default_factory=Future)
     is_vital: bool = False
+    stops: str | None = None
+    releases: str | None = None

@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
@@ -23,6 +24,7 @@ T = TypeVar("T")
 
 REQUESTS_MAX = 10_000  # limit of the queue; further requests are refused, so that a flood cannot fill the memory
 REQUESTS_PER_STEP = 1_000  # requests answered between two steps, so that a flood cannot stop time
+REQUESTS_S = 0.02  # the same as a time, since a request may be slow; at least one is answered
 START_NAVIGATION = "start_navigation"
 # Items of the agenda that others wait for: they must be on time, so steps are not batched across them.
 AWAITED = (Rank.FRAME, Rank.READING, Rank.DELIVERY, Rank.REPLAY)
@@ -71,13 +73,32 @@ class StepLoop:
             self.lock.notify_all()
 
     def submit(self, request: Request) -> None:
-        """Queue a request. Raises NotRunningError if not running, and RuntimeError if the queue is full."""
+        """Queue a request; one that stops a vehicle comes first. Raises NotRunningError if not running.
+
+        Raises RuntimeError if the queue is full.
+        """
         with self.lock:
             self._require_open()
             if len(self._requests) >= (2 if request.is_vital else 1) * REQUESTS_MAX:
                 raise RuntimeError(f"{REQUESTS_MAX} commands are already waiting for the next step: more are refused")
-            self._requests.append(request)
+            overtaken = [] if request.stops is None else self._put_first(request)
+            if request.stops is None:
+                self._requests.append(request)
             self.lock.notify_all()
+        for release in overtaken:
+            if release.future.set_running_or_notify_cancel():
+                release.future.set_exception(RuntimeError("all stop was set before it could be released"))
+
+    def _put_first(self, stop: Request) -> list[Request]:
+        """Queue a stop ahead of all requests; return the waiting releases of the same vehicle, which are removed.
+
+        If a waiting request may go to another state, in which the vehicle is not stopped, stop it again after that.
+        """
+        overtaken = [each for each in self._requests if each.releases == stop.stops]
+        kept = [each for each in self._requests if each.releases != stop.stops]
+        again = [replace(stop, future=Future())] if any(each.name in (CALL, RESET) for each in kept) else []
+        self._requests = deque([stop, *kept, *again])
+        return overtaken
 
     def in_turn(self, function: Callable[[], T]) -> T:
         """Call a function on the stepping thread after all earlier requests. Return its result, or raise its error."""
@@ -202,11 +223,15 @@ class StepLoop:
         return due_tick(self.sim.agenda.of(*AWAITED))
 
     def _answer_requests(self) -> None:
-        with self.lock:
-            count = min(len(self._requests), REQUESTS_PER_STEP)
-            requests = [self._requests.popleft() for _ in range(count)]
-        for request in requests:
+        until_s = time.monotonic() + REQUESTS_S
+        for _ in range(REQUESTS_PER_STEP):
+            with self.lock:
+                if not self._requests:
+                    return
+                request = self._requests.popleft()
             self.answer(request)
+            if time.monotonic() >= until_s:
+                return
 
     def answer(self, request: Request) -> None:
         """Execute a request. Called on the stepping thread."""

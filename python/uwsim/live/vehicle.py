@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any, Protocol
 
 from uwsim.base.commands import Placeable, command_named
 from uwsim.base.motion import Pose, Velocity
@@ -15,7 +16,13 @@ from uwsim.simulator.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from uwsim import _core
-    from uwsim.live.live_simulator import LiveSimulator
+
+
+class Commanded(Protocol):
+    """A live simulator that accepts commands."""
+
+    def command(self, name: str, /, **arguments: Any) -> Future[Any]:
+        """Issue a command; see LiveSimulator.command."""
 
 
 class LiveVehicle(Placeable):
@@ -25,7 +32,7 @@ class LiveVehicle(Placeable):
     return once the command has taken effect, at the start of the next step, and raise the command's exceptions.
     """
 
-    def __init__(self, live: LiveSimulator, vehicle: Vehicle) -> None:
+    def __init__(self, live: Commanded, vehicle: Vehicle) -> None:
         self._live = live
         self._vehicle = vehicle
         self.name = vehicle.name
@@ -87,7 +94,7 @@ class LiveVehicle(Placeable):
 class LiveSonar:
     """A multibeam sonar of a LiveVehicle; see uwsim.instruments.sonars.multibeam.Sonar."""
 
-    def __init__(self, live: LiveSimulator, vehicle: str, sonar: Sonar) -> None:
+    def __init__(self, live: Commanded, vehicle: str, sonar: Sonar) -> None:
         self._live = live
         self._vehicle = vehicle
         self._sonar = sonar
@@ -108,7 +115,7 @@ class LiveSonar:
 class LiveCamera:
     """A camera of a LiveVehicle; see uwsim.instruments.cameras.Camera."""
 
-    def __init__(self, live: LiveSimulator, vehicle: str, key: str, camera: Camera) -> None:
+    def __init__(self, live: Commanded, vehicle: str, key: str, camera: Camera) -> None:
         self._live = live
         self._vehicle = vehicle
         self._key = key
@@ -128,7 +135,7 @@ class LiveCamera:
 class LiveLamp:
     """The lamps on one switch of a LiveVehicle; see uwsim.instruments.cameras.Lamp."""
 
-    def __init__(self, live: LiveSimulator, vehicle: str, lamp: Lamp) -> None:
+    def __init__(self, live: Commanded, vehicle: str, lamp: Lamp) -> None:
         self._live = live
         self._vehicle = vehicle
         self._lamp = lamp

@@ -1,7 +1,7 @@
 """Occupancy maps that match OctoMap's bit for bit: octree, probabilities and files.
 
 world = OccupancyMap(resolution_m=0.2)
-world.insert_scan(points_world_m, origin_world_m, max_range_m=55.0)
+world.insert(rov.sonar.ping())
 world.write("lake.bt")
 world = OccupancyMap.read("lake.bt")
 """
@@ -9,15 +9,8 @@ world = OccupancyMap.read("lake.bt")
 from uwsim.mapping.body import body_points, poses_along
 from uwsim.mapping.distance_field import DistanceField
 from uwsim.mapping.frontier import Frontier, frontiers
-from uwsim.mapping.occupancy_map import (
-    ENGINES,
-    INSTRUCTION_SETS,
-    InstructionSet,
-    MapEngine,
-    MapFormat,
-    OccupancyMap,
-    OnOutside,
-)
+from uwsim.mapping.map_options import ENGINES, INSTRUCTION_SETS, InstructionSet, MapEngine, OnOutside
+from uwsim.mapping.occupancy_map import MapFormat, OccupancyMap
 from uwsim.mapping.occupancy_model import OccupancyModel
 from uwsim.mapping.query_results import (
     Cubes,

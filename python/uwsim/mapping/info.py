@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from uwsim.mapping.files.map_files import Origin, map_format, open_map
-
-FORMAT_TEXT = {"bt": "bt, occupied or free", "ot": "ot, with all probabilities"}
+from uwsim.mapping.files.formats import MAP_FORMATS, Origin
+from uwsim.mapping.files.map_files import map_format, open_map
 
 
 def map_info(path: Path, origin_world_m: Origin) -> list[tuple[str, str]]:
     """Return rows of (name, value with unit) about a map file. Raises OSError or ValueError if it cannot be read."""
     occupancy = open_map(path, origin_world_m)
     statistics, bounds = occupancy.statistics(), occupancy.bounds()
-    edge_m = occupancy.resolution_m
+    edge_m, suffix = occupancy.resolution_m, map_format(path)
     rows = [
         ("file", str(path)),
-        ("format", FORMAT_TEXT[map_format(path)]),
+        ("format", f"{suffix[1:]}, {MAP_FORMATS[suffix].content}"),
         ("bytes", f"{path.stat().st_size:,}"),
         ("resolution", f"{edge_m:g} m"),
         ("occupied voxels", f"{statistics.occupied_voxels:,} ({statistics.occupied_voxels * edge_m**3:,.1f} m3)"),

@@ -7,7 +7,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from uwsim.mapping.files.map_files import MAP_SUFFIXES, map_format, open_map, require_same_grid
+from uwsim.mapping.files.formats import MAP_FORMATS
+from uwsim.mapping.files.map_files import map_format, open_map, require_same_grid
 from uwsim.mapping.occupancy_map import OccupancyMap
 
 WIDE = (1e-300, 1.0 - 1e-16)
@@ -19,10 +20,10 @@ OCCUPIED_WINS = (0.4999999, 1.0 - 1e-12)
 def merge_files(sources: Sequence[Path], target: Path) -> int:
     """Merge maps into `target` (.bt or .ot), written atomically; return the number of occupied voxels.
 
-    If all files are .ot, the log-odds of each voxel are added, and the sum is clamped as it is for scans: as if one map
-    had received all scans, apart from clamping in between. A .bt contains only states. If any file is a .bt, a voxel is
-    therefore occupied if it is occupied in any map, else free if it is free in any. Voxels that are unknown in all maps
-    stay unknown.
+    If all files have probabilities, as an .ot does, the log-odds of each voxel are added, and the sum is clamped as it
+    is for scans: as if one map had received all scans, apart from clamping in between. A .bt contains only states. If
+    any file does, a voxel is therefore occupied if it is occupied in any map, else free if it is free in any. Voxels
+    that are unknown in all maps stay unknown.
 
     Floating-point sums depend on the order of the terms, so the files are merged in the order of their digests, and the
     result depends only on their contents. The files contain no origin: all must have been written with the same origin.
@@ -31,10 +32,10 @@ def merge_files(sources: Sequence[Path], target: Path) -> int:
     """
     if len(sources) < 2:
         raise ValueError(f"{len(sources)} map given: must be two or more to merge")
-    if target.suffix not in MAP_SUFFIXES:
-        raise ValueError(f"--out '{target}': must end in {' or '.join(MAP_SUFFIXES)}")
+    if target.suffix not in MAP_FORMATS:
+        raise ValueError(f"--out '{target}': must end in {' or '.join(MAP_FORMATS)}")
     ordered = sorted(sources, key=_digest)
-    has_states_alone = any(map_format(path) == "bt" for path in ordered)
+    has_states_alone = any(not MAP_FORMATS[map_format(path)].has_probabilities for path in ordered)
     merged = _any_occupied(ordered) if has_states_alone else _summed(ordered)
     merged.write(target)
     return merged.count().occupied
@@ -66,8 +67,8 @@ def _any_occupied(sources: Sequence[Path]) -> OccupancyMap:
 
 
 def _states(source: Path, scratch: Path) -> OccupancyMap:
-    """Read a map without probabilities: an .ot is first converted to a .bt."""
-    if map_format(source) == "ot":
+    """Read a map without probabilities: any other than a .bt is first converted to one."""
+    if map_format(source) != ".bt":
         open_map(source).write(scratch)
         source = scratch
     return OccupancyMap.read(source, clamping=OCCUPIED_WINS)

@@ -11,7 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
+from uwsim.base.own_files import require_own
 from uwsim.base.sealed import Sealed
+from uwsim.mapping.files.formats import MAP_FORMATS
+from uwsim.mapping.map_options import InstructionSet, MapEngine, OnOutside, map_options
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
 from uwsim.mapping.query_results import (
     Cubes,
@@ -27,18 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MapFormat = Literal["bt", "ot"]
-MapEngine = Literal["bricks", "octomap"]
-InstructionSet = Literal["best", "portable", "avx2", "avx512"]
-OnOutside = Literal["raise", "count"]
-
-ENGINES = {"bricks": _core.MapEngine.BRICKS, "octomap": _core.MapEngine.OCTOMAP}
-INSTRUCTION_SETS = {
-    "best": _core.InstructionSet.BEST,
-    "portable": _core.InstructionSet.PORTABLE,
-    "avx2": _core.InstructionSet.AVX2,
-    "avx512": _core.InstructionSet.AVX512,
-}
-ON_OUTSIDE = ("raise", "count")
 
 
 class OccupancyMap(Sealed):
@@ -84,7 +75,7 @@ class OccupancyMap(Sealed):
         spill_dir: str | os.PathLike[str] | None = None,
     ) -> None:
         model = OccupancyModel(hit, miss, clamping)
-        options = _options(engine, model, instruction_set, on_outside, memory_limit_mb, spill_dir)
+        options = map_options(engine, model, instruction_set, on_outside, memory_limit_mb, spill_dir)
         self._map = _core.OccupancyMap(resolution_m, _origin(origin_world_m), options)
 
     @classmethod
@@ -109,7 +100,7 @@ class OccupancyMap(Sealed):
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
-        options = _options(engine, model, "best", on_outside, memory_limit_mb, spill_dir)
+        options = map_options(engine, model, "best", on_outside, memory_limit_mb, spill_dir)
         occupancy_map._map = _core.OccupancyMap.read(os.fspath(path), _origin(origin_world_m), options)
         return occupancy_map
 
@@ -127,6 +118,22 @@ class OccupancyMap(Sealed):
     def engine(self) -> MapEngine:
         """The engine: "bricks" or "octomap"."""
         return "octomap" if self._map.engine == _core.MapEngine.OCTOMAP else "bricks"
+
+    def insert(self, ping: object) -> NDArray[np.float32]:
+        """Insert a ping of a vehicle's multibeam, as a survey does; return its echoes in the world, (n, 3) float32.
+
+        The ping passes the chain of its sonar: depth string, laser scan and point cloud, without echoes that the
+        scenario's survey filters, and without those from the vehicle's own hull. Raises ValueError for a ping that
+        Sonar.ping() did not take, such as a copy or a part of a batch, and as insert_scan does.
+        """
+        chain = getattr(ping, "chain", None)
+        if chain is None:
+            raise ValueError(
+                "ping: does not have its sonar's chain, since Sonar.ping() did not take it; use insert_scan"
+            )
+        echoes_world_m: NDArray[np.float32] = chain.echoes_of(ping)
+        self.insert_scan(echoes_world_m, ping.world_from_sonar[:3, 3], chain.model.range_max_m)  # type: ignore[attr-defined]
+        return echoes_world_m
 
     def insert_scan(self, points_world_m: ArrayLike, origin_world_m: ArrayLike, max_range_m: float = math.inf) -> None:
         """Insert one ping: voxels between the origin and a point are updated as free, voxels with a point as occupied.
@@ -329,14 +336,14 @@ class OccupancyMap(Sealed):
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a .bt (only occupied or free; small) or an .ot (all probabilities), depending on the path's suffix.
 
+        Packages may add formats (docs/inside/extend.md).
+
         The map does not change, so it may be written during a survey. The file is replaced atomically: after an
-        OSError, the old file is unchanged. Raises ValueError for another suffix.
+        OSError, the old file is unchanged. Only our own files are replaced. Raises ValueError for another suffix.
         """
-        target = os.fsdecode(path)
-        suffix = Path(target).suffix
-        if suffix not in (".bt", ".ot"):
-            raise ValueError(f"map path '{target}': must end in .bt or .ot")
-        self._map.write(target, suffix.removeprefix("."))
+        require_map_path(path)
+        target = Path(os.fsdecode(path))
+        MAP_FORMATS[target.suffix].write(self, target)
 
     def plot(self) -> Figure:
         """Return a plan view, coloured by height, as a matplotlib Figure."""
@@ -367,30 +374,15 @@ def _origin(origin_world_m: ArrayLike | None) -> ArrayLike:
     return (0.0, 0.0, 0.0) if origin_world_m is None else origin_world_m
 
 
-def _options(
-    engine: str,
-    model: OccupancyModel,
-    instruction_set: str,
-    on_outside: str,
-    memory_limit_mb: float | None,
-    spill_dir: str | os.PathLike[str] | None,
-) -> _core.MapOptions:
-    for name, value, known in (
-        ("engine", engine, ENGINES),
-        ("instruction_set", instruction_set, INSTRUCTION_SETS),
-        ("on_outside", on_outside, ON_OUTSIDE),
-    ):
-        if value not in known:
-            raise ValueError(f"map.{name} = {value!r}: must be one of {', '.join(known)}")
-    lowest, highest = model.clamping
-    return _core.MapOptions(
-        engine=ENGINES[engine],
-        hit=model.hit,
-        miss=model.miss,
-        clamping_min=lowest,
-        clamping_max=highest,
-        instruction_set=INSTRUCTION_SETS[instruction_set],
-        count_outside=on_outside == "count",
-        memory_limit_mb=memory_limit_mb,
-        spill_folder="" if spill_dir is None else os.fsdecode(spill_dir),
-    )
+def require_map_path(path: str | os.PathLike[str]) -> None:
+    """Raise an error if a map cannot be written to a path: to be called before long work.
+
+    Raises ValueError for a suffix that no format of maps has, OSError without a folder, or if the file is not our own.
+    """
+    target = os.fsdecode(path)
+    if Path(target).suffix not in MAP_FORMATS:
+        raise ValueError(f"map path '{target}': must end in {' or '.join(MAP_FORMATS)}")
+    file = Path(target).resolve()  # a link remains a link
+    if not file.parent.is_dir():
+        raise FileNotFoundError(f"'{target}': cannot be written: there is no folder '{file.parent}'")
+    require_own(file)

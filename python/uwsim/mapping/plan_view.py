@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from uwsim.mapping.occupancy_map import OccupancyMap
+from uwsim.base.plain_figure import PlainFigure
 
 SIZE_IN = (6.0, 5.0)
 MOST_PIXELS = 1000  # along an edge
 
 
-def plan_view(world: OccupancyMap) -> Figure:
+class Voxels(Protocol):
+    """A map of voxels, such as an OccupancyMap."""
+
+    @property
+    def resolution_m(self) -> float:
+        """The edge of a voxel."""
+
+    def occupied_voxels(self) -> NDArray[np.float64]:
+        """Return the centres (n, 3) of the occupied voxels."""
+
+
+def plan_view(world: Voxels) -> Figure:
     """Return a figure of the highest occupied voxel in each column, coloured by height."""
-    figure = Figure(SIZE_IN, layout="constrained")
+    figure = PlainFigure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     voxels = world.occupied_voxels()
     title = f"{len(voxels):,} occupied voxels of {world.resolution_m:g} m"
@@ -48,7 +58,7 @@ def highest(
     return heights, (west, west + columns * cell_m, south, south + rows * cell_m)
 
 
-def png(world: OccupancyMap) -> bytes:
+def png(world: Voxels) -> bytes:
     """Return the figure from `plan_view` as a PNG file."""
     file = io.BytesIO()
     plan_view(world).savefig(file, format="png", dpi=100)

@@ -129,14 +129,16 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
     return _core.scan_to_points(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
 
 
-def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float32] | None:
+def place_deviation_m(ping: object) -> NDArray[np.float32] | None:
     """Return the standard deviation of each echo's position, combining vertical and horizontal errors, (beams,).
 
-    Returns None in geometry mode, where it is unknown.
+    ping: a _core.PhysicsPing, or an object that forwards its attributes. Returns None for any other ping, as in
+    geometry mode, where the deviation is unknown.
     """
-    if not isinstance(ping, _core.PhysicsPing):
+    vertical_m = getattr(ping, "vertical_deviation_m", None)
+    if vertical_m is None:
         return None
-    deviation_m: NDArray[np.float32] = np.hypot(ping.vertical_deviation_m, ping.horizontal_deviation_m)
+    deviation_m: NDArray[np.float32] = np.hypot(vertical_m, ping.horizontal_deviation_m)  # type: ignore[attr-defined]
     return deviation_m
 
 

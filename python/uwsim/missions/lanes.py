@@ -42,6 +42,11 @@ class Lane:
         dx, dy = float(point_m[0]) - start_x, float(point_m[1]) - start_y
         return along_x * dx + along_y * dy, along_x * dy - along_y * dx
 
+    def point(self, along_m: float) -> tuple[float, float]:
+        """Return the point of the line at a distance past the start."""
+        along_x, along_y, start_x, start_y = self._line
+        return start_x + along_m * along_x, start_y + along_m * along_y
+
     @cached_property
     def _line(self) -> tuple[float, ...]:
         """Direction and start as Python floats, which are faster than arrays in a control loop."""

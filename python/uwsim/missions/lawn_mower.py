@@ -3,13 +3,15 @@
 As published: release; go to the start; go forward while any of the first, middle and last beams reads more than 7 m;
 turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less than
 7 m at a turn. This version adds the polygon (a lane ends at its edge, and the mission after the last lane), stays at a
-height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over. It can
-serve as a template for other missions.
+height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over. A
+vehicle that cannot go sideways flies from lane to lane in curves (`lane_curves.py`), without stopping. It can serve as
+a template for other missions.
 """
 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from itertools import accumulate
@@ -20,7 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sealed import Sealed
+from uwsim.missions.lane_curves import LaneCurves
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
+from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
@@ -43,6 +47,11 @@ LOOK_AHEAD_M = 6.0  # a lane ends this far in front of a shoal
 SIDE_STEPS = 3.0  # in line spacings; a lane farther away is reached by a transit, facing the direction of travel
 STUCK_AFTER_S = 60.0
 TURN_FIRST_RAD = math.radians(30.0)
+MOST_LEGS = 12  # for one lane, of a vehicle that flies curves
+
+
+class SlowPlanWarning(UserWarning):
+    """Issued for a plan that is slower than the vehicle can be steered."""
 
 
 class AdaptiveLawnMower(Sealed):
@@ -50,8 +59,9 @@ class AdaptiveLawnMower(Sealed):
 
     `run` needs a clock that can wait. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow"
     for each lane; a distant lane is preceded by a "transit" and another "tilt". During a long transit the sonar looks
-    farther ahead than on the lanes. `state` holds everything carried from one control period to the next, so `save` and
-    `restore` may be called at any time.
+    farther ahead than on the lanes. Without sway there are only "undock", "turn" (a curve), "transit" (around shoals)
+    and "mow". `state` holds everything carried from one control period to the next, so `save` and `restore` may be
+    called at any time.
     """
 
     vehicle: SurveyVehicle
@@ -64,9 +74,8 @@ class AdaptiveLawnMower(Sealed):
     _changed_by = MappingProxyType({"state": "restore()", "lanes": "the plan's lanes"})
 
     def __init__(self, vehicle: SurveyVehicle, clock: Watch, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
-        for sensor in ("altitude", "proximity_port"):
-            if sensor not in vehicle.sensors:
-                raise ValueError(f"the vehicle has no sensor '{sensor}': the lawn-mower steers by it")
+        if missing := missing_for_lanes(vehicle):
+            raise ValueError(f"the vehicle cannot fly lanes: {'; '.join(missing)}")
         self.vehicle = vehicle
         self.clock = clock
         self.plan = plan
@@ -83,6 +92,12 @@ class AdaptiveLawnMower(Sealed):
             most_climb_m=math.inf,
             autopilot=self.autopilot,
         )
+        self._drives_sway = "sway" in self._own.controllable
+        self._speed_m_s = max(plan.speed_m_s, float(getattr(self._own.control, "speed_min_m_s", 0.0)))
+        self._curves = LaneCurves(self.lookout, clock, self._speed_m_s)
+        if self._speed_m_s > plan.speed_m_s:
+            text = f"the plan's speed, {plan.speed_m_s:g} m/s, is too slow for the vehicle's fins: it flies at "
+            warnings.warn(f"{text}{self._speed_m_s:g} m/s", SlowPlanWarning, stacklevel=2)
         east_m, north_m, _ = self._position().tolist()
         self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
         self._plan_lanes()
@@ -137,6 +152,9 @@ class AdaptiveLawnMower(Sealed):
             "abreast": self._side_step,
             "mow": self._mow,
         }
+        if not self._drives_sway:
+            curve, around = self._curve, self._around
+            legs |= {"approach": curve, "tilt": curve, "turn": curve, "abreast": curve, "transit": around}
         state = self.state
         try:
             if not self.vehicle.released:
@@ -173,7 +191,8 @@ class AdaptiveLawnMower(Sealed):
 
     def _leg_start(self) -> LegStart:
         x, y, z = self._position().tolist()
-        self.state.furthest_m, self.state.furthest_s = 0.0, self.clock.time_s
+        state = self.state
+        state.furthest_m, state.furthest_s, state.reached, state.legs = 0.0, self.clock.time_s, 0, state.legs + 1
         return LegStart(self.clock.time_s, (x, y, z), float(self.vehicle.pose.yaw_rad))
 
     # The legs: each flies until it is complete and returns the name of the next one.
@@ -196,6 +215,7 @@ class AdaptiveLawnMower(Sealed):
     def _skip_lane(self, leg: LegName) -> LegName:
         """Skip a lane that shoals make unreachable, and return the leg that leads to the next one."""
         self.state.lane += 1
+        self.state.legs = 0
         self.state.skipped += 1
         return leg
 
@@ -223,7 +243,9 @@ class AdaptiveLawnMower(Sealed):
         return "abreast"
 
     def _require_clearance_to_port(self) -> None:
-        """Stop, as in the paper, if an obstacle is close to port during a turn."""
+        """Stop, as in the paper, if an obstacle is close to port during a turn; not without a sensor there."""
+        if "proximity_port" not in self.vehicle.sensors:
+            return
         port_m = self.vehicle.sensors["proximity_port"].read()
         if port_m < TURN_RANGE_M:
             raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
@@ -249,26 +271,47 @@ class AdaptiveLawnMower(Sealed):
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
         return lane.start_m + along_m * lane.direction
 
+    def _curve(self, start: LegStart) -> Steps[LegName]:
+        """Fly a curve onto the lane's line, or further along it if the last lane was cut short; wider if it missed."""
+        lane, entry_m = self._entry(start)
+        ended = yield from self._curves.onto(lane, entry_m, start, self.state)
+        if self.state.legs > MOST_LEGS:
+            return self._skip_lane("turn")
+        return "mow" if ended == "entered" else "transit" if ended == "blocked" else "turn"
+
+    def _around(self, start: LegStart) -> Steps[LegName]:
+        """Fly around the shoals that are in the way of a curve."""
+        _, entry_m = self._entry(start)
+        found = yield from self._curves.around((float(entry_m[0]), float(entry_m[1])), start)
+        return "turn" if found else self._skip_lane("turn")
+
+    def _entry(self, start: LegStart) -> tuple[Lane, NDArray[np.float64]]:
+        lane = self.lanes[self.state.lane]
+        return lane, self._nearest_on_lane(start) if self.state.lane > 0 else lane.start_m
+
     def _mow(self, start: LegStart) -> Steps[LegName]:
         """Move forward along the lane as long as there is water ahead."""
         state, lane = self.state, self.lanes[self.state.lane]
-        (ahead_x, ahead_y), speed = lane.direction.tolist(), self.plan.speed_m_s
+        (ahead_x, ahead_y), speed = lane.direction.tolist(), self._speed_m_s
         while True:
             position = self._position()
             along, across = lane.locate(position)
             state.along_m = _clip(along, 0.0, lane.length_m)
-            if along >= lane.length_m or not self._water_ahead(self.vehicle.sonar.ping()):
-                break
+            if along >= lane.length_m or (self._drives_sway and not self._water_ahead(self.vehicle.sonar.ping())):
+                break  # a vehicle that flies curves pitches, so that its beams look elsewhere; it turns before shoals
             if self._shoal_ahead(position, lane):
                 break
             if along > state.furthest_m + ARRIVED_M:
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
             elif self.clock.time_s > state.furthest_s + STUCK_AFTER_S:
                 raise StoppedError(f"stuck {along:.0f} m into a lane")
+            if not self._drives_sway:
+                yield from self._curves.make_for(lane.point(along + self._curves.ahead_m))
+                continue
             port_m_s = -0.5 * _clip(across, -2.0, 2.0)  # steers back to the line
             velocity = (speed * ahead_x - port_m_s * ahead_y, speed * ahead_y + port_m_s * ahead_x)
             yield from self.lookout.steer(lane.heading_rad, velocity)
-        state.lane, state.along_m = state.lane + 1, 0.0
+        state.lane, state.along_m, state.legs = state.lane + 1, 0.0, 0
         return "turn"
 
     def _water_ahead(self, ping: PingLike) -> bool:
@@ -280,7 +323,8 @@ class AdaptiveLawnMower(Sealed):
     def _shoal_ahead(self, position: NDArray[np.float64], lane: Lane) -> bool:
         x, y, _ = position.tolist()
         ahead_x, ahead_y = lane.direction.tolist()
-        return self.lookout.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
+        look_m = max(LOOK_AHEAD_M, self.state.radius_m + HALF_WIDTH_M)  # a vehicle that flies curves cannot stop
+        return self.lookout.shoals.blocks((x, y), (x + look_m * ahead_x, y + look_m * ahead_y))
 
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
         """Travel to a point, going around shoals; return False if there is no path.

@@ -26,7 +26,8 @@ class MowerState:
     lanes_near_m: position at the start of the mission, which determines the order of the lanes. lane: index of the
     current lane. leg: the leg being flown for that lane. leg_start: None until the leg has begun. along_m: current
     distance along the lane. furthest_m: the largest along_m so far, reached at furthest_s. skipped: number of lanes
-    skipped as unreachable.
+    skipped as unreachable. legs: number of legs begun for the current lane. radius_m: for a vehicle without
+    sway, the radius of its curves; 0 before the first. reached: how far along a curve it is, in points.
     """
 
     lanes_near_m: tuple[float, float]
@@ -37,6 +38,9 @@ class MowerState:
     furthest_m: float = 0.0
     furthest_s: float = 0.0
     skipped: Annotated[int, Ge(0)] = 0
+    legs: Annotated[int, Ge(0)] = 0
+    radius_m: Annotated[float, Ge(0)] = 0.0
+    reached: Annotated[int, Ge(0)] = 0
 
 
 @dataclass

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from uwsim.base.sealed import Sealed
+from uwsim.missions.altimeter import altimeter
 from uwsim.missions.moves import CLIMB_M, steer
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -23,10 +24,10 @@ SLOWEST = 0.1  # lowest fraction of the commanded speed
 class Lookout(Sealed):
     """Steers a vehicle altitude_m above the bed and above obstacles that its sonar has seen ahead, and charts shoals.
 
-    The vehicle needs a sonar and an 'altitude' sensor. half_width_m, ahead_m: size of the corridor in which echoes are
+    The vehicle needs a sonar and an altimeter. half_width_m, ahead_m: size of the corridor in which echoes are
     considered. passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which the vehicle turns
     before moving. most_climb_m: limit on the height error used for steering. autopilot: defaults to the vehicle's own.
-    Raises ValueError if the altitude sensor is missing.
+    A vehicle that nothing lifts climbs by its pitch, so it keeps its speed. Raises ValueError without an altimeter.
     """
 
     vehicle: OwnVehicle
@@ -47,8 +48,10 @@ class Lookout(Sealed):
         most_climb_m: float = CLIMB_M,
         autopilot: Autopilot | Controller | None = None,
     ) -> None:
-        if "altitude" not in vehicle.sensors:
-            raise ValueError("the vehicle has no sensor 'altitude': missions steer by it")
+        if (found := altimeter(vehicle)) is None:
+            raise ValueError("the vehicle has no sensor of kind 'altitude': missions steer by it")
+        self._altimeter = found
+        self._slowest = SLOWEST if "heave" in vehicle.controllable else 1.0
         self.vehicle, self.altitude_m = vehicle, float(altitude_m)
         self.obstacles = ObstacleMemory(half_width_m, ahead_m)
         self.shoals = ShoalChart(passable_z_m)
@@ -93,11 +96,11 @@ class Lookout(Sealed):
         """Return the height z that is altitude_m above both the bed below and any known obstacle ahead."""
         pose = self.vehicle.pose
         z_m = float(pose.position_world_m[2])
-        bed_m = z_m - float(self.vehicle.sensors["altitude"].read())
+        bed_m = z_m - float(self._altimeter.read())
         wanted_m = max(bed_m, self.obstacles.highest_m(pose.position_world_m, pose.yaw_rad)) + self.altitude_m
         return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
 
     def share_of_speed(self, z_world_m: float) -> float:
         """Return the fraction of full speed that lets the vehicle reach a height in time; below 1 during a climb."""
         climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
-        return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST), 1.0)
+        return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, self._slowest), 1.0)

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
-from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.own_vehicle import OwnVehicle, own_vehicle
 from uwsim.missions.steps import Steps, wait
 from uwsim.missions.stopped import StoppedError
+from uwsim.missions.vehicle import Vehicle
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller
 
@@ -32,7 +33,7 @@ CLIMB_M = 1.0  # limit on the height error used for steering: fast dives underwa
 
 
 def goto(
-    vehicle: OwnVehicle,
+    vehicle: Vehicle,
     position_world_m: Point,
     *,
     altitude_m: float | None = None,
@@ -44,6 +45,7 @@ def goto(
 
     heading_rad: heading to hold on the way; defaults to the direction of travel.
     """
+    vehicle = own_vehicle(vehicle)
     x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
     require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
     start = vehicle.pose
@@ -71,7 +73,7 @@ def goto(
 
 
 def hold(
-    vehicle: OwnVehicle,
+    vehicle: Vehicle,
     duration_s: float = math.inf,
     *,
     position_world_m: Point | None = None,
@@ -81,6 +83,7 @@ def hold(
 
     A hold that directly follows another keeps the same position, so that repeated holds do not drift.
     """
+    vehicle = own_vehicle(vehicle)
     if not duration_s > 0.0:
         raise ValueError(f"hold: duration_s = {duration_s} s: must be positive")
     pose, before = vehicle.pose, vehicle.held()
@@ -99,8 +102,9 @@ def hold(
         vehicle.note_held((np.array([x, y, height()]), heading))
 
 
-def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
+def turn_to(vehicle: Vehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
     """Turn on the spot to a heading, measured counterclockwise from east."""
+    vehicle = own_vehicle(vehicle)
     require_positive("turn_to", within_rad=within_rad)
     x, y, z = vehicle.pose.position_world_m.tolist()
     deadline_s = vehicle.time_s + GRACE_S
@@ -110,8 +114,9 @@ def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math
         yield from steer(vehicle, heading_rad, _back_to(vehicle, x, y), z)
 
 
-def dive_to(vehicle: OwnVehicle, depth_m: float, *, within_m: float = 0.2) -> Steps[None]:
+def dive_to(vehicle: Vehicle, depth_m: float, *, within_m: float = 0.2) -> Steps[None]:
     """Dive or climb on the spot to a depth (positive down)."""
+    vehicle = own_vehicle(vehicle)
     require_positive("dive_to", within_m=within_m)
     pose = vehicle.pose
     x, y, z = pose.position_world_m.tolist()
@@ -123,7 +128,7 @@ def dive_to(vehicle: OwnVehicle, depth_m: float, *, within_m: float = 0.2) -> St
 
 
 def follow(
-    vehicle: OwnVehicle,
+    vehicle: Vehicle,
     path_world_m: Sequence[Point] | NDArray[Any],
     *,
     altitude_m: float | None = None,
@@ -133,6 +138,9 @@ def follow(
     points = np.asarray(path_world_m, np.float64)
     if points.ndim != 2 or len(points) < 2:
         raise ValueError(f"follow: path_world_m.shape = {points.shape}: must be (n, 3) or (n, 2), n at least 2")
+    vehicle = own_vehicle(vehicle)
+    for point in points:
+        _target(vehicle, "follow", point, altitude_m)  # refuses a bad point before the first leg is flown
     yield from goto(vehicle, points[0], altitude_m=altitude_m, speed_m_s=speed_m_s)
     for start, end in pairwise(points):
         yield from follow_leg(vehicle, start, end, altitude_m=altitude_m, speed_m_s=speed_m_s)
@@ -181,8 +189,14 @@ def _target(
         rule = "(3,), or (2,) with altitude_m" if altitude_m is None else "(2,) with altitude_m"
         raise ValueError(f"{step}: position_world_m = {point.tolist()}: must be finite and of shape {rule}")
     x, y = float(point[0]), float(point[1])
+    if step != "hold" and (edge := vehicle.beyond_terrain(x, y)) is not None:
+        raise ValueError(f"{step}: position_world_m = {point.tolist()}: must be above the terrain, {edge}")
     if altitude_m is None:
         z = float(point[2])
+        if step != "hold" and z > 0.0:
+            raise ValueError(
+                f"{step}: position_world_m = {point.tolist()}: z must be at most 0 m, the mean water surface"
+            )
         return x, y, lambda: z
     if "altitude" not in vehicle.sensors:
         raise ValueError(f"{step}: altitude_m: the vehicle has no sensor 'altitude'")
@@ -227,10 +241,12 @@ def steer(
 
 
 def _require_able(vehicle: OwnVehicle) -> None:
-    """Raise StoppedError if all stop is set, the battery is empty or the vehicle has capsized."""
+    """Raise StoppedError if all stop is set, the battery is empty or it has capsized; watch its tilt."""
     if vehicle.all_stopped:
         raise StoppedError("all stop is set")
     if vehicle.telemetry().battery_percent <= 0.0:
         raise StoppedError("the battery is used up")
-    if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
+    upright = float(vehicle.pose.world_from_body[2, 2])
+    vehicle.watch_tilt(upright)
+    if upright < CAPSIZED_COSINE:
         raise StoppedError("capsized: the vehicle has pitched or rolled over")

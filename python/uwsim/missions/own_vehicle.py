@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from types import MappingProxyType
@@ -16,15 +18,21 @@ from uwsim.base.commands import Commandable, command_named
 from uwsim.base.named import Named
 from uwsim.base.sealed import Sealed
 from uwsim.missions.estimated_views import EstimatedCamera, EstimatedImagingSonar, EstimatedSonar
-from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel
+from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel, Vehicle
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
 
 CONTROL_PERIOD_S = 0.1
 SAME_TIME_S = 1e-6
+TILT_RAD, TILT_S = math.radians(30.0), 10.0
+"""Tilt, and its duration, beyond which a mission warns: the moves assume a vehicle that is nearly level."""
 Held = tuple[NDArray[np.float64], float]
 """A position (3,) in the world frame and a heading in radians."""
+
+
+class TiltWarning(UserWarning):
+    """A vehicle has been tilted for long while a mission steered it."""
 
 
 class Event(NamedTuple):
@@ -61,6 +69,8 @@ class OwnVehicle(Sealed, Commandable):
         self.name = str(getattr(hull, "name", "vehicle"))
         self.estimate = hull if estimate is None else estimate
         self._held: tuple[float, Held] | None = None
+        self._tilted_from_s: float | None = None
+        self._has_warned = False
         self._methods: dict[str, Callable[..., Any]] = {}
 
     def __repr__(self) -> str:
@@ -105,6 +115,29 @@ class OwnVehicle(Sealed, Commandable):
     def note_held(self, held: Held) -> None:
         """Record that `hold` has held this place up to the current time."""
         self._held = (self.time_s, held)
+
+    def watch_tilt(self, upright: float) -> None:
+        """Warn once, also in the log, of a tilt that lasts. upright: the cosine of the tilt, in each control period."""
+        if self._has_warned or upright >= math.cos(TILT_RAD):
+            self._tilted_from_s = None
+            return
+        if self._tilted_from_s is None:
+            self._tilted_from_s = self.time_s
+        elif self.time_s - self._tilted_from_s >= TILT_S:
+            self._has_warned = True
+            tilt_deg = math.degrees(math.acos(max(upright, -1.0)))
+            self.log("tilted", tilt_deg=round(tilt_deg, 1), duration_s=TILT_S)
+            warnings.warn(
+                f"vehicle '{self.name}': has been tilted by more than {math.degrees(TILT_RAD):.0f} deg for "
+                f"{TILT_S:g} s, now by {tilt_deg:.0f} deg; `uwsim vehicle` reports what tilts it",
+                TiltWarning,
+                stacklevel=2,
+            )
+
+    def beyond_terrain(self, x_m: float, y_m: float) -> str | None:
+        """Return the terrain's bounds as text if a position is outside; None if inside, or if they are unknown."""
+        find = getattr(self._hull, "beyond_terrain", None)
+        return None if find is None else find(x_m, y_m)
 
     @property
     def authority(self) -> Any:
@@ -208,3 +241,8 @@ class OwnVehicle(Sealed, Commandable):
         """Write an event to the mission's log. Raises ValueError for values that are not of JSON types."""
         kept = {key: plain(value, f"log '{event}': {key}") for key, value in values.items()}
         self._hear(Event(self.time_s, self.name, str(event), kept))
+
+
+def own_vehicle(vehicle: Vehicle) -> OwnVehicle:
+    """Return a mission's vehicle as an OwnVehicle. Any other Vehicle gets a new autopilot."""
+    return vehicle if isinstance(vehicle, OwnVehicle) else OwnVehicle(vehicle, vehicle, estimate=vehicle.estimate)

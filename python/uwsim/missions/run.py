@@ -10,6 +10,7 @@ from typing import Any
 from uwsim.missions.mission import SteppedMission
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.steps import Steps, drive, parallel
+from uwsim.missions.unrun_steps import require_steps_run
 from uwsim.navigation.control.protocols import Clock
 
 MissionFunction = Callable[..., Steps[Any] | SteppedMission]
@@ -45,8 +46,9 @@ def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[S
     """Return one mission for all vehicles if its first parameter is named `vehicles`, otherwise one per vehicle.
 
     A ResumableMission may be restored before it is flown. Raises ValueError for anything other than a generator
-    function of one argument, or a class of one argument with `steps`.
+    function of one argument, or a class of one argument with `steps`, and for a step that the mission never runs.
     """
+    require_steps_run(mission)
     if first_parameter(mission) == "vehicles":
         return [mission(dict(vehicles))]
     return [mission(vehicle) for vehicle in vehicles.values()]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from uwsim.missions.moves import Point, goto
-from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps
+from uwsim.missions.vehicle import Vehicle
 
 
-def visit(vehicle: OwnVehicle, points_world_m: Sequence[Point], speed_m_s: float = 0.5) -> Steps[int]:
+def visit(vehicle: Vehicle, points_world_m: Sequence[Point], speed_m_s: float = 0.5) -> Steps[int]:
     """Undock if needed, then visit each point (3,) in turn and log `waypoint` with its number. Return their count."""
     if not vehicle.released:
         vehicle.undock()

@@ -10,9 +10,9 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer
 
 from uwsim.channels import Channel
-from uwsim.channels.feed import Reading
-from uwsim.channels.message_types import ros1_typestore
-from uwsim.channels.messages import numbered, to_bytes
+from uwsim.channels.delivery.feed import Reading
+from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.channels.ros.messages import numbered, to_bytes
 
 
 class BagSink:
@@ -42,7 +42,7 @@ class BagSink:
             channel.type,
             typestore=ros1_typestore(),
             callerid="/uwsim",
-            latching=int(channel.latched),
+            latching=int(channel.delivery.latched),
         )
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:

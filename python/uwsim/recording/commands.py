@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from pydantic import NonNegativeInt, TypeAdapter, ValidationError
 
-from uwsim.channels import build
+from uwsim.base.texts.json_text import json_object
+from uwsim.channels.ros import build
 
 COMMANDS = "uwsim/commands"
 BYTES = "$bytes"
@@ -40,10 +41,11 @@ def command_of(message: Any) -> Command:
 
 def command_from(text: str) -> Command:
     """Decode a command from JSON. Raises ValueError if the text contains none."""
+    name = f"/{COMMANDS}: '{text:.60}'"
     try:
-        command = _COMMAND.validate_json(text)
+        command = _COMMAND.validate_python(json_object(text, name))
     except ValidationError as error:
-        raise ValueError(f"/{COMMANDS}: '{text:.60}': {error.errors()[0]['msg']}") from None
+        raise ValueError(f"{name}: {error.errors()[0]['msg']}") from None
     return command._replace(arguments=_from_json_values(command.arguments))
 
 

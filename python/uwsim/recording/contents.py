@@ -108,13 +108,13 @@ class DataReader:
         self._index: dict[int, list[tuple[int, int]]] = {}  # expected index of messages in the last chunk, by channel
         self._sequences: dict[int, int] = {}  # sequence number of the last message on each channel
         self._before = 0  # checksum of everything before the current record
-        self._take: dict[int, Callable[[Record, Any], None]] = {
-            Opcode.HEADER: self._take_header,
-            Opcode.METADATA: self._take_metadata,
-            Opcode.ATTACHMENT: self._take_attachment,
-            Opcode.CHUNK: self._take_chunk,
-            Opcode.MESSAGE_INDEX: self._take_message_index,
-            Opcode.DATA_END: self._take_end,
+        self._add: dict[int, Callable[[Record, Any], None]] = {
+            Opcode.HEADER: self._add_header,
+            Opcode.METADATA: self._add_metadata,
+            Opcode.ATTACHMENT: self._add_attachment,
+            Opcode.CHUNK: self._add_chunk,
+            Opcode.MESSAGE_INDEX: self._add_message_index,
+            Opcode.DATA_END: self._add_end,
         }
 
     def read(self) -> None:
@@ -123,13 +123,13 @@ class DataReader:
             self._before = self._file.checksum
             record = self._file.record()
             with record.named(self._file):
-                if record.kind not in self._take or (record.kind == Opcode.HEADER) != (record.start == FIRST):
+                if record.kind not in self._add or (record.kind == Opcode.HEADER) != (record.start == FIRST):
                     raise ValueError("it is out of place")
                 if record.kind != Opcode.MESSAGE_INDEX:
                     self._require_indexed()
-                self._take[record.kind](record, record.parsed())
+                self._add[record.kind](record, record.parsed())
 
-    def _take_header(self, record: Record, header: Header) -> None:
+    def _add_header(self, record: Record, header: Header) -> None:
         found = LIBRARY.fullmatch(header.library)
         if found is None:
             return
@@ -138,7 +138,7 @@ class DataReader:
         self.contents.is_ours = True
         self._start_checksum = int(found[1], 16) if found[1] else None
 
-    def _take_metadata(self, record: Record, metadata: Metadata) -> None:
+    def _add_metadata(self, record: Record, metadata: Metadata) -> None:
         if metadata.name in self.contents.metadata:
             raise ValueError(f"'{metadata.name}' occurs twice")
         if metadata.name == START and self._start_checksum not in (None, zlib.crc32(record.content)):
@@ -146,7 +146,7 @@ class DataReader:
         self.contents.metadata[metadata.name] = metadata.metadata
         self._list(MetadataIndex(record.start, record.length, metadata.name), Opcode.METADATA_INDEX)
 
-    def _take_attachment(self, record: Record, attachment: Attachment) -> None:
+    def _add_attachment(self, record: Record, attachment: Attachment) -> None:
         name, data = attachment.name, attachment.data
         if name in self.contents.attachments:
             raise ValueError(f"'{name}' occurs twice")
@@ -163,7 +163,7 @@ class DataReader:
         )
         self._list(index, Opcode.ATTACHMENT_INDEX)
 
-    def _take_chunk(self, record: Record, chunk: Chunk) -> None:
+    def _add_chunk(self, record: Record, chunk: Chunk) -> None:
         data = unpacked(chunk)
         self._compare(chunk.uncompressed_crc, zlib.crc32(data))
         self._index = {}
@@ -192,7 +192,7 @@ class DataReader:
         )
         self._list(index, Opcode.CHUNK_INDEX)
 
-    def _take_message_index(self, record: Record, index: MessageIndex) -> None:
+    def _add_message_index(self, record: Record, index: MessageIndex) -> None:
         chunks = self.contents.indexes[Opcode.CHUNK_INDEX]
         if not chunks or index.channel_id in chunks[-1].message_index_offsets:
             raise ValueError("it is out of place")
@@ -201,7 +201,7 @@ class DataReader:
         chunks[-1].message_index_offsets[index.channel_id] = record.start
         chunks[-1].message_index_length += record.length
 
-    def _take_end(self, record: Record, end: DataEnd) -> None:
+    def _add_end(self, record: Record, end: DataEnd) -> None:
         if end.data_section_crc != self._before and (end.data_section_crc or self._start_checksum is not None):
             raise ValueError("the checksum of all data is wrong")
         self.contents.is_whole = True

@@ -6,18 +6,20 @@ from collections.abc import Callable, Collection
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from uwsim.channels import Channel, build
-from uwsim.channels.map import insert_ping
-from uwsim.channels.map_changes import MapChanges
-from uwsim.channels.own_types import MAP_CHANGES
-from uwsim.channels.pings import TakenPing
-from uwsim.channels.scans import DEPTH_ARRAY, PING_TOPICS, PingTopic
+from uwsim.channels import Channel
+from uwsim.channels.channel import LATCHED
+from uwsim.channels.families.map import insert_ping
+from uwsim.channels.families.map_changes import MapChanges
+from uwsim.channels.families.pings import TakenPing
+from uwsim.channels.families.scans import DEPTH_ARRAY, PING_TOPICS, PingTopic
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.mapping import ranging
 from uwsim.recording.head import RecordedHead, recorded_head
 from uwsim.recording.ping_channel import NAME
 
 if TYPE_CHECKING:
-    from uwsim.recording.reader import Recording
+    from uwsim.recording.messages import Messages
 
 MAP_TOPIC = "map_changes"
 FROM_PINGS = frozenset({*(topic.name for topic in PING_TOPICS), MAP_TOPIC})
@@ -33,7 +35,7 @@ class Derived:
     The map is the map that a live run would build from these pings. channels: keyed by name.
     """
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: Messages) -> None:
         """Load the multibeam from the recording's scenario. Raises ValueError or OSError."""
         self._head = head = recorded_head(recording, NAME)
         rate_hz = recording.channels[NAME].rate_hz
@@ -48,7 +50,8 @@ class Derived:
             )
         about = "the voxels that became occupied or unoccupied with each ping"
         self._offer(
-            Channel(head.prefix + MAP_TOPIC, MAP_CHANGES, "out", about, rate_hz, latched=True), partial(_of_map, head)
+            Channel(head.prefix + MAP_TOPIC, MAP_CHANGES, "out", about, rate_hz, delivery=LATCHED),
+            partial(_of_map, head),
         )
 
     def makers(self, names: Collection[str]) -> dict[str, Make]:
@@ -70,7 +73,7 @@ def _of_map(head: RecordedHead) -> Make:
     changes.forget(occupancy.resolution_m)
 
     def make(taken: TakenPing) -> Any:
-        insert_ping(occupancy, head, taken, head.hull_m)
+        insert_ping(occupancy, head, taken)
         part = changes.note(occupancy.changed_occupancy())
         header = build.header(taken.ping.time_ns, head.prefix + "odom")
         return build.message(MAP_CHANGES, header=header, **part._asdict())

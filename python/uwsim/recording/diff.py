@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from uwsim.recording.difference import differences, largest
-from uwsim.recording.reader import Recorded, Recording
+from uwsim.recording.messages import Recorded
+from uwsim.recording.reader import Recording
 
 AHEAD_MAX = 100_000  # maximum number of queued messages per channel while one recording is ahead
 

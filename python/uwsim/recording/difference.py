@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.channels.message_types import fields
-from uwsim.channels.messages import from_bytes
+from uwsim.channels.ros.message_types import fields
+from uwsim.channels.ros.messages import from_bytes
 
 SHOWN = 50  # number of characters of long text that are shown
 

@@ -1,38 +1,91 @@
-"""Reads the metadata at both ends of a finished recording, without reading its messages."""
+"""Reads the metadata of a recording without reading its messages, even if it was cut off."""
 
 from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import IO, NamedTuple
 
 from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
+from mcap.records import Metadata
 
 from uwsim.recording.mcap_sink import END, START, VERSION
 from uwsim.recording.metadata import End, Start, checked
+from uwsim.recording.records import HEAD_BYTES, CutOffError, RecordFile
 
 RECORD_BYTES_MAX = 1 << 24  # larger than any record that is read here
 _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, KeyError, EOFError, OverflowError, MemoryError)
+_HEAD = struct.Struct("<BQ")  # kind, length of the content
+_CHUNK_TIMES = struct.Struct("<QQ")  # the first and last time in a chunk [ns]
 
 
-def glance(path: Path) -> tuple[Start, End]:
-    """Return the metadata at the start and at the end. For a verification of the whole file, see Recording.
+class Glance(NamedTuple):
+    """The metadata at the start, and at the end unless the recording was cut off. end_tick: the last whole tick."""
 
-    Raises OSError, or ValueError if the file is not a recording, was cut off, or has a different version.
+    start: Start
+    end: End | None
+    end_tick: int
+
+    @property
+    def duration_s(self) -> float:
+        """The simulated time from the start to the end [s]; 0 if time was set back."""
+        return max((self.end_tick - self.start.tick) * self.start.step_s, 0.0)
+
+
+def glance(path: Path) -> Glance:
+    """Return a recording's metadata. For a verification of the whole file, see Recording.
+
+    Raises OSError, or ValueError if the file is not a recording, or has a different version.
     """
+    last_ns, is_whole = None, True
     with path.open("rb") as file:
         try:
             reader = SeekingReader(file, record_size_limit=RECORD_BYTES_MAX)
             metadata = {each.name: each.metadata for each in reader.iter_metadata()}
         except _UNREADABLE:
-            raise ValueError(f"recording '{path}': is cut off, or is no recording") from None
-    if START not in metadata or END not in metadata:
-        raise ValueError(f"recording '{path}': was not written by uwsim")
+            is_whole = False
+            metadata, last_ns = _of_cut_off(path, file)
+    if START not in metadata or (is_whole and END not in metadata):
+        raise ValueError(f"recording '{path}': was not written by uwsim" + (", or is still empty" * (not is_whole)))
     if metadata[START].get("version", VERSION) != VERSION:
         raise ValueError(
             f"recording '{path}': has version {metadata[START]['version']:.20}: this uwsim reads {VERSION}"
         )
     try:
-        return checked(Start, metadata[START]), checked(End, metadata[END])
+        start = checked(Start, metadata[START])
+        end = checked(End, metadata[END]) if is_whole else None
     except ValueError as error:
         raise ValueError(f"recording '{path}': {error}") from None
+    if end is not None:
+        return Glance(start, end, end.tick)
+    if last_ns is None:
+        raise ValueError(f"recording '{path}': is cut off before its first message")
+    return Glance(start, None, round(last_ns * 1e-9 / start.step_s))
+
+
+def _of_cut_off(path: Path, file: IO[bytes]) -> tuple[dict[str, dict[str, str]], int | None]:
+    """Return the metadata at the start, and the last time in the last whole chunk [ns], or None without a chunk."""
+    file.seek(0)
+    records, found = RecordFile(path, file), {}
+    try:
+        if records.magic():
+            for _ in range(2):  # the header, and the metadata right after it
+                if (record := records.record()).kind == Opcode.METADATA:
+                    parsed: Metadata = record.parsed()
+                    found[parsed.name] = parsed.metadata
+        return found, _last_ns(file, records.position)
+    except (CutOffError, ValueError):
+        return {}, None
+
+
+def _last_ns(file: IO[bytes], at: int) -> int | None:
+    size, last_ns = file.seek(0, 2), None
+    while at + HEAD_BYTES <= size:
+        file.seek(at)
+        kind, length = _HEAD.unpack(file.read(HEAD_BYTES))
+        at += HEAD_BYTES + length
+        if at <= size and kind == Opcode.CHUNK and length >= _CHUNK_TIMES.size:
+            _, last_ns = _CHUNK_TIMES.unpack(file.read(_CHUNK_TIMES.size))
+    return last_ns

@@ -8,6 +8,7 @@ minutes of a run with few messages.
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import functools
 import io
 import os
@@ -24,9 +25,10 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 from ruamel.yaml import YAML
 
+from uwsim.base.own_files import mark
 from uwsim.channels import Channel
-from uwsim.channels.cdr import schema
-from uwsim.channels.feed import Reading
+from uwsim.channels.delivery.feed import Reading
+from uwsim.channels.ros.cdr import schema
 from uwsim.recording.records import HEAD_BYTES
 
 CHUNK_BYTES = 1 << 20
@@ -53,6 +55,9 @@ class McapSink:
         """Create the file with metadata and attachments. Raises OSError if it exists or cannot be written."""
         self._path = path
         self._file = path.open("xb")
+        mark(path, unfinished=True)
+        with contextlib.suppress(OSError):  # a file system without locks
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # see is_being_written
         # LZ4 takes a tenth of the time of zstd, and all MCAP readers support it.
         self._writer = Writer(
             self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4, enable_data_crcs=True
@@ -108,6 +113,7 @@ class McapSink:
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.flush()
             os.fsync(self._file.fileno())
+        mark(self._path)
 
     def abandon(self) -> None:
         """Close after a write error, truncating the file to its state at the last flush.
@@ -156,6 +162,18 @@ class McapSink:
         }
 
 
+def is_being_written(path: Path) -> bool:
+    """Return whether a process, this one or another, is recording into a file. Raises OSError."""
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:  # a file system without locks
+            return False
+    return False
+
+
 def metadata_of(channel: Channel) -> dict[str, str]:
     """Return a channel's metadata for the file: the rosbag2 metadata, plus the channel's rate and description."""
     return {
@@ -168,10 +186,10 @@ def metadata_of(channel: Channel) -> dict[str, str]:
 
 def qos(channel: Channel) -> Qos:
     """Return a channel's quality of service: reliable and, if latched, kept for late subscribers."""
-    durability = QosDurability.TRANSIENT_LOCAL if channel.latched else QosDurability.VOLATILE
+    durability = QosDurability.TRANSIENT_LOCAL if channel.delivery.latched else QosDurability.VOLATILE
     return Qos(
         QosHistory.KEEP_LAST,
-        1 if channel.latched else DEPTH,
+        1 if channel.delivery.latched else DEPTH,
         QosReliability.RELIABLE,
         durability,
         FOREVER,

@@ -7,8 +7,8 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, Json, NonNegativeInt, ValidationError
 
-from uwsim.channels.frames import Tf
-from uwsim.channels.pictures import Stream
+from uwsim.channels.delivery.pictures import Stream
+from uwsim.channels.families.frames import Tf
 
 Metadata = TypeVar("Metadata", bound=BaseModel)
 

@@ -12,9 +12,9 @@ from typing import Any
 from uwsim.base.agenda import NEVER
 from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel
-from uwsim.channels.cdr import encode
-from uwsim.channels.pictures import Pictures
-from uwsim.recording.reader import Recorded
+from uwsim.channels.delivery.pictures import Pictures
+from uwsim.channels.ros.cdr import encode
+from uwsim.recording.messages import Recorded
 from uwsim.simulator.simulator import Simulator
 
 
@@ -70,12 +70,12 @@ class Moments:
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
         """After a jump in time, resume at the point where time continues."""
         if name in JUMPS:
-            self._be_due(bisect_left(self._ticks, self._sim.tick))
+            self._set_due(bisect_left(self._ticks, self._sim.tick))
 
     def again(self) -> None:
         """Render the pictures that are due again, since a command may have changed the view."""
         tick = self._sim.tick
-        self._be_due(bisect_right(self._ticks, tick))
+        self._set_due(bisect_right(self._ticks, tick))
         if tick not in self._due:
             return
         self._pictures.forget()  # so that pictures are rendered again for the current state
@@ -91,7 +91,7 @@ class Moments:
         """Return whether a recorded picture was rendered byte-identically."""
         return _digest(recorded.type, recorded.data) in self._seen
 
-    def _be_due(self, place: int) -> None:
+    def _set_due(self, place: int) -> None:
         self.due_tick = self._ticks[place] if place < len(self._ticks) else NEVER
 
 

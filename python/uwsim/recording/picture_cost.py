@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from uwsim.channels.pictures import RATE_HZ, Stream
+from uwsim.channels.delivery.pictures import RATE_HZ, Stream
 from uwsim.instruments.cameras import Camera
 from uwsim.simulator.simulator import Simulator
 

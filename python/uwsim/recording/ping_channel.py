@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.channels import Channel, build
-from uwsim.channels.own_types import SONAR_PING
-from uwsim.channels.pings import Pings
+from uwsim.channels import Channel
+from uwsim.channels.families.pings import Pings
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import SONAR_PING
+from uwsim.mapping.ranging import place_deviation_m
 from uwsim.simulator.simulator import Simulator
 
 NAME = "sonar_ping"
@@ -47,6 +49,7 @@ def ping_message(
     frame_from_sonar: NDArray[np.float64],
 ) -> Any:
     """Return a ping as a message; poses are (4, 4)."""
+    deviation_m = place_deviation_m(ping)
     return build.message(
         SONAR_PING,
         header=build.header(ping.time_ns, frame_id),
@@ -60,4 +63,5 @@ def ping_message(
         range_warning=bool(panel.range_warning),
         proximity_warning=bool(panel.proximity_warning),
         collision_warning=bool(panel.collision_warning),
+        deviations=np.empty(0, np.float32) if deviation_m is None else deviation_m,
     )

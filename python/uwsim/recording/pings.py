@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.channels.pings import TakenPing
+from uwsim.channels.families.pings import TakenPing
+from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.recording.ping_channel import NAME
 
 if TYPE_CHECKING:
-    from uwsim.recording.reader import Recording
+    from uwsim.recording.messages import Messages
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,7 @@ class Panel(NamedTuple):
     collision_warning: bool
 
 
-def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
+def ping_topic(recording: Messages, vehicle: str | None = None) -> str:
     """Return the channel with a vehicle's pings, by default of the first vehicle that has any. Raises ValueError."""
     topics = [name for name in recording.channels if name == NAME or name.endswith("/" + NAME)]
     if not topics:
@@ -54,12 +55,26 @@ def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
     raise ValueError(f"vehicle = {vehicle!r}: recording '{recording.path}' has {', '.join(topics)}")
 
 
-def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing, Panel]]:
+def recorded_pings(recording: Messages, topic: str) -> Iterator[tuple[TakenPing, Panel]]:
     """Yield the pings on a channel in order, each with the poses at which it was taken."""
     for recorded in recording.messages(topic):
         message = recorded.message
         panel = Panel(message.range_warning, message.proximity_warning, message.collision_warning)
         yield taken_ping(message), panel
+
+
+def mappable_pings(recording: Messages, topic: str, chain: PingToMap) -> Iterator[tuple[TakenPing, Panel]]:
+    """Yield the pings on a channel as `recorded_pings` does, for a map by a chain.
+
+    Raises ValueError if the chain limits uncertainties that the recording, of an earlier version, does not contain.
+    """
+    for taken, panel in recorded_pings(recording, topic):
+        if chain.max_uncertainty_m is not None and taken.deviation_m is None:
+            raise ValueError(
+                f"recording '{recording.path}': was made before pings were recorded with their uncertainties, which "
+                f"max_uncertainty_m = {chain.max_uncertainty_m:g} m limits: map it with --no-outlier-filter"
+            )
+        yield taken, panel
 
 
 def taken_ping(message: Any) -> TakenPing:
@@ -75,4 +90,5 @@ def taken_ping(message: Any) -> TakenPing:
         message.intensities,
         sonar,
     )
-    return TakenPing(cast(_core.Ping, ping), body, sonar)
+    deviations = message.deviations
+    return TakenPing(cast(_core.Ping, ping), body, sonar, deviations if len(deviations) else None)

@@ -8,16 +8,18 @@ import struct
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from uwsim.channels.cdr import encode, schema
-from uwsim.channels.message_types import resolve
-from uwsim.channels.messages import from_bytes
-from uwsim.channels.own_types import OWN_TYPES
+from mcap.opcode import Opcode
+
+from uwsim.channels.ros.cdr import encode, schema
+from uwsim.channels.ros.message_types import resolve
+from uwsim.channels.ros.own_types import OWN_TYPES
 from uwsim.recording import tables
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.contents import Contents, DataReader, read_messages
 from uwsim.recording.mcap_sink import END, START, SURVEY, VERSION, metadata_of
+from uwsim.recording.messages import ChannelInfo, Recorded
 from uwsim.recording.metadata import End, Start, checked
 from uwsim.recording.ping_channel import NAME as PINGS
 from uwsim.recording.pings import taken_ping
@@ -30,29 +32,6 @@ if TYPE_CHECKING:
     import xarray
 
     from uwsim.recording.derived import Derived, Make
-
-
-class ChannelInfo(NamedTuple):
-    """A channel in a recording: name without leading slash, type in ROS 2 notation, number of messages, rate."""
-
-    name: str
-    type: str
-    message_count: int
-    rate_hz: float | None
-
-
-class Recorded(NamedTuple):
-    """A recorded message. time_ns: simulated time. data: CDR bytes."""
-
-    topic: str
-    type: str
-    time_ns: int
-    data: bytes
-
-    @property
-    def message(self) -> Any:
-        """The decoded message."""
-        return from_bytes(self.data, self.type)
 
 
 class Recording:
@@ -77,6 +56,8 @@ class Recording:
         self._channels, self._schemas = contents.channels, contents.schemas
         self._appended: dict[str, list[bytes]] = {}
         self._counts, self._chunks = contents.counts, contents.chunks
+        chunks = contents.indexes[Opcode.CHUNK_INDEX]
+        self._last_ns: int | None = chunks[-1].message_end_time if chunks else None
         try:
             self.start = checked(Start, metadata[START])
             self.end = checked(End, metadata[END]) if END in metadata and contents.is_whole else None
@@ -140,6 +121,13 @@ class Recording:
     def step_ns(self) -> int:
         """The duration of a step in nanoseconds."""
         return round(self.start.step_s * 1e9)
+
+    @property
+    def end_tick(self) -> int | None:
+        """The tick of the end or, if the file was cut off, of its last whole chunk; None if it has no chunk."""
+        if self.end is not None:
+            return self.end.tick
+        return None if self._last_ns is None else self._last_ns // self.step_ns
 
     @property
     def dropped(self) -> dict[str, int]:

@@ -19,14 +19,15 @@ from typing import Any, Self
 from uwsim.base.arguments import plain
 from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.channels import Channel, Table
-from uwsim.channels.feed import Feed, Reading
-from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels.delivery.feed import Feed, Reading
+from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
 from uwsim.recording.commands import COMMANDS, Command, command_message
 from uwsim.recording.derived import FROM_PINGS
+from uwsim.recording.joined_frames import JoinedFrames, end_tick
 from uwsim.recording.mcap_sink import LIVE, VERSION, McapSink
 from uwsim.recording.ping_channel import ping_channel
 from uwsim.recording.queue import WAITING_BYTES, WritingQueue
@@ -97,6 +98,7 @@ class Recorder:
         self._watch: Watch | None = None
         self._queue: WritingQueue | None = None
         self._sink: Sink | None = None
+        self._frames = JoinedFrames()
         self._commands = Channel(COMMANDS, "std_msgs/msg/String", "out", "each command with its tick, as JSON")
 
     def __repr__(self) -> str:
@@ -130,12 +132,17 @@ class Recorder:
 
     def _is_chosen(self, channel: Channel) -> bool:
         topics, without = self._patterns
-        is_wanted = not channel.on_request if topics is None else _matches(channel, topics)
+        is_wanted = not channel.delivery.on_request if topics is None else _matches(channel, topics)
         return is_wanted and not _matches(channel, without)
 
     def _may_wait(self) -> bool:
         """Return whether steps may wait for the recording, which they may except at wall-clock speed."""
         return self._live is None or self._live.speed == "max"
+
+    @property
+    def error(self) -> OSError | None:
+        """Why nothing more can be written, such as a full disk, or None."""
+        return None if self._queue is None else self._queue.error
 
     def start(self) -> Self:
         """Create the file and start recording; return self. Raises OSError or ValueError."""
@@ -178,21 +185,21 @@ class Recorder:
         """Finish the file."""
         self.close()
 
-    def hear(self, channels: Iterable[Channel]) -> list[Channel]:
+    def record_received(self, channels: Iterable[Channel]) -> list[Channel]:
         """Return a server's channels, wrapped so that messages received on them, such as /cmd_vel, are also recorded.
 
         Call this before `start`. These messages are for readers; a replay uses only the resulting commands.
         """
-        return [self._heard(channel) if channel.direction == "in" else channel for channel in channels]
+        return [self._recorded(channel) if channel.direction == "in" else channel for channel in channels]
 
-    def _heard(self, channel: Channel) -> Channel:
+    def _recorded(self, channel: Channel) -> Channel:
         if not self._is_chosen(channel):
             return channel
         self._written.append(channel)
 
         def apply(live: LiveSimulator, message: Any) -> object:
             result = channel.apply(live, message)
-            self._take(channel, message)
+            self._record(channel, message)
             return result
 
         return replace(channel, apply=apply)
@@ -202,7 +209,7 @@ class Recorder:
 
         Call this on the simulator's thread.
         """
-        self._take(channel, message)
+        self._record(channel, message)
 
     def note(self, **notes: Any) -> None:
         """Add plain values to the metadata at the end of the file."""
@@ -221,12 +228,14 @@ class Recorder:
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
-        self._watch = Watch(sim, self._channels, self._take_read, self._take_command)
+        self._watch = Watch(sim, self._channels, self._record_reading, self._record_command)
         self._watch.start()
 
     def _end(self, sim: Simulator) -> dict[str, str]:
         assert self._watch is not None
         self._watch.stop()
+        with self._lock:
+            self._put_frames(self._frames.taken())
         return {
             "tick": str(sim.tick),
             "state": state_digest(sim),
@@ -277,42 +286,57 @@ class Recorder:
             "begun": datetime.now(UTC).isoformat(timespec="seconds"),
         }
 
-    def _take_read(self, channel: Channel, message: Any) -> None:
+    def _record_reading(self, channel: Channel, message: Any) -> None:
         reading = self._reading(channel, message)
         if self._feed is not None:
             self._feed.share(reading)
         self._put(reading, needed=False)
 
-    def _take(self, channel: Channel, message: Any) -> None:
+    def _record(self, channel: Channel, message: Any) -> None:
         self._put(self._reading(channel, message), needed=False)
 
-    def _take_command(self, name: str, arguments: dict[str, Any]) -> None:
-        tick = arguments["from_tick"] if name == SERVO_FRAMES else self._sim.tick
-        message = command_message(Command(tick, name, plain(arguments, name)))
+    def _record_command(self, name: str, arguments: dict[str, Any]) -> None:
+        if name == SERVO_FRAMES:
+            with self._lock:
+                self._put_frames(self._frames.add(arguments))
+            return
+        message = command_message(Command(self._sim.tick, name, plain(arguments, name)))
         self._put(self._reading(self._commands, message), needed=True)
+
+    def _put_frames(self, pieces: Iterable[dict[str, Any]]) -> None:
+        """Queue an autopilot's frames, each piece at the tick at which it ends. Called with the lock held."""
+        for arguments in pieces:
+            tick = end_tick(arguments)
+            message = command_message(Command(arguments["from_tick"], SERVO_FRAMES, plain(arguments, SERVO_FRAMES)))
+            time_ns = tick * round(self._sim.step_s * 1e9)
+            self._enqueue(Reading(self._commands, message, time_ns, tick), needed=True)
 
     def _reading(self, channel: Channel, message: Any) -> Reading:
         return Reading(channel, message, self._sim.time_ns, self._sim.tick)
 
     def _put(self, reading: Reading, *, needed: bool) -> None:
+        with self._lock:  # received messages come from other threads, and sequence numbers must follow the queue order
+            self._put_frames(self._frames.taken())  # they end at this tick, before its readings and commands
+            self._enqueue(reading, needed=needed)
+
+    def _enqueue(self, reading: Reading, *, needed: bool) -> None:
         queue, sink = self._queue, self._sink
         if queue is None or sink is None:
             return
         topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
         self._on_wall_clock |= not waits
-        with self._lock:  # received messages come from other threads, and sequence numbers must follow the queue order
-            item = (topic, reading.time_ns, self._sequences[topic], data)
-            self._sequences[topic] += 1
-            is_put = queue.put(item, waits=waits, needed=needed)
+        item = (topic, reading.time_ns, self._sequences[topic], data)
+        self._sequences[topic] += 1
+        is_put = queue.put(item, waits=waits, needed=needed)
         if not is_put:
-            if not self.dropped:
+            if not self.dropped and queue.error is None:
                 logger.warning("%s: messages are left out: writing is too slow", self.path)
             self.dropped[topic] += 1
 
 
 def _is_heavy(channel: Channel) -> bool:
     """Return whether a channel carries pictures (including sonars') or maps, which take most of the time and space."""
-    return channel.late or channel.type in (MAP_TYPE, MAP_CHANGES)
+    return channel.delivery.late or channel.type in (MAP_TYPE, MAP_CHANGES)
 
 
 def _matches(channel: Channel, patterns: Sequence[str]) -> bool:

@@ -14,18 +14,19 @@ from typing import Any
 from uwsim.base.commands import bound_command
 from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel, Table
-from uwsim.channels.cdr import encode
-from uwsim.channels.own_types import MAP_CHANGES
-from uwsim.channels.pictures import Stream
-from uwsim.channels.services import SET_STREAM
+from uwsim.channels.calls.services import SET_STREAM
+from uwsim.channels.delivery.pictures import Stream
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.link import seen_channels
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.difference import differences
 from uwsim.recording.mcap_sink import SURVEY
+from uwsim.recording.messages import Recorded
 from uwsim.recording.moments import Moments
 from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
-from uwsim.recording.reader import Recorded, Recording
+from uwsim.recording.reader import Recording
 from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
 from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
@@ -103,7 +104,7 @@ def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[
     return table, known
 
 
-def give(sim: Simulator, table: Table | None, command: Command) -> None:
+def execute(sim: Simulator, table: Table | None, command: Command) -> None:
     """Apply a recorded command to a simulator at its current tick. Raises ValueError.
 
     table: the table whose pictures were recorded, or None.
@@ -136,21 +137,21 @@ class _Replay:
         start = recording.start
         self._table, known = offered_channels(recording, sim)
         table = self._table
-        pictures = [channel for channel in table.channels if channel.late]
+        pictures = [channel for channel in table.channels if channel.delivery.late]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
         unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # has pings from before the recording
         on_wall_clock = recording.was_on_wall_clock
-        chosen = [c for c in chosen if not (c.pieced and on_wall_clock) and c.type not in unlike]
+        chosen = [c for c in chosen if not (c.delivery.pieced and on_wall_clock) and c.type not in unlike]
         self._compared = {channel.name for channel in chosen}
         own = {COMMANDS, *(channel.name for channel in known if channel.direction == "in")}
         own |= {NAME} if self._is_survey else set()
         self.result.not_compared = sorted(recording.channels.keys() - self._compared - own)
-        self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
+        self._late = {channel.name for channel in chosen if channel.delivery.late and on_wall_clock}
         self._may_lack = bool(recording.dropped) or not recording.complete
         late = recording.messages(*self._late) if self._late else ()
         self._moments = Moments(sim, pictures, table.pictures, (one for one in late if one.time_ns >= from_ns))
         watched = [channel for channel in chosen if channel.name not in self._late]
-        self._watch = Watch(sim, watched, self._take, self._jumped)
+        self._watch = Watch(sim, watched, self._collect, self._jumped)
 
     def run(self, until_ns: int | None) -> ReplayResult:
         self._watch.start()
@@ -187,7 +188,7 @@ class _Replay:
             if self._on_time is not None:
                 self._on_time(recorded.time_ns)
             if recorded.topic == COMMANDS:
-                self._give(command_of(recorded.message))
+                self._execute(command_of(recorded.message))
             elif recorded.topic in self._compared:
                 self._advance(recorded.time_ns // self._recording.step_ns)
                 if recorded.time_ns >= self._from_ns:
@@ -199,11 +200,11 @@ class _Replay:
                 return False
         return True
 
-    def _give(self, command: Command) -> None:
+    def _execute(self, command: Command) -> None:
         self._advance(command.tick)
         self.result.commands += 1
         try:
-            give(self._sim, self._table, command)
+            execute(self._sim, self._table, command)
         except ValueError as error:
             raise ValueError(f"recording '{self._recording.path}': tick {command.tick}: {error}") from None
         self._moments.again()
@@ -215,7 +216,7 @@ class _Replay:
     def _jumped(self, name: str, arguments: dict[str, Any]) -> None:
         self._epoch += name in JUMPS
 
-    def _take(self, channel: Channel, message: Any) -> None:
+    def _collect(self, channel: Channel, message: Any) -> None:
         data = bytes(encode(message))
         if self._sim.time_ns >= self._from_ns:
             self._replayed[channel.name].append((self._epoch, self._sim.time_ns, data))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Protocol
 
 from uwsim.channels import Channel
-from uwsim.channels.feed import Reading
+from uwsim.channels.delivery.feed import Reading
 
 
 class Sink(Protocol):

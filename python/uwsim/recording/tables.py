@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
-from uwsim.channels.message_types import TIMES, Kind, fields
+from uwsim.channels.ros.message_types import TIMES, Kind, fields
 
 if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
 
-    from uwsim.recording.reader import Recording
+    from uwsim.recording.messages import Messages
 
 TIME = "time_s"
 BLOCK = {1: np.int8, 2: np.uint8, 3: np.int16, 4: np.uint16, 5: np.int32, 6: np.uint32, 7: np.float32, 8: np.float64}
 """The NumPy types of sensor_msgs/PointField's data types."""
 
 
-def arrow(recording: Recording, topic: str) -> pyarrow.Table:
+def arrow(recording: Messages, topic: str) -> pyarrow.Table:
     """Return a channel as an Arrow table.
 
     The columns are TIME, the simulated time in seconds at which the message was recorded, and each field with its path
@@ -48,13 +48,13 @@ def arrow(recording: Recording, topic: str) -> pyarrow.Table:
     return pyarrow.table(arrays)
 
 
-def pandas_frame(recording: Recording, topic: str) -> pandas.DataFrame:
+def pandas_frame(recording: Messages, topic: str) -> pandas.DataFrame:
     """Return a channel as a pandas DataFrame indexed by simulated seconds, with the columns of `arrow`."""
     need_extra("pandas", "tables", "a recording as a table")
     return arrow(recording, topic).to_pandas().set_index(TIME)
 
 
-def dataset(recording: Recording, topic: str) -> xarray.Dataset:
+def dataset(recording: Messages, topic: str) -> xarray.Dataset:
     """Return a channel as an xarray Dataset over the coordinate TIME.
 
     Numbers have dimension (time,); arrays have (time, FIELD) and are padded with NaN if their length varies. A

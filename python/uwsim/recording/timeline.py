@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.journal import EFFORT, JUMPS
-from uwsim.channels.services import SET_STREAM
+from uwsim.channels.calls.services import SET_STREAM
+from uwsim.recording.command_stream import CommandStream
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.mcap_sink import LIVE
 from uwsim.recording.reader import Recording
 from uwsim.recording.recorder import state_digest
-from uwsim.recording.replay import give, new_simulator, offered_channels
+from uwsim.recording.replay import execute, new_simulator, offered_channels, replay
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.failures import Event
 from uwsim.simulator.simulator import Simulator
@@ -26,7 +27,7 @@ KEPT_BYTES = 64 << 20
 SAMPLE_S = 0.2  # interval between samples of the track
 LONGEST_S = 12 * 3600.0
 EVENTS_MAX = 500
-MERGED_S = 2.0  # repeats of a command within this time are one event
+MERGED_S = 2.0  # the values that one argument of a command takes within this time are one event
 UNSEEN = frozenset({EFFORT, SET_STREAM, "start_navigation", "link_send"})
 """Commands that are not events, because they are issued in every period or by programs."""
 
@@ -63,9 +64,10 @@ class Timeline:
     """The moments of a recorded run, from its first tick to its last or, if time was reset, to the first reset.
 
     Creating a time line simulates the whole run and compares its final state with the recorded state. A run that cannot
-    be repeated bit for bit is refused. go_on: called repeatedly; if it returns False, creation is abandoned with a
-    RuntimeError. Raises OSError, or ValueError if the recording was cut off or edited, or was made by a different build
-    or for a different purpose.
+    be repeated bit for bit is refused. A recording that was cut off has no final state: it ends with its last whole
+    chunk, and each of its messages is compared. go_on: called repeatedly; if it returns False, creation is abandoned
+    with a RuntimeError. Raises OSError, or ValueError if the recording was edited, or was made by a different build or
+    for a different purpose.
 
     commands: in order. events: at most EVENTS_MAX. track: sampled every SAMPLE_S.
     """
@@ -76,10 +78,11 @@ class Timeline:
         self.recording = recording
         self.threads = threads
         self._go_on = go_on
-        self._require_whole()
+        self._require_repeatable()
         self.commands = list(recording.commands())
         self._ticks = [command.tick for command in self.commands]
         self.events: list[Happening] = []
+        self._stream: CommandStream | None = None
         self.track = Track()
         self.start_tick = recording.start.tick
         self.end_tick = self._end_tick()
@@ -111,11 +114,11 @@ class Timeline:
         """Return the tick of the command at an index, or None after the last command of this time line."""
         return self._ticks[place] if place < len(self._ticks) and self._ticks[place] < self.end_tick else None
 
-    def give(self, sim: Simulator, place: int) -> None:
+    def execute(self, sim: Simulator, place: int) -> None:
         """Apply the command at an index. Raises ValueError."""
         command = self.commands[place]
         try:
-            give(sim, None, command)
+            execute(sim, None, command)
         except ValueError as error:
             raise self._refusal(f"tick {command.tick}: {error}") from None
 
@@ -132,15 +135,15 @@ class Timeline:
             place = saved.place
         while (due := self.next_command_tick(place)) is not None and due < tick:
             sim.step(max(due - sim.tick, 0))
-            self.give(sim, place)
+            self.execute(sim, place)
             place += 1
         sim.step(tick - sim.tick)
         return place
 
-    def _require_whole(self) -> None:
+    def _require_repeatable(self) -> None:
         recording = self.recording
-        if not recording.complete or recording.end is None:
-            raise self._refusal("is cut off: the program that wrote it was ended")
+        if recording.end_tick is None:
+            raise self._refusal("is cut off before its first message")
         if recording.start.kind != LIVE:
             raise self._refusal("is of a survey, which `uwsim replay` repeats")
         build = recording.start.build
@@ -148,9 +151,9 @@ class Timeline:
             raise self._refusal(f"was made by another build of uwsim ({build}, this is {build_fingerprint()})")
 
     def _end_tick(self) -> int:
-        assert self.recording.end is not None
+        assert self.recording.end_tick is not None
         jumps = (k for k, command in enumerate(self.commands) if command.name in JUMPS)
-        end = self.recording.end.tick
+        end = self.recording.end_tick
         if (first := next(jumps, None)) is not None:  # a jump's tick is the tick after the jump
             end = self._last_ns_before_jump() // self.recording.step_ns
             self._ticks = self._ticks[:first]
@@ -184,8 +187,7 @@ class Timeline:
                     self._note(sim.tick, "collision", "collision")
                 collisions = vehicle.collisions
             if sim.tick >= next_saved:
-                if not self._go_on():
-                    raise RuntimeError("the recording is not wanted any more")
+                self._require_wanted()
                 self._saved.append(SavedMoment(sim.tick, sim.save_state(), place))
                 next_saved = sim.tick + spacing
                 kept_bytes += len(self._saved[-1].state)
@@ -195,7 +197,7 @@ class Timeline:
             due = self.next_command_tick(place)
             if due is not None and due <= sim.tick:
                 self._note_command(self.commands[place])
-                self.give(sim, place)
+                self.execute(sim, place)
                 place += 1
                 continue
             if sim.tick >= self.end_tick:
@@ -209,47 +211,54 @@ class Timeline:
     def _compare_end(self, sim: Simulator, place: int) -> None:
         """Continue to the end of the recording (past a reset, if any), and compare the states."""
         end = self.recording.end
-        assert end is not None
+        if end is None:
+            self._compare_messages()
+            return
         for index in range(place, len(self.commands)):
             command = self.commands[index]
             if command.name not in JUMPS:
                 sim.step(max(command.tick - sim.tick, 0))
-            self.give(sim, index)
+            self.execute(sim, index)
             if command.name in JUMPS:
                 self._read_as_recorded(sim)
         sim.step(max(end.tick - sim.tick, 0))
         if state_digest(sim) != end.state:
             raise self._refusal("was edited, or made on another kind of machine: it leads to another state")
 
+    def _compare_messages(self) -> None:
+        """Repeat the run once more, and compare all messages."""
+        result = replay(self.recording, threads=self.threads, on_time=lambda time_ns: self._require_wanted())
+        if result.difference is not None:
+            raise self._refusal(f"was edited, or made on another kind of machine: {result.difference}")
+
+    def _require_wanted(self) -> None:
+        if not self._go_on():
+            raise RuntimeError("the recording is not wanted any more")
+
     def _read_as_recorded(self, sim: Simulator) -> None:
         """Read the recorded channels once, like the recorder: the first reading of an estimate starts the filter."""
         _, channels = offered_channels(self.recording, sim)
         for channel in channels:
-            if channel.name in self.recording.channels and channel.direction == "out" and not channel.late:
+            if channel.name in self.recording.channels and channel.direction == "out" and not channel.delivery.late:
                 channel.read(sim)
 
     def _note_command(self, command: Command) -> None:
         if command.name in UNSEEN:
             return
-        vehicle = command.arguments.get("vehicle", "")
-        values = [
-            f"{key} {value:.3g}" if isinstance(value, float) else f"{key} {value}"
-            for key, value in command.arguments.items()
-            if key != "vehicle" and isinstance(value, str | bool | int | float)
-        ]
-        name = command.name.replace("_", " ")
-        self._note(command.tick, "command", f"{name} {vehicle}".strip() + (f": {', '.join(values)}" if values else ""))
+        stream = self._stream
+        is_soon = stream is not None and (command.tick - stream.first.tick) * self.step_s < MERGED_S
+        if stream is not None and is_soon and (merged := stream.with_next(command)) is not None:
+            self._stream = merged
+            self.events[-1] = self.events[-1]._replace(text=merged.text)
+            return
+        stream = CommandStream(command, command)
+        self._note(command.tick, "command", stream.text)
+        self._stream = stream
 
     def _note(self, tick: int, kind: str, text: str) -> None:
-        """Add an event, unless it repeats the last one, so that turning a head is a single event."""
-        event = Happening(round(tick * self.step_s, 9), kind, text)
-        last = self.events[-1] if self.events else None
-        head = text.partition(":")[0]
-        is_repeat = last is not None and kind == last.kind and head == last.text.partition(":")[0]
-        if last is not None and is_repeat and event.time_s - last.time_s < MERGED_S:
-            self.events[-1] = event._replace(time_s=last.time_s)
-        else:
-            self.events.append(event)
+        """Add an event, which ends the stream before it."""
+        self._stream = None
+        self.events.append(Happening(round(tick * self.step_s, 9), kind, text))
 
     def _refusal(self, why: str) -> ValueError:
         return ValueError(f"recording '{self.recording.path}': {why}")

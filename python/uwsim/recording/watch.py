@@ -11,8 +11,8 @@ from uwsim.channels import Channel
 from uwsim.live import Subscription
 from uwsim.simulator.simulator import Simulator
 
-TakeMessage = Callable[[Channel, Any], object]
-TakeCommand = Callable[[str, dict[str, Any]], object]
+OnMessage = Callable[[Channel, Any], object]
+OnCommand = Callable[[str, dict[str, Any]], object]
 
 
 class Watch:
@@ -24,10 +24,10 @@ class Watch:
     """
 
     def __init__(
-        self, sim: Simulator, channels: Iterable[Channel], take: TakeMessage, command: TakeCommand | None = None
+        self, sim: Simulator, channels: Iterable[Channel], receive: OnMessage, command: OnCommand | None = None
     ) -> None:
         self._sim = sim
-        self._take = take
+        self._receive = receive
         self._command = command
         self._subscriptions = [self._subscription(channel) for channel in channels]
 
@@ -56,9 +56,9 @@ class Watch:
             subscription.act(self._sim.tick)
 
     def _subscription(self, channel: Channel) -> Subscription:
-        def take(message: Any) -> None:
+        def receive(message: Any) -> None:
             if message is not None:
-                self._take(channel, message)
+                self._receive(channel, message)
 
         period_ns = None if channel.rate_hz is None else max(round(1e9 / channel.rate_hz), 1)
-        return Subscription(self._sim, period_ns, channel.read, take)
+        return Subscription(self._sim, period_ns, channel.read, receive)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from uwsim.mapping.files.geotiff import Georeference
+from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario import Scenario
-from uwsim.scenario.spec.terrain import RasterTerrain
+from uwsim.scenario.terrains.raster import RasterTerrain
 
 
 def georeference(scenario: Scenario | None) -> Georeference:
     """Return the georeference of a scenario with an elevation raster; local metres for any other."""
     if scenario is None or not isinstance(scenario.terrain, RasterTerrain):
         return Georeference()
-    from uwsim.scenario.build.terrain_raster import raster_place  # imported here: rasterio takes half a second
+    from uwsim.scenario.terrains.elevations import raster_place  # imported here: rasterio takes half a second
 
     place = raster_place(scenario.terrain)
     return Georeference(place.crs, place.origin, place.units_per_m)

@@ -9,7 +9,7 @@ from uwsim.scenario.read.assets import assets_folder, find_yaml, packaged_names
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_document import read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.scenario import Scenario
 
 

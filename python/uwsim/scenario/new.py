@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import mark
 from uwsim.scenario.read.assets import YAML_SUFFIXES, assets_folder, find_yaml
 from uwsim.scenario.schema import schema_file
 from uwsim.scenario.spec.fields import NAME
@@ -31,8 +32,9 @@ def new_scenario(name: str, out: Path | None = None, like: str | None = None, ov
         text = re.sub(r"^name:.*$", f"name: {name}", text, count=1, flags=re.MULTILINE)
     content = f"# yaml-language-server: $schema={schema_file('scenario').as_uri()}\n{text}".encode()
     if overwrite:
-        write_atomically(path, content)
+        write_atomically(path, content, replaces_any=True)
     else:
         with path.open("xb") as file:
             file.write(content)
+        mark(path)
     return path

@@ -5,6 +5,7 @@ They contain keys, types, ranges and choices. Rules that combine keys or need a 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -63,11 +64,12 @@ PARTS: dict[str, Any] = {
 }
 
 
-def schema(part: str = "scenario") -> JsonSchemaValue:
-    """Return the JSON Schema (draft 7) of a part, one of PARTS. Raises ValueError for an unknown part."""
-    if part not in PARTS:
-        raise ValueError(f"part = '{part}': must be one of {', '.join(PARTS)}{did_you_mean(part, PARTS)}")
-    made = TypeAdapter(PARTS[part]).json_schema(schema_generator=_Draft7, ref_template="#/definitions/{model}")
+def schema(part: str = "scenario", more: Mapping[str, Any] | None = None) -> JsonSchemaValue:
+    """Return the JSON Schema (draft 7) of a part, one of PARTS or `more`. Raises ValueError for an unknown part."""
+    parts = {**PARTS, **(more or {})}
+    if part not in parts:
+        raise ValueError(f"part = '{part}': must be one of {', '.join(parts)}{did_you_mean(part, parts)}")
+    made = TypeAdapter(parts[part]).json_schema(schema_generator=_Draft7, ref_template="#/definitions/{model}")
     definitions = made.pop("$defs", {})
     return {
         "$schema": _Draft7.schema_dialect,

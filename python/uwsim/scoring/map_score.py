@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.visible_voxels import NOTHING, visible_voxels
 
 ROWS_AT_ONCE = 1 << 14
+ON_FACE_M = 1e-3
+"""Surface this close to a voxel's face lies on it: rounding decides which of the two voxels a point on it is in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,17 +27,19 @@ class MapScore:
 
     Truth voxels are the voxels on the map's grid through which the true surface passes. coverage: fraction, in [0, 1],
     of the visible truth voxels with an occupied voxel at most one voxel away; 0 if none was visible. recall: fraction
-    of these voxels that are themselves occupied. precision: fraction of the occupied voxels through which the true
-    surface passes. Distances are from the centres of the occupied voxels to the nearest point on the true surface. For
-    an empty map, distances and precision are NaN. visible_voxels: (v,), packed keys of the truth voxels that the sonar
-    could have seen. covered: mask (v,) of those that count as covered. false_centres_m: (f, 3), centres of occupied
-    voxels without true surface. seabed: the depths of the occupied voxels, in cells as wide as a voxel, compared with
-    the terrain; None for an empty map.
+    of these voxels that are themselves occupied; where the surface lies on a voxel's face, the voxel across it counts
+    as well. recalled_across_faces: how many voxels count for that reason alone. precision: fraction of the occupied
+    voxels through which the true surface passes. Distances are from the centres of the occupied voxels to the nearest
+    point on the true surface. For an empty map, distances and precision are NaN. visible_voxels: (v,), packed keys of
+    the truth voxels that the sonar could have seen. covered: mask (v,) of those that count as covered. false_centres_m:
+    (f, 3), centres of occupied voxels without true surface. seabed: the depths of the occupied voxels, in cells as wide
+    as a voxel, compared with the terrain; None for an empty map.
     """
 
     coverage: float
     precision: float
     recall: float
+    recalled_across_faces: int
     occupied_voxels: int
     distance_mean_m: float
     distance_p95_m: float
@@ -112,11 +117,14 @@ def score_map(
         covered = _have_occupied_neighbour(visible, occupied)
         distances = surface.distances_m(occupied_keys)
         right = _hold_surface(surface, occupied_keys, distances, visible)
+        is_occupied = are_in(visible, occupied)
+        across = _occupied_across_faces(rays, surface, visible[~is_occupied], occupied)
         seabed = comparison.result()
     return MapScore(
         coverage=float(covered.mean()) if len(covered) else 0.0,
         precision=float(right.mean()) if any_occupied else float("nan"),
-        recall=float(are_in(visible, occupied).mean()) if len(visible) else 0.0,
+        recall=float(is_occupied.sum() + across) / len(visible) if len(visible) else 0.0,
+        recalled_across_faces=across,
         occupied_voxels=len(centres),
         distance_mean_m=float(distances.mean()) if any_occupied else float("nan"),
         distance_p95_m=float(np.percentile(distances, 95.0)) if any_occupied else float("nan"),
@@ -141,6 +149,26 @@ def _hold_surface(
     right = np.ones(len(voxels), bool)
     right[undecided] = surface.hold_surface(voxels[undecided], distances_m[undecided])
     return right
+
+
+def _occupied_across_faces(
+    rays: _core.RayScene, surface: _core.SurfaceVoxels, voxels: NDArray[np.int64], occupied: NDArray[np.int64]
+) -> int:
+    """Return how many voxels have an occupied one across a face on which the surface lies, at five points of it."""
+    edge_m = surface.resolution_m
+    near = np.abs(surface.distances_m(voxels) - edge_m / 2.0) <= ON_FACE_M
+    voxels = voxels[near]
+    centres_m = voxel_centres_m(unpack_keys(voxels), edge_m)
+    found = np.zeros(len(voxels), bool)
+    for axis, side in product(range(3), (-1, 1)):
+        out = np.zeros((1, 3), np.int64)
+        out[0, axis] = side
+        beside = np.flatnonzero(~found & are_in(voxels + pack_keys(out) - pack_keys(0 * out), occupied))
+        others = np.delete(np.eye(3), axis, axis=0)
+        on_face_m = edge_m * np.vstack([np.zeros(3), others / 4.0, -others / 4.0]) + edge_m / 2.0 * out
+        distances_m = rays.distance_m((centres_m[beside, None] + on_face_m).reshape(-1, 3)).reshape(-1, 5)
+        found[beside] = (distances_m <= ON_FACE_M).all(axis=1)
+    return int(found.sum())
 
 
 def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[np.int64]:

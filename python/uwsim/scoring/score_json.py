@@ -24,6 +24,7 @@ def score_values(score: MapScore, *, path_known: bool) -> dict[str, Any]:
         "visible_truth_voxels": score.visible_truth_voxels if path_known else None,
         "coverage": score.coverage if known else None,
         "recall": score.recall if known else None,
+        "recalled_across_faces": score.recalled_across_faces if known else None,
         "distance_mean_m": score.distance_mean_m,
         "distance_p95_m": score.distance_p95_m,
         "distance_max_m": score.distance_max_m,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from rich.table import Table
 
 from uwsim.mapping.files import CLOUD_FORMATS, read_cloud
-from uwsim.mapping.files.map_files import Origin, open_map
+from uwsim.mapping.files.formats import Origin
+from uwsim.mapping.files.map_files import open_map
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scoring.map_score import MapScore, score_map

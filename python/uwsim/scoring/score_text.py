@@ -15,7 +15,7 @@ def score_rows(score: MapScore) -> list[tuple[str, str]]:
     seabed = score.seabed
     return [
         ("coverage", coverage_text(score)),
-        ("recall of visible voxels", percentage(score.recall if score.visible_truth_voxels else math.nan)),
+        ("recall of visible voxels", recall_text(score)),
         ("precision of occupied voxels", percentage(score.precision)),
         ("map to true surface, mean", distance_text(score.distance_mean_m)),
         ("map to true surface, 95th percentile", distance_text(score.distance_p95_m)),
@@ -58,6 +58,14 @@ def distance_text(distance_m: float) -> str:
 def percentage(share: float) -> str:
     """Return a fraction in per cent, rounded down so that only 1 is shown as 100 %, or a dash for NaN."""
     return "-" if math.isnan(share) else f"{math.floor(share * 1000.0 + 1e-9) / 10.0:.1f} %"
+
+
+def recall_text(score: MapScore) -> str:
+    """Return recall in per cent, and the share that counts because the surface lies on the voxels' faces, if any."""
+    if score.visible_truth_voxels == 0:
+        return "-"
+    across = score.recalled_across_faces / score.visible_truth_voxels
+    return percentage(score.recall) + (f", of which {percentage(across)} across a face" if across >= 1e-3 else "")
 
 
 def coverage_text(score: MapScore) -> str:

@@ -8,12 +8,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from uwsim.base.plain_figure import PlainFigure
+
 SIZE_IN = (6.0, 5.0)
 
 
 def plot(path_world_m: NDArray[np.float64], area_world_m: NDArray[np.float64] | None = None, title: str = "") -> Figure:
     """Return a figure of a path (n, 3) seen from above, coloured by height z, with the area (k, 2) to be covered."""
-    figure = Figure(SIZE_IN, layout="constrained")
+    figure = PlainFigure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     if area_world_m is not None and len(area_world_m):
         axes.plot(*np.vstack([area_world_m, area_world_m[:1]]).T, "--", color="0.6", linewidth=1.0, label="area")

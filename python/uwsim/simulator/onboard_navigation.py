@@ -24,7 +24,10 @@ MOVES = ("place", "dock", "undock")
 def new_navigator(
     vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
 ) -> Navigator:
-    """Create and start a Navigator for a vehicle in this water."""
+    """Create and start a Navigator for a vehicle in this water.
+
+    Of the waves, it receives the significant height, as in a forecast.
+    """
     from uwsim.navigation.estimation import Navigator  # imported here: scipy is slow to import
 
     return Navigator(
@@ -33,6 +36,7 @@ def new_navigator(
         station_world_m=station_world_m,
         gravity_m_s2=water.gravity_m_s2,
         density_kg_m3=float(water.density_at_kg_m3(0.0)),
+        wave_std_m=0.0 if water.waves is None else 0.25 * water.waves.significant_height_m,
     )
 
 
@@ -77,20 +81,22 @@ class OnboardNavigation:
         """Whether the estimate has ever been read."""
         return self._navigator is not None
 
-    def take_in(self) -> None:
+    def update(self) -> None:
         """Process new sensor samples if navigation has begun."""
         if self._navigator is not None:
             self._navigator.update()
 
     def observe(self) -> None:
         """Process new sensor samples, so that they do not accumulate."""
-        self.take_in()
+        self.update()
         self.due_tick = self._tick() + self._every_ticks
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Restart from the new position if the command moved this vehicle."""
+        """Restart from the new position if the command moved this vehicle; end a dock's hold if it released it."""
         if name in MOVES and arguments["vehicle"] == self._vehicle:
             self.restart()
+        elif name == "release" and arguments["vehicle"] == self._vehicle and self._navigator is not None:
+            self._navigator.release()
 
     def restart(self) -> None:
         """Restart from the current position and velocity if navigation has begun."""

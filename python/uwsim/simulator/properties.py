@@ -6,7 +6,7 @@ from typing import Unpack
 
 from uwsim import _core as native
 from uwsim.base.named import Named
-from uwsim.base.sealed import Sealed
+from uwsim.base.sealed import Attached
 from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
@@ -17,7 +17,7 @@ from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.vehicle import Vehicle
 
 
-class SimulatorProperties(Sealed):
+class SimulatorProperties(Attached):
     """See uwsim.Simulator."""
 
     threads: int

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import NoReturn, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,22 +23,25 @@ from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
 from uwsim.instruments.cameras.shared_scene import SharedScene
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
-from uwsim.scenario import Scenario, VehicleEntry, build_world, load
+from uwsim.mapping.ping_to_map import PingToMap
+from uwsim.scenario import Scenario, VehicleEntry, VehicleModel, build_world, load
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.hull import hull_radius_m
+from uwsim.scenario.build.ping_chain import ping_chain
+from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
-from uwsim.scenario.build.world import fill_with_water, scenario_water
+from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
+from uwsim.simulator.lockstep import Lockstep
 from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.properties import SimulatorProperties
-from uwsim.simulator.servo_frames import Lockstep
 from uwsim.simulator.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
@@ -48,13 +52,15 @@ class Simulator(SimulatorProperties):
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (for all
     vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_hz (for a model with several),
-    mission_time_s, link (a modem's name or path): override the scenario's values. threads: maximum number of threads,
+    vehicle_model (of the first vehicle: a packaged model's name, a path or a VehicleModel), mission_time_s, link (a
+    modem's name or path): override the scenario's values. threads: maximum number of threads,
     by default one per core; results do not depend on it. Raises ScenarioError, with file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
     Concurrent calls are serialised. cameras: the station's. events: faults, alarms and failsafe reactions so far.
     """
 
+    _copied_by = "create another one from sim.scenario, and transfer the state with save_state() and restore_state()"
     _has_channels = True  # whether commands may arrive over channels, which a link fault cuts off
 
     scene: _core.RayScene
@@ -86,6 +92,7 @@ class Simulator(SimulatorProperties):
         seed: int | None = None,
         sonar_model: int | str | Path | None = None,
         sonar_frequency_hz: float | None = None,
+        vehicle_model: str | Path | VehicleModel | None = None,
         mission_time_s: float | None = None,
         link: str | Path | None = None,
         threads: int | None = None,
@@ -93,7 +100,7 @@ class Simulator(SimulatorProperties):
     ) -> None:
         own = load(scenario).with_changes(
             seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_hz=sonar_frequency_hz,
-            sonar_frequency_khz=sonar_frequency_khz, modem=link,
+            sonar_frequency_khz=sonar_frequency_khz, vehicle_model=vehicle_model, modem=link,
         )  # fmt: skip
         checked = checked_threads(threads)
         world = build_world(own)
@@ -136,6 +143,9 @@ class Simulator(SimulatorProperties):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
         found.raise_any()
         self.vehicles = Named(vehicles, "vehicles")
+        for index, rov in enumerate(vehicles.values()):
+            if (text := short_wave_warning(running, index, world.water, rov.control.net_buoyancy_n)) is not None:
+                warnings.warn(text, ShortWavesWarning, stacklevel=3)
         self._link = self._joined()
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
@@ -173,12 +183,20 @@ class Simulator(SimulatorProperties):
             lamps=self._shared_scene.lamps[index],
             imaging_sonars=imaging_sonars(self, entry, self._imaging_models(index, entry)),
             journal=self.journal,
-            sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
+            mounts=entry.model.sensors,
+            seed=lambda: self.seed,
+            chain_of=partial(self._chain_of, index),
             water_column=entry.sonar.water_column,
             step_s=self.step_s,
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
             control=control,
+            beyond_terrain=lambda x_m, y_m: beyond_terrain(self._world, self.scenario, x_m, y_m),
         )
+
+    def _chain_of(self, index: int, model: _core.MultibeamModel, **options: Any) -> PingToMap:
+        """Return the chain from a multibeam's pings to a map, with the current parameters; see ping_chain."""
+        scenario = self.parameters.scenario
+        return ping_chain(scenario, scenario.vehicles[index].model, model, **options)
 
     def _imaging_models(self, index: int, entry: VehicleEntry) -> Mapping[str, Acoustics]:
         """Return the models of a vehicle's imaging sonars. Raises ValueError if one is invalid."""
@@ -284,14 +302,14 @@ class Simulator(SimulatorProperties):
         """After a jump in time, end all sample streams and infer from the actuators which vehicles are driven."""
         for rov in self.vehicles.values():
             commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
-            rov.gate.is_driven = any(commands)
+            rov.helm.is_driven = any(commands)
             for sensor in rov.sensors.values():
                 sensor.end_streams()
 
     def _change(self, scenario: Scenario) -> None:
         """Switch to a scenario that differs only in parameters. Raises ValueError, changing nothing."""
         for rov in self.vehicles.values():
-            rov.navigation.take_in()
+            rov.navigation.update()
         before = self.parameters.scenario
         other_water = scenario.water != before.water
         water = scenario_water(scenario, self._world) if other_water else self._world.water
@@ -321,18 +339,6 @@ class Simulator(SimulatorProperties):
     def __repr__(self) -> str:
         vehicles = ", ".join(self.vehicles)
         return f"<Simulator '{self.scenario.name}', seed {self.seed}, at {self.time_s:.3f} s, with {vehicles}>"
-
-    def __copy__(self) -> NoReturn:
-        raise TypeError(
-            "a Simulator cannot be copied or pickled: create another one from sim.scenario, and transfer the state "
-            "with save_state() and restore_state()"
-        )
-
-    def __deepcopy__(self, memo: object) -> NoReturn:
-        self.__copy__()
-
-    def __reduce__(self) -> NoReturn:
-        self.__copy__()
 
     def __enter__(self) -> Self:
         return self

@@ -17,13 +17,15 @@ from uwsim.instruments.cameras import Camera, Lamp
 from uwsim.instruments.sensors import Sensor, Sensors
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import ImagingSonar
-from uwsim.instruments.sonars.multibeam import Sonar
+from uwsim.instruments.sonars.multibeam import ChainOf, Sonar
 from uwsim.scenario.build.control import ControlSettings, floating_text
 from uwsim.scenario.build.vehicle import authority
+from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
-from uwsim.simulator.command_gate import CommandGate, FailsafeLike, HoldsLike
 from uwsim.simulator.docking import Dock
+from uwsim.simulator.helm import Helm
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
+from uwsim.simulator.programs import FailsafeLike, HoldsLike
 from uwsim.simulator.thruster import Thruster
 from uwsim.simulator.vehicle_commands import CommandedVehicle, Vector
 
@@ -71,21 +73,28 @@ class Vehicle(CommandedVehicle):
         lamps: Mapping[str, Lamp],
         imaging_sonars: Mapping[str, ImagingSonar],
         journal: Journal,
-        sensors_on: Mapping[str, bool],
+        mounts: Mapping[str, SensorMount],
+        seed: Callable[[], int],
+        chain_of: ChainOf,
         water_column: bool = False,
         step_s: float,
         navigate: Callable[[Vehicle, Start], Navigator],
         control: ControlSettings,
+        beyond_terrain: Callable[[float, float], str | None],
     ) -> None:
         self._simulation = simulation
         self._index = index
         self.name = spec.name
         self.control = control
+        self._beyond_terrain = beyond_terrain
         sensors: dict[str, Sensor[Any]] = {
-            s.name: Sensor(simulation, index, k, s, step_s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)
+            s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed)
+            for k, s in enumerate(spec.sensors)
         }
         sonars = {
-            s.name: Sonar(simulation, index, k, s, journal, spec.name, water_column=water_column)
+            s.name: Sonar(
+                simulation, index, k, s, journal, spec.name, chain_of, lambda: self.pose, water_column=water_column
+            )
             for k, s in enumerate(spec.sonars)
         }
         self.sensors = Sensors(sensors, f"{spec.name}.sensors")
@@ -105,7 +114,7 @@ class Vehicle(CommandedVehicle):
         self._navigation = OnboardNavigation(
             spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
         )
-        self.gate = CommandGate(spec.name, partial(simulation.set_effort, index, *[0.0] * 6))
+        self.helm = Helm(spec.name, partial(simulation.set_effort, index, *[0.0] * 6))
 
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()
@@ -118,7 +127,7 @@ class Vehicle(CommandedVehicle):
         self._craft = spec.craft
         self.__dict__["_idle_axes"] = self._find_idle_axes()
         for sensor in spec.sensors:
-            self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name].on)
+            self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name])
         for sonar in spec.sonars:
             self.sonars[sonar.name].change(sonar)
         for name, model in imaging_models.items():
@@ -134,6 +143,10 @@ class Vehicle(CommandedVehicle):
             raise ValueError(f"vehicle '{self.name}': carries no sonar")
         return self._sonar
 
+    def beyond_terrain(self, x_m: float, y_m: float) -> str | None:
+        """Return the bounds of the terrain as text if a position is outside, else None."""
+        return self._beyond_terrain(x_m, y_m)
+
     @property
     def authority(self) -> Vector:
         """The acceleration (6,) from rest at full effort on each axis alone, deep in still water [m/s2, rad/s2].
@@ -145,12 +158,12 @@ class Vehicle(CommandedVehicle):
     @property
     def failsafe(self) -> FailsafeLike | None:
         """The vehicle's autonomous reaction to silence or failure; None unless its YAML file defines one."""
-        return self.gate.failsafe
+        return self.helm.failsafe
 
     @property
     def holds(self) -> HoldsLike | None:
         """The vehicle's holds, see `command("hold", heading=True)`."""
-        return self.gate.holds
+        return self.helm.holds
 
     @property
     def effort(self) -> Vector:
@@ -223,7 +236,8 @@ class Vehicle(CommandedVehicle):
 
         position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
         velocity = turn @ self.velocity.linear_body_m_s
-        return Start(tuple(position.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S)
+        held = None if self.released else tuple(self.pose.orientation_xyzw.tolist())
+        return Start(tuple(position.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S, held)
 
     @property
     def collisions(self) -> int:

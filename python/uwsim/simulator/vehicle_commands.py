@@ -14,23 +14,23 @@ from uwsim.base.arguments import number, numbers_by_name
 from uwsim.base.axes import AXES
 from uwsim.base.commands import Placeable, command_named
 from uwsim.base.journal import EFFORT, Journal
-from uwsim.base.sealed import Sealed
-from uwsim.simulator.command_gate import CommandGate
+from uwsim.base.sealed import Attached
 from uwsim.simulator.docking import Dock
+from uwsim.simulator.helm import Helm, Reason, Source
 
 Vector = NDArray[np.float64]
 PLAIN = {float}
 
 
-class CommandedVehicle(Sealed, Placeable):
+class CommandedVehicle(Attached, Placeable):
     """The part of uwsim.simulator.vehicle.Vehicle that accepts commands.
 
-    A command stays in effect until the next one; a command that raises ValueError changes nothing. gate: decides
+    A command stays in effect until the next one; a command that raises ValueError changes nothing. helm: decides
     whether commands take effect.
     """
 
     name: str
-    gate: CommandGate
+    helm: Helm
     _simulation: _core.Simulation
     _index: int
     _dock: Dock
@@ -46,7 +46,7 @@ class CommandedVehicle(Sealed, Placeable):
     @property
     def all_stopped(self) -> bool:
         """Whether all stop is set."""
-        return self.gate.all_stopped
+        return self.helm.all_stopped
 
     def command(self, name: str, /, **arguments: Any) -> Any:
         """Issue a command of uwsim.base.commands by name. Raises ValueError, changing nothing."""
@@ -72,20 +72,19 @@ class CommandedVehicle(Sealed, Placeable):
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
-        if self.gate.autopilot and any(efforts):
-            self.gate.require_no_autopilot(EFFORT)
-        self.gate.note_command()
+        moves = any(efforts)
+        self.helm.admit(EFFORT, moves=moves)
         self._simulation.set_effort(self._index, *efforts)
         if self._idle_axes:
             self._warn_of_idle(efforts)
-        self.gate.yields(moves=any(efforts), stick=efforts)
+        self.helm.settle(moves=moves, stick=efforts)
         if self._journal.of_efforts:
             self._note(EFFORT, **dict(zip(AXES, efforts, strict=True)))
 
     def _warn_of_idle(self, efforts: Sequence[float]) -> None:
         commanded = [AXES[k] for k in self._idle_axes if efforts[k]]
         if commanded:
-            self.gate.warn_of_idle(commanded, [axis for k, axis in enumerate(AXES) if k not in self._idle_axes])
+            self.helm.warn_of_idle(commanded, [axis for k, axis in enumerate(AXES) if k not in self._idle_axes])
 
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
@@ -101,20 +100,19 @@ class CommandedVehicle(Sealed, Placeable):
             if np.shape(part) != (3,):
                 raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
             parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
-        self.gate.require_no_autopilot("set_wrench")
-        self.gate.note_command()
+        self.helm.admit("set_wrench", moves=any(parts))
         self._simulation.set_wrench(self._index, np.array(parts))
-        self.gate.yields(moves=any(parts))
+        self.helm.settle(moves=any(parts))
         self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
         """Command thrusters in [-1, 1] by name; those not named stop. Fins are not affected. Raises ValueError."""
         known = [name for name, _ in self._simulation.thruster_commands(self._index)]
         pairs = numbers_by_name(commands, "thrusters", known)
-        self.gate.require_no_autopilot("set_thrusters")
-        self.gate.note_command()
+        moves = any(value for _, value in pairs)
+        self.helm.admit("set_thrusters", moves=moves)
         self._simulation.set_thrusters(self._index, pairs)
-        self.gate.yields(moves=any(value for _, value in pairs))
+        self.helm.settle(moves=moves)
         self._note("set_thrusters", commands=dict(pairs))
 
     def set_fins(self, angles_rad: Mapping[str, float]) -> None:
@@ -124,9 +122,10 @@ class CommandedVehicle(Sealed, Placeable):
         """
         known = [name for name, _ in self._simulation.fin_angles_rad(self._index)]
         pairs = numbers_by_name(angles_rad, "fins", known, "rad")
-        self.gate.note_command()
+        moves = any(value for _, value in pairs)
+        self.helm.admit("set_fins", moves=moves)
         self._simulation.set_fins(self._index, pairs)
-        self.gate.yields(moves=self.gate.is_driven or any(value for _, value in pairs))
+        self.helm.settle(moves=moves or self.helm.is_driven)
         self._note("set_fins", angles_rad=dict(pairs))
 
     def steer_silently(self, efforts: Sequence[float]) -> None:
@@ -136,7 +135,7 @@ class CommandedVehicle(Sealed, Placeable):
 
     def override_failsafe(self) -> None:
         """Take back control from the failsafe, which then ignores this cause. Raises ValueError without a failsafe."""
-        self.gate.override()
+        self.helm.override()
         self._note("override_failsafe")
 
     def all_stop(self, on: bool = True) -> None:
@@ -146,7 +145,7 @@ class CommandedVehicle(Sealed, Placeable):
         Afterwards the vehicle is idle until the next command; a failsafe that is steering continues from there. Raises
         ValueError.
         """
-        self.gate.all_stop(on)
+        self.helm.all_stop(on)
         self._note("all_stop", on=bool(on))
 
     def release(self) -> None:
@@ -155,7 +154,7 @@ class CommandedVehicle(Sealed, Placeable):
         Does nothing if the vehicle has already left. Raises ValueError if all stop prevents it.
         """
         if not self.released:
-            self.gate.require_no_stop("release")
+            self.helm.require("release", Source.FAILSAFE)
         self._simulation.release(self._index)
         self._note("release")
 
@@ -167,7 +166,7 @@ class CommandedVehicle(Sealed, Placeable):
         """
         if self.released:
             raise ValueError(f"vehicle '{self.name}': undock: is not docked")
-        self.gate.require_no_stop("undock")
+        self.helm.require("undock", Source.FAILSAFE)
         with self._named_errors():
             self._dock.require_exit(self._index)
         self._put(_core.BodyState(self._dock.exit_world_m, self._dock.orientation_xyzw, np.zeros(6)))
@@ -184,9 +183,9 @@ class CommandedVehicle(Sealed, Placeable):
             raise ValueError(f"vehicle '{self.name}': dock: is docked already")
         with self._named_errors():
             self._dock.require_entry(self._index)
-        self.gate.end_holds("the vehicle is docked")
+        self.helm.end_holds(Reason.DOCKED)
         self._simulation.dock(self._index, self._dock.position_world_m, self._dock.orientation_xyzw)
-        self.gate.is_driven = False
+        self.helm.is_driven = False
         self._note("dock")
 
     def place(
@@ -211,7 +210,7 @@ class CommandedVehicle(Sealed, Placeable):
 
     def _put(self, state: _core.BodyState) -> None:
         self._simulation.set_state(self._index, state)
-        self.gate.end_holds("the vehicle was placed elsewhere")
+        self.helm.end_holds(Reason.PLACED)
 
     @contextmanager
     def _named_errors(self) -> Iterator[None]:
@@ -227,5 +226,5 @@ class CommandedVehicle(Sealed, Placeable):
 
     def warn_if_docked(self) -> None:
         """Warn, once, if the vehicle is being commanded while docked. Called by Simulator.step."""
-        if self.gate.is_driven and not self.released:
-            self.gate.warn_of_dock()
+        if self.helm.is_driven and not self.released:
+            self.helm.warn_of_dock()

@@ -17,10 +17,10 @@ inline constexpr std::uint64_t kStep_ns = 5000000;
 class Ring final : public LinkMedium {
  public:
   double delay_s = 0.1, signal_db = 130, noise_db = 76, closing_m_s = 0;
-  Reception hear(std::size_t, std::size_t) const override {
+  Reception receive(std::size_t, std::size_t) const override {
     return {true, delay_s, signal_db, noise_db, closing_m_s, 0, 0};
   }
-  std::array<double, 2> overhear(std::size_t, std::size_t) const override { return {delay_s, signal_db}; }
+  std::array<double, 2> interference(std::size_t, std::size_t) const override { return {delay_s, signal_db}; }
 };
 
 inline ModemSpec aloha() {

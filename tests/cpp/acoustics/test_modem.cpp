@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <vector>
 
 #include "acoustics/profile_of.h"
 #include "uwsim/acoustics/modem/ambient_noise.h"
 #include "uwsim/acoustics/modem/arrival_cells.h"
+#include "uwsim/acoustics/modem/bottom_reflection.h"
 #include "uwsim/acoustics/modem/boundary_loss.h"
 #include "uwsim/acoustics/modem/packet_error.h"
 #include "uwsim/acoustics/modem/reception.h"
@@ -31,6 +34,27 @@ TEST(BoundaryLoss, ALosslessFastBottomReflectsAllBelowTheCriticalAngle) {
   EXPECT_GT(bottom_loss_db({1.9, 1.1, 0.8}, 0.5 * critical), 0.1) << "attenuation costs below it, too";
 }
 
+TEST(BoundaryLoss, ABottomReflectsAsInArlpy) {
+  struct Case {
+    FluidBottom bottom;
+    double grazing_deg;
+    std::complex<double> expected;
+  };
+  const FluidBottom clay{1.5, 1.0, 0.2}, silt{1.7, 1.05, 1.0}, sand{1.9, 1.1, 0.8}, gravel{2.0, 1.2, 0.6};
+  // arlpy 1.9.3, uwa.reflection_coeff
+  const Case cases[] = {
+      {clay, 10, {0.193866178, -0.057470648}},    {clay, 60, {0.199993984, -0.002345372}},
+      {silt, 10, {0.080506906, -0.779743165}},    {silt, 30, {0.360569263, -0.045512901}},
+      {sand, 10, {-0.133411238, -0.910811437}},   {sand, 30, {0.543366748, -0.054397484}},
+      {gravel, 10, {-0.381911134, -0.896921343}}, {gravel, 30, {0.839961839, -0.424392966}},
+  };
+  for (const auto& [bottom, grazing_deg, expected] : cases) {
+    const double grazing_rad = grazing_deg * std::numbers::pi / 180;
+    EXPECT_LT(std::abs(bottom_reflection(bottom, grazing_rad) - expected), 1e-8) << bottom.density_ratio << grazing_deg;
+    EXPECT_NEAR(bottom_loss_db(bottom, grazing_rad), -20 * std::log10(std::abs(expected)), 1e-6);
+  }
+}
+
 TEST(AmbientNoise, WindRaisesItAndThermalNoiseRulesAtTheTop) {
   // At 1 kHz without wind: turbulence 17, shipping 40 - 60 log 1.03, wind 50 - 40 log 1.4 dB.
   const double power = std::pow(10, 1.7) + 1e4 / std::pow(1.03, 6) + 1e5 / std::pow(1.4, 4) + std::pow(10, -1.5);
@@ -45,6 +69,35 @@ TEST(PacketError, FollowsTheTextbooksCurves) {
   EXPECT_NEAR(bit_error(Modulation::kPsk, false, std::pow(10, 0.96)), 1e-5, 2e-6) << "9.6 dB for 1e-5";
   EXPECT_NEAR(bit_error(Modulation::kPsk, true, 1e4), 0.25e-4, 1e-8);
   EXPECT_NEAR(packet_error(1e-3, 1000), 1 - std::pow(0.999, 1000), 1e-12);
+}
+
+/// The integral over x from 0 to `end`, by the midpoint rule.
+template <typename Function>
+double integral(double end, Function function) {
+  constexpr int kSteps = 200'000;
+  double sum = 0;
+  for (int k = 0; k < kSteps; ++k) sum += function((k + 0.5) * end / kSteps);
+  return sum * end / kSteps;
+}
+
+TEST(PacketError, InFadingIsTheMeanOverExponentiallyDistributedSignals) {
+  for (const Modulation each : {Modulation::kPsk, Modulation::kFsk}) {
+    for (const double mean : {0.5, 5.0, 50.0}) {
+      const double averaged = integral(40, [&](double x) { return std::exp(-x) * bit_error(each, false, mean * x); });
+      EXPECT_NEAR(bit_error(each, true, mean), averaged, 1e-6) << mean;
+    }
+  }
+}
+
+TEST(PacketError, OfTonesIsTheChanceThatNoiseAloneIsStronger) {
+  for (const double gamma : {0.5, 4.0, 9.0}) {
+    const double amplitude =
+        std::sqrt(2 * gamma);  // of the tone in noise of unit variance: Rice; of the other: Rayleigh
+    const double wrong = integral(amplitude + 12, [&](double r) {
+      return r * std::exp(-(r * r + 2 * gamma) / 2) * std::cyl_bessel_i(0, amplitude * r) * std::exp(-r * r / 2);
+    });
+    EXPECT_NEAR(bit_error(Modulation::kFsk, false, gamma), wrong, 1e-8) << gamma;
+  }
 }
 
 ModemWater even_water() {

@@ -141,7 +141,7 @@ TEST(PacketNetwork, NoiseLosesWhatTheCurveSays) {
   run.medium.signal_db = 77;
   run.medium.noise_db = 74;
   const auto topic = run.network.topic("t");
-  const double expected = packet_loss(run.network.modem(), run.medium.hear(0, 1), -300, 2);
+  const double expected = packet_loss(run.network.modem(), run.medium.receive(0, 1), -300, 2);
   ASSERT_GT(expected, 0.1);
   ASSERT_LT(expected, 0.9);
   const int count = 4000;

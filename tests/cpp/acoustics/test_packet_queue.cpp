@@ -96,7 +96,7 @@ TEST(PacketQueue, ItFollowsThePlainRulesThroughRandomOperations) {
             --front->repeats;
             std::rotate(front, front + 1, plain.messages.end());
           } else {
-            EXPECT_EQ(queue.take_next(k).number, front->number);
+            EXPECT_EQ(queue.pop_next(k).number, front->number);
             plain.messages.erase(front);
           }
         }
@@ -130,7 +130,7 @@ TEST(PacketQueue, AHeldMessageIsPassedOverUntilItsTimeAndMayBeFinishedBefore) {
   EXPECT_TRUE(queue.finish(1));
   EXPECT_FALSE(queue.finish(1));
   EXPECT_EQ(queue.next(59), nullptr);
-  EXPECT_EQ(queue.take_next(60).retransmissions, 0u);
+  EXPECT_EQ(queue.pop_next(60).retransmissions, 0u);
   EXPECT_TRUE(queue.empty());
 }
 
@@ -145,7 +145,7 @@ TEST(PacketQueue, AQueueOfAHundredThousandMessagesIsFilledAndEmptied) {
     message.payload.assign(64, 'x');
     ASSERT_EQ(queue.add(message, 10'000'000, replaced), PacketQueue::Added::kQueued);
   }
-  for (std::uint64_t k = 0; k < 50'000; ++k) ASSERT_EQ(queue.take_next(0).number, k);
+  for (std::uint64_t k = 0; k < 50'000; ++k) ASSERT_EQ(queue.pop_next(0).number, k);
   std::uint64_t late = 0;
   for (std::uint64_t now_ns = 1'000'000; now_ns < 1'100'000; ++now_ns) {
     queue.expire(now_ns, [&](const LinkMessage&) { ++late; });

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSoundSpeed = 1450;
 
 double fall_db(const BottomMaterial& bottom, double from_m, double to_m, double absorption_db_m = 0) {
-  const SonarFigures sonar;
+  const SonarParameters sonar;
   return echo_snr_db(sonar, bottom, {from_m}, kSoundSpeed, absorption_db_m) -
          echo_snr_db(sonar, bottom, {to_m}, kSoundSpeed, absorption_db_m);
 }
@@ -29,7 +29,7 @@ TEST(SonarEquation, AbsorptionAppliesTwice) {
 }
 
 TEST(SonarEquation, EachTermCountsOnce) {
-  SonarFigures sonar;
+  SonarParameters sonar;
   const double before = echo_snr_db(sonar, {}, {50}, kSoundSpeed, 0.02);
   sonar.source_level_db += 3;
   sonar.directivity_index_db += 4;
@@ -40,7 +40,7 @@ TEST(SonarEquation, EachTermCountsOnce) {
 }
 
 TEST(SonarEquation, AnObliqueEchoIsSpreadBySlopeAndLosesByLambertsLaw) {
-  const SonarFigures sonar;
+  const SonarParameters sonar;
   const BottomMaterial rock{-30, 0.1};
   const double cell = sonar.range_cell_m(kSoundSpeed), slope = 200 * sonar.beam_width_across_rad;
   EXPECT_NEAR(echo_extent_m(sonar, {-30, 0}, {200}, kSoundSpeed), cell, 1e-12);
@@ -63,13 +63,25 @@ TEST(SonarEquation, AFlatArrayHasItsProjectedLength) {
   EXPECT_EQ(steered_widening(3), steered_widening(80 * std::numbers::pi / 180)) << "no wider beyond 80 degrees";
 }
 
-TEST(SonarEquation, RefusesFiguresOutOfRange) {
-  for (double SonarFigures::*field :
-       {&SonarFigures::frequency_hz, &SonarFigures::beam_width_along_rad, &SonarFigures::beam_width_across_rad,
-        &SonarFigures::pulse_length_s, &SonarFigures::bandwidth_hz, &SonarFigures::source_level_db,
-        &SonarFigures::directivity_index_db}) {
+TEST(SonarEquation, ASteeredArrayLosesDirectivityAsItsBeamWidens) {
+  const double tilt = std::numbers::pi / 3;
+  const SonarParameters sonar;
+  const BottomMaterial smooth{-30, 0};
+  const auto steered_db = [&](double incidence_rad) {
+    return echo_snr_db(sonar, smooth, {200, incidence_rad, tilt}, kSoundSpeed, 0) -
+           echo_snr_db(sonar, smooth, {200, incidence_rad}, kSoundSpeed, 0);
+  };
+  EXPECT_NEAR(steered_db(0), 0, 1e-9) << "straight down, the footprint grows as much as the noise";
+  EXPECT_NEAR(steered_db(1.2), -10 * std::log10(2), 0.01) << "aslant, the range cell bounds the footprint";
+}
+
+TEST(SonarEquation, RefusesParametersOutOfRange) {
+  for (double SonarParameters::*field :
+       {&SonarParameters::frequency_hz, &SonarParameters::beam_width_along_rad, &SonarParameters::beam_width_across_rad,
+        &SonarParameters::pulse_length_s, &SonarParameters::bandwidth_hz, &SonarParameters::source_level_db,
+        &SonarParameters::directivity_index_db}) {
     for (const double bad : {-1.0, std::nan("")}) {
-      SonarFigures sonar;
+      SonarParameters sonar;
       sonar.*field = bad;
       EXPECT_THROW(sonar.check(), InvalidValue);
     }

@@ -6,7 +6,7 @@
 #include <memory>
 #include <numbers>
 
-#include "uwsim/camera/kernels/kernel_table.h"
+#include "uwsim/camera/kernels/kernels_impl.h"
 #include "uwsim/core/random.h"
 
 /// The kernels' arithmetic is as accurate as their headers state. test_renderer.cpp checks that all builds produce the
@@ -15,7 +15,6 @@ namespace uwsim::camera {
 namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
-const Kernels kHere = kernel_table("test");
 
 /// The largest error of `got` on a fine grid, relative or absolute.
 template <typename Got, typename Expected>

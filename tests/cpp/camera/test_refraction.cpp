@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "uwsim/camera/daylight.h"
+
 namespace uwsim {
 namespace {
 
@@ -21,6 +23,18 @@ TEST(Refraction, FollowsSnellAndConservesEnergy) {
   }
   EXPECT_FALSE(refracted({std::sin(0.9), 0, std::cos(0.9)}, -up, 1.333, 1));
   EXPECT_EQ(fresnel_reflectance(std::cos(0.9), 1.333, 1), 1);
+}
+
+TEST(Refraction, AnEvenSkyLosesTheIntegralOfFresnelsReflectance) {
+  constexpr int kSteps = 100'000;
+  double reflected = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    const double cosine = (k + 0.5) / kSteps;
+    reflected += 2 * cosine * fresnel_reflectance(cosine, 1, kWaterIndex) / kSteps;
+  }
+  const DaylightBelow below = daylight_below({Eigen::Vector3d::UnitZ(), Bands::Zero(), Bands::Ones()}, kWaterIndex);
+  EXPECT_NEAR(below.sky_level.minCoeff(), 1 - reflected, 5e-4);
+  EXPECT_NEAR(below.sky_level.maxCoeff(), 1 - reflected, 5e-4);
 }
 
 }  // namespace

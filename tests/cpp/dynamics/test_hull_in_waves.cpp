@@ -15,10 +15,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Water with_wave(double amplitude_m, double period_s, double heading_rad = 0, double depth_m = 40) {
-  const WaveComponent wave{amplitude_m, 2 * kPi / period_s, heading_rad, 0.4};
+  const WaveComponent wave{amplitude_m, 2 * std::numbers::pi / period_s, heading_rad, 0.4};
   Water water;
   water.waves = std::make_shared<const Waves>(std::span(&wave, 1), depth_m);
   return water;
@@ -195,7 +193,7 @@ TEST(HullInWaves, ANeutralBodyWithoutDragStaysWithTheWater) {
     for (int k = 0; k < 3000; ++k) state = advance(craft, state, {}, water, kStep_s * k, kStep_s);
     // Its mean height over the last period.
     double middle_m = 0;
-    const double period_s = 4 / (1 - current_m_s * 2 * kPi / (4 * 9.80665));
+    const double period_s = 4 / (1 - current_m_s * 2 * std::numbers::pi / (4 * 9.80665));
     const int steps = static_cast<int>(period_s / kStep_s);
     for (int k = 0; k < steps; ++k) {
       state = advance(craft, state, {}, water, 60 + kStep_s * k, kStep_s);

@@ -102,7 +102,7 @@ double false_velocity(const Rate& rate, const Spin& spin) {
   ImuErrors exact;
   exact.averaging_s = spin.averaging_s;
   NavigationFilter filter(exact, arm, kGravity);
-  const int depth = filter.add_aid(depth_aid({}, 1e6, {}));
+  const int depth = filter.add_aid(depth_aid({}, 1e6, {}, 0));
   const auto at_imu = [&](double t) { return Eigen::Vector3d(rate(t).cross(arm)); };
   FilterStart start;
   start.velocity_world_m_s = at_imu(0);
@@ -233,8 +233,8 @@ TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
                      .rate_bias = {1e-3, 0, 0, 0},
                      .force_bias = {0.02, 0, 0, 0}};
     auto filter = std::make_unique<NavigationFilter>(errors, Eigen::Vector3d::Zero(), kGravity);
-    const int fix = filter->add_aid(acoustic_fix_aid({0.1, 0, 0.2}, {5, 5, 0}, 0.1, 0.02));
-    const int depth = filter->add_aid(depth_aid({0, 0, 0.1}, 0.01, {0.02, 0, 0, 0}));
+    const int fix = filter->add_aid(acoustic_fix_aid({0.1, 0, 0.2}, {5, 5, 0}, {0.1, 0.02}));
+    const int depth = filter->add_aid(depth_aid({0, 0, 0.1}, 0.01, {0.02, 0, 0, 0}, 0.1));
     filter->start(known(1, 0.1, 0.01));
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
@@ -274,7 +274,7 @@ TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
 
 TEST(NavigationFilter, AnOutlierIsLeftOutUntilItRepeats) {
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
-  const int depth = filter.add_aid(depth_aid(Eigen::Vector3d::Zero(), 0.01, {}));
+  const int depth = filter.add_aid(depth_aid(Eigen::Vector3d::Zero(), 0.01, {}, 0.1));
   filter.start(known(0.01));
   const double far = 3;
   for (std::uint64_t k = 1; k <= 5; ++k) {

@@ -291,7 +291,7 @@ TEST_F(Sensors, AnInvalidSpecIsRefusedByName) {
   EXPECT_EQ(message(sensor_spec("dvl", {{"range_max_m", {-1}}})),
             "sensors.dvl.range_max_m = -1 m: must be in [0.1, 1000] m");
   EXPECT_EQ(message(sensor_spec("proximity")), "sensors.proximity.range_max_m = missing: must be given");
-  EXPECT_NE(message(sensor_spec("sonnar")).find("must be one of imu, velocity"), std::string::npos);
+  EXPECT_NE(message(sensor_spec("sonnar")).find("must be one of imu, position, velocity"), std::string::npos);
   EXPECT_NE(message(sensor_spec("depth", {{"range_max_m", {1}}})).find("must be one of density_kg_m3"),
             std::string::npos);
   SensorSpec spec = sensor_spec("depth");

@@ -47,9 +47,10 @@ VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {
   return spec;
 }
 
-Simulation two_craft(const World& world, std::uint64_t seed = 3) {
+Simulation two_craft(const World& world, std::uint64_t seed = 3, EngineKind engine = EngineKind::kUwsim) {
   SimulationSpec spec;
   spec.seed = seed;
+  spec.engine = engine;
   Simulation sim(world, std::make_shared<const RayScene>(world), spec);
   sim.add_vehicle(craft("first", {0, 0, -10}));
   VehicleSpec second = craft("second", {0.3, 0.2, -8.8});  // falls onto the first
@@ -102,15 +103,17 @@ class SavedState : public ::testing::Test {
 };
 
 TEST_F(SavedState, ARestoredSimulationHasTheSameFutureToTheBit) {
-  Simulation sim = two_craft(world);
-  act(sim);
-  const std::string state = sim.save_state(kHere);
-  const std::string expected = future(sim, 600);
-  ASSERT_GT(sim.collisions(0) + sim.collisions(1), 0u) << "the test needs contacts";
-  Simulation fresh = two_craft(world);
-  fresh.restore_state(state, kHere);
-  EXPECT_EQ(fresh.save_state(kHere), state);
-  EXPECT_EQ(future(fresh, 600), expected);
+  for (const EngineKind engine : {EngineKind::kUwsim, EngineKind::kBullet}) {
+    Simulation sim = two_craft(world, 3, engine);
+    act(sim);
+    const std::string state = sim.save_state(kHere);
+    const std::string expected = future(sim, 600);
+    ASSERT_GT(sim.collisions(0) + sim.collisions(1), 0u) << "the test needs contacts";
+    Simulation fresh = two_craft(world, 3, engine);
+    fresh.restore_state(state, kHere);
+    EXPECT_EQ(fresh.save_state(kHere), state);
+    EXPECT_EQ(future(fresh, 600), expected);
+  }
 }
 
 TEST_F(SavedState, StatesSavedInContactHaveTheSameFutureToo) {
@@ -175,29 +178,31 @@ TEST_F(SavedState, DamageToAnyByteIsDetected) {
 
 /// A forged state with a matching checksum is refused, or restored and simulated, without a crash.
 TEST_F(SavedState, AForgedStateDoesNotCrash) {
-  Simulation sim = two_craft(world);
-  act(sim);
-  const std::string content(unwrapped_state(sim.save_state(kHere), kHere));
-  std::mt19937 draw(1);
-  int restored = 0, refused = 0;
-  Simulation fresh = two_craft(world);
-  for (int k = 0; k < 3000; ++k) {
-    std::string forged = content;
-    for (int change = 0; change < 1 + k % 4; ++change) forged[draw() % forged.size()] = static_cast<char>(draw());
-    if (k % 10 == 0) forged.resize(draw() % forged.size());
-    try {
-      fresh.restore_state(wrapped_state(forged, kHere), kHere);
-      ++restored;
-      fresh.step(2);
-      fresh.read_sensor(0, 0);
-      fresh.read_sensor(1, 0);
-      fresh.ping(0, 0);
-    } catch (const InvalidValue&) {
-      ++refused;
+  for (const EngineKind engine : {EngineKind::kUwsim, EngineKind::kBullet}) {
+    Simulation sim = two_craft(world, 3, engine);
+    act(sim);
+    const std::string content(unwrapped_state(sim.save_state(kHere), kHere));
+    std::mt19937 draw(1);
+    int restored = 0, refused = 0;
+    Simulation fresh = two_craft(world, 3, engine);
+    for (int k = 0; k < 3000; ++k) {
+      std::string forged = content;
+      for (int change = 0; change < 1 + k % 4; ++change) forged[draw() % forged.size()] = static_cast<char>(draw());
+      if (k % 10 == 0) forged.resize(draw() % forged.size());
+      try {
+        fresh.restore_state(wrapped_state(forged, kHere), kHere);
+        ++restored;
+        fresh.step(2);
+        fresh.read_sensor(0, 0);
+        fresh.read_sensor(1, 0);
+        fresh.ping(0, 0);
+      } catch (const InvalidValue&) {
+        ++refused;
+      }
     }
+    EXPECT_GT(restored, 0);
+    EXPECT_GT(refused, 0);
   }
-  EXPECT_GT(restored, 0);
-  EXPECT_GT(refused, 0);
 }
 
 constexpr std::uint64_t kSoon = 1200;

@@ -27,14 +27,14 @@ inline Pose at(const Eigen::Vector3d& position_m, double pitch_rad = 0) {
 /// A kind of imaging sonar and its parameters, which tests can change before creating the sonar.
 struct ImagingModel {
   std::string kind;
-  ParameterValues figures;
+  ParameterValues parameters;
 
   double& operator[](const std::string& name) {
-    figures[name].resize(1);
-    return figures[name].front();
+    parameters[name].resize(1);
+    return parameters[name].front();
   }
-  double operator[](const std::string& name) const { return figures.at(name).front(); }
-  std::unique_ptr<ImagingSonar> make() const { return imaging_sonar(kind, figures); }
+  double operator[](const std::string& name) const { return parameters.at(name).front(); }
+  std::unique_ptr<ImagingSonar> make() const { return imaging_sonar(kind, parameters); }
   ImagingAcoustics acoustics() const { return make()->acoustics(); }
 };
 

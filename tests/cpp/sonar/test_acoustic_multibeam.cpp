@@ -29,7 +29,7 @@ Water even_water() {
 /// Parameters with a source so loud that every echo in these tests is detected.
 AcousticSpec loud() {
   AcousticSpec spec;
-  spec.figures.source_level_db = 230;
+  spec.parameters.source_level_db = 230;
   spec.false_detections = false;
   spec.range_noise = false;
   spec.bottom.relief = 0;
@@ -71,9 +71,10 @@ TEST(AcousticMultibeam, TheLevelStraightBelowFollowsTheSonarEquation) {
   spec.bottom = {-25, 0.1};
   const AcousticMultibeam sonar = sonar_of(fan_of(3, 1), spec);
   for (const float depth : {30.f, 120.f}) {
-    const double absorption = absorption_db_km(spec.figures.frequency_hz, 8, 0, 0.5 * depth) / 1000;
+    const double absorption = absorption_db_km(spec.parameters.frequency_hz, 8, 0, 0.5 * depth) / 1000;
     const double c = sound_speed_m_s(8, 0, 0);
-    const double expected = echo_snr_db(spec.figures, spec.bottom, {depth}, c, absorption) - spec.figures.figure_db();
+    const double expected =
+        echo_snr_db(spec.parameters, spec.bottom, {depth}, c, absorption) - spec.parameters.lossless_snr_db();
     EXPECT_NEAR(mean_level_db(sonar, RayScene(bed_world(0, -depth)), looking_down(1e-3)), expected, 0.25) << depth;
   }
 }
@@ -82,7 +83,7 @@ TEST(AcousticMultibeam, AbsorptionAppliesExactlyTwiceOnceOutAndOnceBack) {
   Water sea = even_water();
   sea.salinity_psu = 35;
   AcousticSpec spec = loud();
-  spec.figures.source_level_db = 290;  // far above the noise, which fluctuates as well
+  spec.parameters.source_level_db = 290;  // far above the noise, which fluctuates as well
   const RayScene scene(bed_world(0, -400));
   const auto level_db = [&](double acidity_ph) {
     spec.acidity_ph = acidity_ph;  // affects only absorption
@@ -118,7 +119,7 @@ double correlation(const AcousticMultibeam& sonar, const RayScene& scene, std::s
 TEST(AcousticMultibeam, BeamsShareTheSpeckleOfTheGroundThatTheyShare) {
   AcousticSpec spec = loud();
   spec.range_noise = true;
-  spec.figures.beam_width_across_rad = std::numbers::pi / 180;
+  spec.parameters.beam_width_across_rad = std::numbers::pi / 180;
   const AcousticMultibeam sonar = sonar_of(fan_of(401, 96), spec);  // 0.24 degrees apart
   const RayScene scene(bed_world(0, -60));
   const auto error_m = [](const AcousticPing& ping, std::size_t k) {
@@ -150,7 +151,7 @@ TEST(AcousticMultibeam, PingsFromOnePlaceRepeatTheirSpeckleAndNotTheirNoise) {
     return sum / both;
   };
   const AcousticMultibeam clear = sonar_of(fan_of(401, 60), spec);
-  spec.figures.noise_level_db += 40;
+  spec.parameters.noise_level_db += 40;
   const AcousticMultibeam noisy = sonar_of(fan_of(401, 60), spec);
   const double by_noise = apart_db(level_db(clear, 0, 1), level_db(clear, 0, 2));
   EXPECT_LT(by_noise, 0.05) << "at a signal-to-noise ratio of some 50 dB";
@@ -161,15 +162,15 @@ TEST(AcousticMultibeam, PingsFromOnePlaceRepeatTheirSpeckleAndNotTheirNoise) {
 
 TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndThatOfASmallTargetBy40) {
   AcousticSpec spec = loud();
-  spec.figures.frequency_hz = 2e3;  // almost no absorption
-  spec.figures.bandwidth_hz = 2e3;
-  spec.figures.pulse_length_s = 1e-2;
+  spec.parameters.frequency_hz = 2e3;  // almost no absorption
+  spec.parameters.bandwidth_hz = 2e3;
+  spec.parameters.pulse_length_s = 1e-2;
   const auto fall_db = [&](const RayScene& near, const RayScene& far, const Pose& a, const Pose& b) {
     const AcousticMultibeam sonar = sonar_of(fan_of(3, 1, 2000), spec);
     return mean_level_db(sonar, near, a) - mean_level_db(sonar, far, b);
   };
   // On a slope of 60 degrees, the footprint extends over many range cells.
-  spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.3;
+  spec.parameters.beam_width_across_rad = spec.parameters.beam_width_along_rad = 0.3;
   const double steep = std::tan(std::numbers::pi / 3);
   EXPECT_NEAR(fall_db(RayScene(bed_world(steep, -100)), RayScene(bed_world(steep, -400)), looking_down(0.001),
                       looking_down(0.001)),
@@ -183,7 +184,7 @@ TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndThatOfASmallTargetBy40) {
   };
   spec.rays_per_beam = 64;
   // Use 64 rays, so that enough of them hit the plate.
-  spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.1;
+  spec.parameters.beam_width_across_rad = spec.parameters.beam_width_along_rad = 0.1;
   const auto level_db = [&](double z_m) {  // over many worlds, because the plate has the speckle of a single position
     const RayScene scene(plate(z_m));
     double sum = 0;
@@ -198,7 +199,7 @@ TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndThatOfASmallTargetBy40) {
 
 TEST(AcousticMultibeam, TheFootprintOnASlopeAveragesToItsPlane) {
   AcousticSpec spec = loud();
-  spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.03;
+  spec.parameters.beam_width_across_rad = spec.parameters.beam_width_along_rad = 0.03;
   const double slope = std::tan(0.5);
   const RayScene scene(bed_world(slope, -50));
   const AcousticPing ping = sonar_of(fan_of(3, 1), spec).ping(scene, looking_down(1e-3), {}, 0);
@@ -258,10 +259,10 @@ TEST(AcousticMultibeam, TheShareOfDetectionsFallsWithRangeAndIsOneHalfAtTheThres
       pose.position_m.x() = 6.0 * (place - 150);
       share += sonar.ping(scene, pose, {}, static_cast<std::uint64_t>(place)).valid[1] / 300.0;
     }
-    const double absorption = absorption_db_km(spec.figures.frequency_hz, 8, 0, 0.5 * depth) / 1000;
-    const double snr = std::pow(10, echo_snr_db(spec.figures, spec.bottom, {depth}, c, absorption) / 10);
+    const double absorption = absorption_db_km(spec.parameters.frequency_hz, 8, 0, 0.5 * depth) / 1000;
+    const double snr = std::pow(10, echo_snr_db(spec.parameters, spec.bottom, {depth}, c, absorption) / 10);
     const double looks =
-        averaged_looks(echo_extent_m(spec.figures, spec.bottom, {depth}, c), spec.figures.range_cell_m(c));
+        averaged_looks(echo_extent_m(spec.parameters, spec.bottom, {depth}, c), spec.parameters.range_cell_m(c));
     EXPECT_NEAR(share, DetectionThreshold(13).detection_probability(snr, looks), 0.12) << depth;
     EXPECT_LE(share, before);
     before = share;
@@ -271,7 +272,7 @@ TEST(AcousticMultibeam, TheShareOfDetectionsFallsWithRangeAndIsOneHalfAtTheThres
 
 TEST(AcousticMultibeam, FalseDetectionsOccurAtTheirRateAndNeverWhenSwitchedOff) {
   AcousticSpec spec;
-  spec.figures.detection_threshold_db = 9;
+  spec.parameters.detection_threshold_db = 9;
   const RayScene empty(bed_world(0, -900));
   const MultibeamModel fan = fan_of(301, 20, 400);
   int count = 0;
@@ -316,7 +317,7 @@ TEST(AcousticMultibeam, AMovingHeadReceivesTheEchoAtItsNewPose) {
 
 TEST(AcousticMultibeam, APingIsTheSameForAnyNumberOfThreads) {
   AcousticSpec spec;
-  spec.figures.source_level_db = 195;
+  spec.parameters.source_level_db = 195;
   const RayScene scene(bed_world(0.2, -80));
   for (const bool bending : {false, true}) {
     spec.bending = bending;
@@ -370,7 +371,7 @@ TEST(AcousticMultibeam, AHeadAboveTheWaterOrUnderTheGroundDetectsNothing) {
   }
 }
 
-TEST(AcousticMultibeam, RefusesFiguresOutOfRange) {
+TEST(AcousticMultibeam, RefusesParametersOutOfRange) {
   AcousticSpec spec;
   spec.materials = {{-30, -1}};
   EXPECT_THROW(sonar_of(fan_of(3, 1), spec), InvalidValue);

@@ -45,7 +45,7 @@ TEST(BeamPattern, DoesNotFallBelowItsFloor) {
   EXPECT_EQ(pattern.power(1.0), 1e-3);
 }
 
-TEST(BeamPattern, RefusesFiguresOutOfRange) {
+TEST(BeamPattern, RefusesParametersOutOfRange) {
   EXPECT_THROW(BeamPattern(0, 0, 0), InvalidValue);
   EXPECT_THROW(BeamPattern(3.2, 0, 0), InvalidValue);
   EXPECT_THROW(BeamPattern(0.1, 0.51, 0), InvalidValue);

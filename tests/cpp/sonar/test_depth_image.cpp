@@ -118,7 +118,7 @@ TEST(DepthImage, DepthIsInfiniteBeyondTheFarPlaneAboveTheWaterAndOutsideTheView)
   }
 }
 
-TEST(DepthImage, RefusesFiguresOutOfRange) {
+TEST(DepthImage, RefusesParametersOutOfRange) {
   const auto refused = [](auto change) {
     DepthCamera view = camera(64, 4);
     change(view);

@@ -218,7 +218,7 @@ TEST(ForwardLooking, LabelsTellWhichSurfaceACellShows) {
   EXPECT_EQ(std::count(none.begin(), none.end(), kNothing), static_cast<std::ptrdiff_t>(none.size()));
 }
 
-TEST(ForwardLooking, RefusesFiguresOutOfRange) {
+TEST(ForwardLooking, RefusesParametersOutOfRange) {
   const ImagingModel good = quiet_forward_looking();
   EXPECT_NO_THROW(good.make());
   const auto refused = [&](auto change) {
@@ -240,7 +240,7 @@ TEST(ForwardLooking, RefusesFiguresOutOfRange) {
   refused([](auto& m) { m["taper"] = 0.6; });
   refused([](auto& m) { m["beams"] = 12.5; });
   refused([](auto& m) { m["wings"] = 2; });
-  refused([](auto& m) { m.figures.erase("beams"); });
+  refused([](auto& m) { m.parameters.erase("beams"); });
   refused([](auto& m) { m.kind = "sonar"; });
 }
 

@@ -29,8 +29,8 @@ Water uniform_water() {
 
 AcousticSpec quiet_spec() {
   AcousticSpec spec;
-  spec.figures.source_level_db = 300;
-  spec.figures.beam_width_across_rad = 0.02;
+  spec.parameters.source_level_db = 300;
+  spec.parameters.beam_width_across_rad = 0.02;
   spec.false_detections = false;
   spec.range_noise = false;
   spec.bottom = {-30, 0};
@@ -59,7 +59,7 @@ struct Sonar {
     return instrument.ping(scene, pose, {}, tick, threads, {0, true});
   }
 
-  double cell_m() const { return instrument.spec().figures.range_cell_m(sound_speed_m_s(8, 0, 0)); }
+  double cell_m() const { return instrument.spec().parameters.range_cell_m(sound_speed_m_s(8, 0, 0)); }
 
   /// The energy of the middle beam between two ranges, as if it fell into one range cell, relative to the source: the
   /// mean over pings, which averages out speckle.
@@ -78,10 +78,10 @@ struct Sonar {
   }
 
   double lost(double range_m) const {
-    const double absorption = absorption_db_km(instrument.spec().figures.frequency_hz, 8, 0, 10) / 1000;
+    const double absorption = absorption_db_km(instrument.spec().parameters.frequency_hz, 8, 0, 10) / 1000;
     return std::pow(10, -0.2 * absorption * range_m);
   }
-  double solid_angle_sr() const { return instrument.spec().figures.beam_solid_angle_sr(); }
+  double solid_angle_sr() const { return instrument.spec().parameters.beam_solid_angle_sr(); }
 };
 
 TEST(Ghosts, TheSecondEchoOfALevelBedIsAtTwiceTheRangeWithTheLevelOfItsImage) {
@@ -167,9 +167,9 @@ TEST(WaterColumn, VolumeReverberationAndNoiseFollowTheSonarEquation) {
     expected += 1e-6 * sonar.solid_angle_sr() * c / (range_m * range_m) * sonar.lost(range_m);
   }
   EXPECT_NEAR(10 * std::log10(sonar.energy(20, 22, 300) / expected), 0, 0.3);
-  spec.figures.source_level_db = 160;
+  spec.parameters.source_level_db = 160;
   const Sonar faint{narrow_sonar(spec), RayScene(level_bed(-40)), dipping(1e-3, kQuarterTurn)};
-  const double cells = 20 / c, noise = std::pow(10, -0.1 * (spec.figures.figure_db()));
+  const double cells = 20 / c, noise = std::pow(10, -0.1 * (spec.parameters.lossless_snr_db()));
   EXPECT_NEAR(10 * std::log10(faint.energy(50, 70, 30) / (cells * noise)), 0, 0.2) << "below the bed";
 }
 

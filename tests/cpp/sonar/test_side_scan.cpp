@@ -94,7 +94,7 @@ TEST(SideScan, PingsAreTheSameOneByOneTogetherAndOnManyThreads) {
             std::vector(together.port_db.begin() + 500, together.port_db.begin() + 1000));
 }
 
-TEST(SideScan, RefusesFiguresOutOfRange) {
+TEST(SideScan, RefusesParametersOutOfRange) {
   const auto refused = [](auto change) {
     ImagingModel model = quiet_side_scan();
     change(model);

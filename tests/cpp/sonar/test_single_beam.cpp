@@ -79,7 +79,7 @@ TEST(SingleBeam, WithoutAnEchoTheRangeIsInfinite) {
   }
 }
 
-TEST(SingleBeam, RefusesFiguresOutOfRange) {
+TEST(SingleBeam, RefusesParametersOutOfRange) {
   const auto refused = [](auto change) {
     ImagingModel model = quiet_single_beam();
     change(model);

@@ -82,14 +82,15 @@ TEST(SoundingDeviation, IsTheSpreadOverPingsForEachMethodOfDetection) {
 
 TEST(SoundingDeviation, OfThePlaceIncludesTheTransmittersWidthAcrossTheFan) {
   const RayScene scene(testing::flat_bed(-kDepth_m));
-  const AcousticSpec figures = spec();
+  const AcousticSpec sonar_spec = spec();
   for (const double tilt : {0.0, 0.5}) {
-    const AcousticPing ping = sonar(figures).ping(scene, testing::at({0, 0, 0}, 90 * testing::kDegree - tilt), {}, 3);
+    const AcousticPing ping =
+        sonar(sonar_spec).ping(scene, testing::at({0, 0, 0}, 90 * testing::kDegree - tilt), {}, 3);
     int found = 0;
     for (std::size_t k = 0; k < kFanBeams; ++k) {
       if (!ping.valid[k]) continue;
       const double angle = (static_cast<double>(k) / (kFanBeams - 1) - 0.5) * 120 * testing::kDegree;
-      const double across = ping.ranges_m[k] * figures.figures.beam_width_along_rad / std::sqrt(12);
+      const double across = ping.ranges_m[k] * sonar_spec.parameters.beam_width_along_rad / std::sqrt(12);
       const double down = std::cos(angle) * std::cos(tilt);
       const double level = std::sqrt(1 - down * down);
       EXPECT_NEAR(ping.vertical_deviation_m[k], std::hypot(down * ping.deviation_m[k], across * std::sin(tilt)), 1e-4);
@@ -103,10 +104,10 @@ TEST(SoundingDeviation, OfThePlaceIncludesTheTransmittersWidthAcrossTheFan) {
 
 TEST(SoundingDeviation, AFalseDetectionPassesForAnEchoOfOneCell) {
   AcousticSpec noisy;
-  noisy.figures.detection_threshold_db = 9;
+  noisy.parameters.detection_threshold_db = 9;
   const RayScene empty(testing::flat_bed(-900));
   const AcousticMultibeam subject = sonar(noisy);
-  const double cell_m = noisy.figures.range_cell_m(subject.profile().at(0));
+  const double cell_m = noisy.parameters.range_cell_m(subject.profile().at(0));
   int found = 0;
   for (std::uint64_t tick = 0; tick < 40; ++tick) {
     const AcousticPing ping = subject.ping(empty, testing::at({0, 0, 0}, 90 * testing::kDegree), {}, tick);

@@ -12,7 +12,7 @@ namespace {
 constexpr int kPlaces = 20'000;
 
 /// At 400 kHz; half the receiver is 0.138 m long, half the transmitter 0.237 m.
-const SonarFigures kFigures{.frequency_hz = 400e3, .beam_width_along_rad = 0.007, .beam_width_across_rad = 0.012};
+const SonarParameters kSonar{.frequency_hz = 400e3, .beam_width_along_rad = 0.007, .beam_width_across_rad = 0.012};
 
 Pose looking_down(double x_m, double y_m) {
   return {{x_m, y_m, -2}, Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()))};
@@ -40,7 +40,7 @@ double correlation(const SpeckleField& field, float apart_y, float apart_z, floa
 }
 
 TEST(SpeckleField, DrawsAreStandardNormalAndTheTwoAreIndependent) {
-  const SpeckleField field(7, kFigures);
+  const SpeckleField field(7, kSonar);
   double sum = 0, squares = 0, fourth = 0, other = 0, product = 0;
   for (int k = 0; k < kPlaces; ++k) {
     const auto [a, b] = field.view(looking_down(17.3 * k, 0.71 * k)).draws(footprint(1, 0, 0.37f, 0.2f));
@@ -58,7 +58,7 @@ TEST(SpeckleField, DrawsAreStandardNormalAndTheTwoAreIndependent) {
 }
 
 TEST(SpeckleField, BeamsCorrelateByTheOverlapOfTheirFootprints) {
-  const SpeckleField field(7, kFigures);
+  const SpeckleField field(7, kSonar);
   // 0.24 degrees apart with a beam of 1 degree: 0.57 standard deviations, exp(-0.57^2 / 4) = 0.92.
   const float close = 0.24f * 2.3548f;
   for (const float deviation_m : {0.05f, 0.26f, 0.4f, 3.1f}) {
@@ -74,7 +74,7 @@ TEST(SpeckleField, BeamsCorrelateByTheOverlapOfTheirFootprints) {
 }
 
 TEST(SpeckleField, ScatterersAreFixedInTheWorld) {
-  const SpeckleField field(7, kFigures);
+  const SpeckleField field(7, kSonar);
   const double turn_rad = 0.01;
   double same = 0, elsewhere = 0;
   for (int k = 0; k < kPlaces; ++k) {
@@ -89,15 +89,15 @@ TEST(SpeckleField, ScatterersAreFixedInTheWorld) {
   EXPECT_LT(elsewhere, 0.5);
   const Pose pose = looking_down(100, 40);
   const auto here = field.view(pose).draws(footprint(2, 1, 0.3f, 0.2f));
-  const SpeckleField other(8, kFigures);
-  SonarFigures higher = kFigures;
+  const SpeckleField other(8, kSonar);
+  SonarParameters higher = kSonar;
   higher.frequency_hz = 700e3;
   EXPECT_NE(other.view(pose).draws(footprint(2, 1, 0.3f, 0.2f)), here);
   EXPECT_NE(SpeckleField(7, higher).view(pose).draws(footprint(2, 1, 0.3f, 0.2f)), here);
 }
 
 TEST(SpeckleField, DecorrelatesAsTheArrayMovesByHalfItsLength) {
-  const SpeckleField field(7, kFigures);
+  const SpeckleField field(7, kSonar);
   // Looking down, the fan's y axis is the world's, along which the receiver lies; its z axis is the world's x.
   const auto after = [&](double x_m, double y_m) {
     double sum = 0;
@@ -118,7 +118,7 @@ TEST(SpeckleField, DecorrelatesAsTheArrayMovesByHalfItsLength) {
 }
 
 TEST(SpeckleField, ASmallTurnKeepsTheLatticesAndBothSignsOfAQuaternionAreOne) {
-  const SpeckleField field(7, kFigures);
+  const SpeckleField field(7, kSonar);
   Pose pose = looking_down(100, 40);
   const auto before = field.view(pose).draws(footprint(0, 0, 0.3f, 0.2f));
   pose.orientation = pose.orientation * Eigen::AngleAxisd(1e-4, Eigen::Vector3d::UnitZ());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -195,6 +196,35 @@ TEST(Waves, ASeaHasTheSecondMomentOfItsSpectrumAtAnyDepth) {
       }
       const Waves sea = Waves::jonswap({.peak_period_s = 8, .peak_enhancement = gamma, .seed = 4}, depth_m);
       EXPECT_NEAR(mean_square_frequency(sea), second / energy, 0.01 * second / energy) << gamma << " " << depth_m;
+    }
+  }
+}
+
+TEST(Waves, ASeaHasTheEnergyOfWavespectraBelowEachFrequency) {
+  struct Case {
+    double depth_m, gamma;
+    std::array<double, 6> below;
+  };
+  constexpr std::array<double, 6> kOfPeak = {0.9, 1, 1.1, 1.5, 2, 3};
+  const Case cases[] = {
+      // wavespectra 4.9.0: construct.frequency.jonswap and tma, peak period 8 s, integrated to 40 Hz
+      {kDeep, 3.3, {0.1109, 0.3384, 0.5882, 0.8565, 0.9507, 0.9900}},
+      {40, 7, {0.0679, 0.3432, 0.6755, 0.8938, 0.9635, 0.9926}},
+      {10, 3.3, {0.0565, 0.2103, 0.4104, 0.7138, 0.8861, 0.9762}},
+      {3, 3.3, {0.0492, 0.1834, 0.3588, 0.6307, 0.8049, 0.9386}},
+  };
+  for (const auto& [depth_m, gamma, expected] : cases) {
+    const Waves sea = Waves::jonswap(
+        {.significant_height_m = 0.1, .peak_period_s = 8, .peak_enhancement = gamma, .component_count = 512, .seed = 2},
+        depth_m);
+    for (std::size_t k = 0; k < kOfPeak.size(); ++k) {
+      double below = 0, all = 0;
+      for (const WaveComponent& wave : sea.components()) {
+        const double energy = wave.amplitude_m * wave.amplitude_m;
+        all += energy;
+        if (wave.angular_frequency_rad_s < kOfPeak[k] * 2 * kPi / 8) below += energy;
+      }
+      EXPECT_NEAR(below / all, expected[k], 0.006) << depth_m << " m, " << kOfPeak[k] << " of the peak";
     }
   }
 }

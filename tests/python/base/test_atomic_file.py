@@ -7,6 +7,7 @@ import re
 import pytest
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import mark
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path):
@@ -27,6 +28,7 @@ def test_an_error_on_a_full_disk_names_the_target(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "fsync", full)
     target = tmp_path / "report.html"
     target.write_bytes(b"old")
+    mark(target)
     with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: No space left on device$"):
         write_atomically(target, b"new")
     assert list(tmp_path.iterdir()) == [target]

@@ -11,7 +11,7 @@ import pytest
 from uwsim import Batch, Scenario, Simulator
 from uwsim.scenario import load
 from uwsim.scenario.spec.failsafe import Failsafe
-from uwsim.simulator.command_gate import FailsafeWarning
+from uwsim.simulator.helm import FailsafeWarning
 
 N = 3
 SEEDS = (3, 11, 4)
@@ -50,7 +50,7 @@ def lone(scenario: Scenario, k: int) -> Simulator:
     return sim
 
 
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.command_gate.FailsafeWarning")
+@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.FailsafeWarning")
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_member_fails_as_the_lone_simulator_does(scenario: Scenario, threads: int) -> None:
     batch = Batch(scenario, n=N, seeds=SEEDS, parameters=CHANGES, faults=FAULTS, threads=threads)

@@ -14,7 +14,7 @@ from uwsim.batch import BatchAutopilot, BatchController, BatchPathFollower
 from uwsim.navigation.control import Autopilot, Controller, PathFollower
 from uwsim.scenario import load, load_vehicle
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
-from uwsim.simulator.command_gate import AllStopWarning
+from uwsim.simulator.helm import AllStopWarning
 
 SEEDS = (3, 11)
 CHANGES: tuple[dict[str, Any], ...] = ({}, {"rov.mass_kg": 290.0, "optics.jerlov": "5C", "rov.drag.linear.surge": 60.0})

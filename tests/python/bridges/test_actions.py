@@ -12,12 +12,14 @@ from ros2_tools import free_domain, peer, until
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.actions import ABORTED, CANCELED, CANCELING, EXECUTING, SUCCEEDED, actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
-from uwsim.channels import Table, build
-from uwsim.channels.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
-from uwsim.channels.interface_types import action_texts, parsed
-from uwsim.channels.messages import default_message, typestore
-from uwsim.channels.type_hash import type_hash
+from uwsim.channels import Table
+from uwsim.channels.ros import build
+from uwsim.channels.ros.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
+from uwsim.channels.ros.interface_types import action_texts, parsed
+from uwsim.channels.ros.messages import default_message, typestore
+from uwsim.channels.ros.type_hash import type_hash
 from uwsim.live import LiveSimulator
+from uwsim.simulator.helm import Source
 
 SETTINGS = Ros2Settings(domain_id=free_domain())
 FIBONACCI = "rob599_msgs/action/Fibonacci"
@@ -154,6 +156,16 @@ def test_a_goal_ends_when_another_command_takes_its_place(client, live, actions)
     last = list(live.log)[-1]
     assert (last.name, last.arguments["surge"]) == ("set_effort", 0.25), "it was not brought to rest"
     steering.give(live, "set_effort").result()
+
+
+def test_a_goal_ends_when_the_stations_pilot_takes_the_controls(client, live, actions):
+    identity, _ = client.send(navigate(near(live, (3.0, 0.0, 0.0))))
+    lease = actions["navigate_to_pose"].steering.helm.take(Source.PILOT, "Ada")
+    response = client.result(identity)
+    assert response.status == ABORTED
+    assert response.result.error_msg == "Ada has the controls, at the operator's station"
+    assert not client.send(navigate(near(live, (3.0, 0.0, 0.0))))[1]
+    lease.end()
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import threading
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -17,10 +16,11 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.remote import RemoteConnection, RemoteVehicle
 from uwsim.bridges.ros2.service_topics import service_channels
-from uwsim.channels import Table, build
+from uwsim.channels import Table
 from uwsim.channels.channel import Service
-from uwsim.channels.own_types import ALL_STOPPED
-from uwsim.channels.telemetry import telemetry_channel
+from uwsim.channels.families.telemetry import telemetry_channel
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import ALL_STOPPED
 from uwsim.link import Carrier
 from uwsim.link.packing import PACKINGS
 from uwsim.link.remote import TOPIC
@@ -28,16 +28,10 @@ from uwsim.live import LiveSimulator
 from uwsim.operator.teleop.app import TeleopApp
 from uwsim.operator.teleop.connection import Connection
 from uwsim.operator.teleop.hands import Hands
+from waiting import until
 
 PATIENCE_S = 60.0
 AHEAD = {"position": {"x": 1.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0}}
-
-
-def until(condition: Callable[[], object]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 class Client:
@@ -166,11 +160,11 @@ def test_it_crosses_a_link_as_urgently_as_can_be(modem: str) -> None:
         stop = next(one for one in carrier.over(table.services) if one.name == "all_stop")
         live.rov.undock()
         live.rov.set_effort(surge=1.0)
-        assert stop.call(live, {"data": True}) == {"success": True, "message": f"sent over {modem}"}
+        assert stop.call(live, {"data": True}).result() == {"success": True, "message": f"sent over {modem}"}
         assert not live.rov.all_stopped, "it takes its time"
         live.step(2000)
         assert live.rov.all_stopped and not live.rov.effort.any()
-        assert stop.call(live, {"data": False})["success"]
+        assert stop.call(live, {"data": False}).result()["success"]
         live.step(2000)
         assert not live.rov.all_stopped
         given = [entry.arguments for entry in live.log if entry.arguments.get("topic") == TOPIC + "all_stop"]
@@ -196,26 +190,26 @@ def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, ser
     connection = Connection(server.url, Hands())
     app = TeleopApp(connection, "pool")
     said: list[str] = []
-    connection.say = said.append
+    connection.report = said.append
     connection.start()
     try:
         until(lambda: connection.state == "connected")
         with connect(server.url) as other:
             Client(other).publish("/key", AHEAD)
             until(lambda: live.rov.effort[0] == 1.0)
-            app.take("x")
-            app.take("x")  # keyboard auto-repeat
+            app.press("x")
+            app.press("x")  # keyboard auto-repeat
             until(lambda: live.rov.all_stopped and not live.rov.effort.any())
             until(lambda: connection.readout.all_stop)
             assert any("ALL STOP" in warning for warning in connection.readout.warnings)
-            app.take("w")
+            app.press("w")
             until(lambda: any("all stop is set" in text for text in said))
             assert not live.rov.effort.any()
-            app.take("X")
+            app.press("X")
             until(lambda: not live.rov.all_stopped)
             assert not live.rov.effort.any(), "the keys are let go"
             until(lambda: not connection.readout.all_stop)
-            app.take("w")
+            app.press("w")
             until(lambda: live.rov.effort[0] == 0.5)
     finally:
         connection.stop()
@@ -226,7 +220,7 @@ def test_an_all_stop_without_a_connection_is_sent_as_soon_as_there_is_one(live: 
         port = server.port
     connection = Connection(f"ws://127.0.0.1:{port}", Hands())
     said: list[str] = []
-    connection.say = said.append
+    connection.report = said.append
     connection.start()
     try:
         until(lambda: said)

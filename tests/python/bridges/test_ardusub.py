@@ -12,12 +12,16 @@ import pytest
 from servo_standin import NEUTRAL, Standin, mixed, packet
 from uwsim import Simulator
 from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
+from uwsim.bridges.servo_frames import frame_of, servo_motors
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay as replay_log
-from uwsim.recording import Recorder
+from uwsim.recording import Recorder, Recording
+from uwsim.recording.joined_frames import JoinedFrames
+from uwsim.recording.messages import Recorded
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, load, load_vehicle
-from uwsim.simulator.servo_frames import FRAME_BYTES, frame_of, servo_motors
+from uwsim.simulator.lockstep import FRAME_BYTES
+from waiting import until
 
 RECORDED = Path(__file__).parents[1] / "data" / "ardusub_exchange.npz"
 
@@ -150,6 +154,46 @@ def test_a_recording_of_its_flight_replays_to_the_byte(sim: Simulator, tmp_path:
     assert result.state_compared and result.messages["odom"] > 50
 
 
+def test_a_recording_does_not_depend_on_the_wall_clock(scenario: Scenario, tmp_path: Path) -> None:
+    """Frames that come late are written with the others: only ticks decide where a command with frames ends."""
+
+    def flown(path: Path, late: dict[int, float]) -> list[Recorded]:
+        sim, decide = Simulator(scenario), wandering()
+        count = iter(range(10_000))
+
+        def late_decide(state: dict[str, object]) -> list[int]:
+            time.sleep(late.get(next(count), 0.0))
+            return decide(state)
+
+        with Recorder(sim, path, topics=["odom"]), ArduSub(sim, port=0) as ardusub, Standin(ardusub.port, late_decide):
+            sim.step(333)
+            sim.rov.all_stop()
+            sim.step(500)
+        return list(Recording(path).messages())
+
+    one = flown(tmp_path / "1.mcap", {})
+    other = flown(tmp_path / "2.mcap", {50: 0.12, 51: 0.07, 333: 0.1, 420: 0.15})
+    assert one == other
+    assert replay(tmp_path / "2.mcap").state_compared
+
+
+def test_pieces_of_frames_end_at_ticks_however_they_arrive() -> None:
+    rng = np.random.default_rng(24)
+    frames = rng.bytes(1500 * FRAME_BYTES)
+
+    def pieces(cuts: list[int]) -> list[tuple[int, bytes]]:
+        joined, found = JoinedFrames(), []
+        for begin, end in zip([0, *cuts], [*cuts, 1500], strict=True):
+            part = frames[begin * FRAME_BYTES : end * FRAME_BYTES]
+            found += joined.add({"vehicle": "rov", "from_tick": 130 + begin, "frames": part})
+        return [(piece["from_tick"], piece["frames"]) for piece in (*found, *joined.taken())]
+
+    whole = pieces([])
+    assert [tick for tick, _ in whole] == [130, 400, 800, 1200, 1600] and b"".join(part for _, part in whole) == frames
+    for _ in range(20):
+        assert pieces(sorted(rng.choice(np.arange(1, 1500), 30, replace=False).tolist())) == whole
+
+
 def test_a_recorded_flight_of_the_firmware_ends_where_it_did(scenario: Scenario) -> None:
     """The frames of a compiled ArduSub (tools/ardusub-trial), sent again: 88 s of diving, holding and moving.
 
@@ -194,6 +238,8 @@ def test_other_commands_are_refused_while_it_steers(sim: Simulator) -> None:
             sim.rov.set_effort(surge=1)
         with pytest.raises(ValueError, match="set_thrusters: has no effect while ArduSub steers"):
             sim.rov.set_thrusters({"front_left": 1})
+        sim.rov.set_wrench((0, 0, 0))
+        sim.rov.set_thrusters({})
         with pytest.raises(ValueError, match="makes the steps of this simulator already"):
             ArduSub(sim, port=0).start()
     sim.rov.set_effort(surge=1)
@@ -203,13 +249,6 @@ def test_other_commands_are_refused_while_it_steers(sim: Simulator) -> None:
 def live(sim: Simulator) -> Iterator[LiveSimulator]:
     with LiveSimulator(sim, speed="max") as live:
         yield live
-
-
-def until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
-    end = time.monotonic() + limit_s
-    while not condition():
-        assert time.monotonic() < end, "not in time"
-        time.sleep(0.01)
 
 
 def test_a_live_simulator_pauses_with_it_and_answers_meanwhile(

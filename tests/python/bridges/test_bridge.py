@@ -14,9 +14,9 @@ from ros2_tools import PATIENCE_S, until
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.foxglove import FoxgloveServer
-from uwsim.channels import Channel, Service, Table, services
-from uwsim.channels.build import message, text
-from uwsim.channels.feed import Feed, Reading
+from uwsim.channels import Channel, Delivery, Service, Table, services
+from uwsim.channels.delivery.feed import Feed, Reading
+from uwsim.channels.ros.build import message, text
 from uwsim.live import LiveSimulator, NotRunningError
 
 NUMBER = "std_msgs/msg/UInt32"
@@ -43,7 +43,7 @@ def counted(rate_hz: float | None = 10.0, *, latched: bool = False) -> Channel:
     """Return a channel whose messages count the readings taken before them."""
     numbers = itertools.count()
     return Channel(
-        "counted", NUMBER, "out", "", rate_hz=rate_hz, latched=latched,
+        "counted", NUMBER, "out", "", rate_hz=rate_hz, delivery=Delivery(latched),
         read=lambda sim: message(NUMBER, data=next(numbers)),
     )  # fmt: skip
 

@@ -1,6 +1,5 @@
 """`uwsim connect` from the shell: it waits for its server, joins it, and reconnects after an outage."""
 
-import json
 import signal
 import subprocess
 import sys
@@ -11,28 +10,17 @@ from pathlib import Path
 import pytest
 
 from client_socket import connect as websocket
+from client_socket import receive, send
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel
-from uwsim.channels.messages import default_message
+from uwsim.channels.ros.messages import default_message
 from uwsim.live import LiveSimulator
+from waiting import until
 
 PATIENCE_S = 60.0
 UWSIM = Path(sys.executable).with_name("uwsim")
-
-
-def send(client, op, **fields):
-    client.send(json.dumps({"op": op, **fields}))
-
-
-def receive(client, **wanted):
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        operation = json.loads(client.recv(PATIENCE_S))
-        if wanted.items() <= operation.items():
-            return operation
-    raise TimeoutError(wanted)
 
 
 def answer(client, service, **args):
@@ -102,10 +90,7 @@ def test_messages_that_a_server_finds_too_large_are_left_out_and_said_once(caplo
         RosbridgeClient(live, server.url, channels=told),
     ):
         send(peer, "subscribe", topic="/small", type="std_msgs/String")
-        deadline = time.monotonic() + PATIENCE_S
-        while caplog.text.count("too large, left out") < 2 or not live.running:
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        until(lambda: caplog.text.count("too large, left out") >= 2 and live.running)
         for _ in range(20):
             receive(peer, op="publish", topic="/small")
     assert caplog.text.count("topic 'large': messages of") == 1

@@ -12,9 +12,9 @@ from uwsim.bridges.foxglove import FoxgloveServer
 from uwsim.bridges.foxglove.places import received_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, _grid
 from uwsim.channels import Table, channels
-from uwsim.channels.cdr import schema
-from uwsim.channels.feed import Feed
-from uwsim.channels.messages import from_bytes
+from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.ros.cdr import schema
+from uwsim.channels.ros.messages import from_bytes
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
@@ -155,6 +155,6 @@ def test_map_blocks_follow_the_changes(live):
     end()
     for reading in list(readings):
         blocks.changed(reading)
-    snapshot = table["map_changes"].catch_up(None)[0]
+    snapshot = table["map_changes"].delivery.catch_up(None)[0]
     drawn = sum(len(cells) for cells in blocks._cells.values())
     assert 0 < drawn <= len(snapshot.cells)

@@ -304,7 +304,7 @@ def test_the_newest_messages_are_kept_in_their_order() -> None:
     box = Outbox(Room(), lambda: None, lambda reason: None)
     for number in range(100):
         box.put((1, number, b"x"))
-        box.tell_time(number)
+        box.send_time(number)
     box.reply("first")
     frames = [box.take() for _ in range(outbox.MESSAGES + 3)]
     assert frames[:2] == ["first", protocol.time(99)] and frames[-1] is None
@@ -364,7 +364,7 @@ def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(four: 
 def test_calls_without_an_answer_are_bounded() -> None:
     """The service never answers; calls beyond the limit are refused immediately."""
     begun: list[Call] = []
-    called = SimpleNamespace(answer=lambda call, reply: begun.append(call))
+    called = SimpleNamespace(answer=lambda call, reply: begun.append(call), is_vital=lambda call: False)
     box = Outbox(Room(), lambda: None, lambda reason: None)
     caller = Session(called, box)  # type: ignore[arg-type]
     for number in range(session.CALLS_MAX + 5):

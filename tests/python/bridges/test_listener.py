@@ -1,20 +1,23 @@
 """A listening server answers or disconnects unknown clients, and logs one line per kind of error, no traceback."""
 
+import asyncio
 import json
 import logging
 import socket
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
 import cbor2
 import pytest
+from websockets.exceptions import ConnectionClosedOK
 
 from client_socket import connect
-from uwsim.bridges import RosbridgeServer, connection, rare_log
-from uwsim.bridges.listener import HALF_OPEN_MAX
+from uwsim.bridges import RosbridgeServer, connection, places, rare_log
+from uwsim.bridges.conversation import Rates, Share, converse
+from uwsim.bridges.places import HALF_OPEN_MAX
 from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.rosbridge import Limits
+from waiting import until
 
 PATIENCE_S = 60.0
 PLACES = 4
@@ -64,20 +67,31 @@ def test_an_answer_that_cannot_be_written_is_an_error_in_one_line(
 def test_half_open_connections_are_bounded_and_leave_room_again(
     server: RosbridgeServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(connection, "HEAD_S", 0.5)
+    monkeypatch.setattr(places, "HALF_OPEN_S", 0.5)
+    monkeypatch.setattr(connection, "HALF_OPEN_S", 0.5)
     with ExitStack() as stack:
         strangers = [
             stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
             for _ in range(PLACES + HALF_OPEN_MAX + 20)
         ]
         strangers[0].sendall(b"GET / HTTP/1.1\r\nHost: loc")
-        deadline_s = time.monotonic() + PATIENCE_S
-        while not all(map(cut_off, strangers)):
-            assert time.monotonic() < deadline_s
-            time.sleep(0.05)
+        until(lambda: all(map(cut_off, strangers)))
         with connect(server.url, compression=None) as client:
             client.send(LAST)
             assert json.loads(client.recv(PATIENCE_S))["result"]
+
+
+def test_silent_connections_shut_out_no_client(server: RosbridgeServer) -> None:
+    """A client connects at once while silent connections hold all of their places, and more keep coming."""
+    with ExitStack() as stack:
+        strangers = [
+            stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
+            for _ in range(2 * (PLACES + HALF_OPEN_MAX))
+        ]
+        with connect(server.url, compression=None, open_timeout=2) as client:
+            client.send(LAST)
+            assert json.loads(client.recv(PATIENCE_S))["result"]
+        assert not cut_off(strangers[-1])
 
 
 def test_a_warning_of_each_kind_is_logged_once_a_minute(
@@ -93,6 +107,42 @@ def test_a_warning_of_each_kind_is_logged_once_a_minute(
     rare.warning("no file left")
     for k in range(2 * rare_log.KINDS_MAX):
         rare.warning(f"kind {k}")
-    messages = [record.getMessage() for record in caplog.records]
+    messages = [record.getMessage() for record in caplog.records if record.name == "uwsim.test"]
     assert messages[:3] == ["no file left", "another", "no file left (and 499 times before)"]
     assert len(messages) <= rare_log.KINDS_MAX + 2
+
+
+class Frames:
+    """A connection that receives some frames and then ends, and its session, which takes cpu_s for each."""
+
+    def __init__(self, count: int, cpu_s: float) -> None:
+        self._left, self._cpu_s = count, cpu_s
+
+    async def recv(self) -> str:
+        if not self._left:
+            raise ConnectionClosedOK(None, None)
+        self._left -= 1
+        return "{}"
+
+    async def take(self, frame: str | bytes) -> float:
+        return self._cpu_s
+
+    async def next_frame(self) -> tuple[None, None]:
+        return None, None
+
+
+@pytest.mark.parametrize(("cpu_s", "waits"), [(1e-4, False), (0.1, True)])
+def test_only_who_takes_more_than_an_equal_part_waits_for_others(
+    cpu_s: float, waits: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    delays_s: list[float] = []
+
+    async def sleep(delay_s: float) -> None:
+        delays_s.append(delay_s)
+
+    share, frames = Share(0.3), Frames(20, cpu_s)
+    share.clients = 9
+    share.delay_after(100.0)  # taken by the others
+    monkeypatch.setattr("uwsim.bridges.conversation.asyncio.sleep", sleep)
+    asyncio.run(converse(frames, frames, asyncio.Event(), Rates(1e3, 1e6), share))  # type: ignore[arg-type]
+    assert (max(delays_s) > 0) == waits and share.clients == 9

@@ -15,11 +15,13 @@ from uwsim.bridges.mavlink.modes import HOLDS_OF, mode_of
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay
+from uwsim.simulator.helm import Source
+from waiting import until
 
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import Station, until
+from mavlink_station import Station
 from uwsim.bridges.mavlink import MavlinkVehicle
 
 ALT_HOLD, GUIDED, AUTO, MANUAL = 2, 4, 3, 19
@@ -78,7 +80,7 @@ def test_sticks_move_it_once_it_is_armed_and_its_modes_are_holds(live: LiveSimul
     until(has_moved)
     assert station.mode(ALT_HOLD) == 0
     station.receive("HEARTBEAT", lambda message: message.custom_mode == ALT_HOLD)
-    assert {name for name, target in live.rov.gate.holds.targets.items() if target} == set(HOLDS_OF[ALT_HOLD])
+    assert {name for name, target in live.rov.holds.targets.items() if target} == set(HOLDS_OF[ALT_HOLD])
     assert station.mode(7) == dialect.MAV_RESULT_FAILED
     assert "mode 7: must be one of" in station.receive("STATUSTEXT").text
 
@@ -142,15 +144,15 @@ def test_parameters_are_listed_read_and_set(live: LiveSimulator, station: Statio
 
 def test_the_stations_pilot_comes_first(vehicle: MavlinkVehicle, station: Station) -> None:
     assert vehicle._action is not None
-    rights = vehicle._action.steering.rights
-    rights.pilot = lambda: "Ada"
+    helm = vehicle._action.steering.helm
+    lease = helm.take(Source.PILOT, "Ada")
     try:
         assert station.arm() == 0
         assert station.mode(ALT_HOLD) == dialect.MAV_RESULT_FAILED
         assert "Ada has the controls" in station.receive("STATUSTEXT", lambda text: "Ada" in text.text).text
         assert station.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 1) == 0  # anybody may stop it
     finally:
-        rights.pilot = lambda: ""
+        lease.end()
     assert vehicle._live.rov.all_stopped
     assert station.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 0) == 0
     assert not vehicle._live.rov.all_stopped

@@ -6,7 +6,6 @@ GimbalController, and of Cockpit's MAVLinkVehicle and main vehicle store, as of 
 
 import math
 import socket
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -14,36 +13,10 @@ import pytest
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import CAMERA, DENIED, DONE, UNSUPPORTED, Station, interval, lagoon, served, station_at
+from mavlink_station import CAMERA, DENIED, DONE, UNSUPPORTED, Station, interval, station_at
 from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
-
-
-@pytest.fixture(scope="module")
-def live() -> Iterator[LiveSimulator]:
-    with lagoon() as live:
-        yield live
-
-
-@pytest.fixture(scope="module")
-def vehicle(live: LiveSimulator) -> Iterator[MavlinkVehicle]:
-    with served(live) as vehicle:
-        yield vehicle
-
-
-@pytest.fixture(scope="module")
-def only_station(vehicle: MavlinkVehicle) -> Iterator[Station]:
-    station = station_at(vehicle)
-    yield station
-    station.close()
-
-
-@pytest.fixture
-def station(only_station: Station) -> Iterator[Station]:
-    only_station.drain()
-    yield only_station
-    only_station.arm(False)
 
 
 def test_each_station_gets_messages_numbered_without_gaps(vehicle: MavlinkVehicle, station: Station) -> None:

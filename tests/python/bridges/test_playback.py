@@ -13,8 +13,8 @@ from ros2_tools import free_domain, peer, until
 from uwsim import Simulator, recording
 from uwsim.bridges.playback import play
 from uwsim.bridges.played_feed import PlayedFeed, channels_of
+from uwsim.bridges.requested import PlayedBridges
 from uwsim.bridges.ros2 import Ros2Settings
-from uwsim.cli.bridges import Bridges
 from uwsim.recording import Recorder
 from uwsim.recording.pacer import Pacer
 
@@ -32,11 +32,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def bridges(domain_id: int, distro: str = "jazzy") -> Bridges:
-    return Bridges(
-        ros1=False, ros2=True, ros_distro=distro, ros_domain_id=domain_id, ros_reach=None, ros_peer=None, rmw=None,
-        foxglove=True, foxglove_port=0,
-    )  # fmt: skip
+def bridges(domain_id: int, distro: str = "jazzy") -> PlayedBridges:
+    chosen = PlayedBridges(ros2=True, ros_distro=distro, ros_domain_id=domain_id, foxglove=True, foxglove_port=0)
+    chosen.prepare()
+    return chosen
 
 
 def test_it_plays_the_recorded_bytes_to_ros_2_and_foxglove(run: Path) -> None:
@@ -47,7 +46,7 @@ def test_it_plays_the_recorded_bytes_to_ros_2_and_foxglove(run: Path) -> None:
     playing = threading.Thread(
         target=play,
         args=(opened, Pacer(2.0)),
-        kwargs={"port": 0, "wait": True, "join": chosen.join, "say": said.append},
+        kwargs={"port": 0, "wait": True, "bridges": chosen, "say": said.append},
     )
     raw: dict[str, list[bytes]] = {"odom": [], "sonar_ping": [], "tf_static": []}
     with peer(settings) as other:
@@ -77,9 +76,10 @@ def test_it_plays_the_recorded_bytes_to_ros_2_and_foxglove(run: Path) -> None:
 def test_whoever_comes_late_gets_what_is_latched_and_time_goes_on(run: Path) -> None:
     opened = recording.open(run)
     channels = {channel.name: channel for channel in channels_of(opened)}
-    assert set(channels) == set(TOPICS) and channels["tf_static"].latched and not channels["odom"].latched
+    assert set(channels) == set(TOPICS) and channels["tf_static"].delivery.latched
+    assert not channels["odom"].delivery.latched
     feed, late, times = PlayedFeed(), [], []
-    end = feed.tell_time(0.5, times.append)
+    end = feed.listen_time(0.5, times.append)
     for recorded in opened.messages(*channels):
         feed.play(channels[recorded.topic], recorded)
     feed.listen(channels["tf_static"], late.append)
@@ -107,8 +107,8 @@ def test_whoever_comes_late_to_a_map_gets_all_of_it(tmp_path: Path) -> None:
     feed.listen(changes, late.append)
     (reading,) = late
     assert reading.message.snapshot and after(reading.message, set()) == grown and len(grown) > 100
-    message, cursor = changes.catch_up(None)
-    assert after(message, set()) == grown and not len(changes.catch_up(cursor)[0].cells)
+    message, cursor = changes.delivery.catch_up(None)
+    assert after(message, set()) == grown and not len(changes.delivery.catch_up(cursor)[0].cells)
     feed.play(changes, next(opened.messages("map_changes")))  # time goes backwards
     assert after(feed.newest(changes).message, set()) < grown
 

@@ -3,6 +3,7 @@
 import json
 import logging
 import math
+import re
 import subprocess
 import threading
 from collections.abc import Iterator
@@ -18,7 +19,8 @@ from uwsim.bridges import RosbridgeClient
 from uwsim.bridges.nodes.chain import NODES
 from uwsim.bridges.nodes.node import Node
 from uwsim.bridges.rosbridge.encoding import publication
-from uwsim.channels import Channel, Table, build
+from uwsim.channels import Channel, Table
+from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
@@ -60,10 +62,15 @@ def test_connect_sends_every_scan_and_reports_what_the_server_refuses(
             server.wait(lambda: {"odom", "imu", "battery_state", "altitude"} <= server.published.keys())
     np.testing.assert_array_equal(server.published["scan"][0]["ranges"], [1.0, math.inf, math.nan])
     assert math.isnan(server.published["battery_state"][0]["voltage"])
-    refused = {status for status in server.statuses if "uwsim_msgs" not in status and "telemetry" not in status}
-    assert not refused, "only types of packages that it lacks"
+    lacks = "Unable to load the manifest for package uwsim_msgs"
+    others = [line for line in server.refused if lacks not in line and "/telemetry" not in line]
+    assert server.refused and not others, "only types of packages that it lacks"
+    assert sum("publish" in line for line in server.refused) < 5, "no message on a topic known to be refused"
     assert server.services["/undock"] == "std_srvs/Trigger" and server.services["/all_stop"] == "std_srvs/SetBool"
-    assert "Unable to load the manifest for package uwsim_msgs" in caplog.text
+    (line,) = [line for line in caplog.messages if "refuses" in line]
+    assert re.search(
+        r"the server refuses (/[\w/]+, ){2}/[\w/]+ and \d+ more: it lacks the package uwsim_msgs, which", line
+    )
 
 
 def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(server: StrictRosbridge, tmp_path: Any) -> None:
@@ -91,7 +98,7 @@ def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(server: StrictRosbri
     for node in nodes.values():
         node.finish()
         node.close()
-    assert not reports and not server.statuses
+    assert not reports and not server.refused
     assert server.types["decodedDepth"] == "std_msgs/Float32MultiArray"
     assert (tmp_path / "map.bt").stat().st_size > 200
 
@@ -121,7 +128,7 @@ def test_rosbridge_library_itself_accepts_all_standard_messages() -> None:
     lines = ["sensor_msgs/LaserScan " + publication(scan(math.inf, math.nan, 1.0), "scan", 1)]
     for channel in Table(sim).channels:
         package, *_, name = channel.type.split("/")
-        message = channel.read(sim) if channel.direction == "out" and not channel.late else None
+        message = channel.read(sim) if channel.direction == "out" and not channel.delivery.late else None
         if message is not None and package in ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "tf2_msgs"):
             lines.append(f"{package}/{name} {publication(message, channel.name, 1)}")
     done = subprocess.run([PYTHON, "-c", LIBRARY], input="\n".join(lines), capture_output=True, text=True, check=False)

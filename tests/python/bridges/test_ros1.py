@@ -12,12 +12,12 @@ from command_line import error_line, uwsim
 from ros1_tools import master, ros_is_installed, run_node, running, serving
 from uwsim import Simulator, recording
 from uwsim.bridges.ros1.raw_types import read_message
-from uwsim.channels.build import message
-from uwsim.channels.message_types import ros1_typestore
-from uwsim.channels.messages import to_bytes
+from uwsim.channels.ros.build import message
+from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.channels.ros.messages import to_bytes
 from uwsim.recording import Recorder
 from uwsim.recording.live_map import live_map
-from uwsim.simulator.command_gate import STOPPED
+from uwsim.simulator.helm import STOPPED
 
 pytestmark = pytest.mark.skipif(not ros_is_installed(), reason="Debian's packages of ROS 1 are not installed")
 
@@ -356,3 +356,9 @@ def test_bytes_of_ros_1_come_back_as_messages_and_damaged_ones_are_refused() -> 
         ros1_typestore().generate_msgdef("geometry_msgs/msg/Twist", ros_version=1)[1]
         == "9f195f881246fdfa2798d1d3eebca84a"
     )
+
+
+def test_a_namespace_is_that_of_the_node(tmp_path: Path) -> None:
+    with master(tmp_path) as environment, serving(environment, "pool", "--namespace", "auv_1"):
+        script = "import rosgraph; print(dict(rosgraph.Master('/x').getSystemState()[0])['/auv_1/scan'])"
+        assert run_node(script, environment).strip() == "['/auv_1/uwsim']"

@@ -12,13 +12,17 @@ import pytest
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
 from uwsim.bridges.ros2.dds import own_udp_sockets
-from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
+from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC, entities_info
+from uwsim.bridges.ros2.lossy_readers import LossyReaders, default_buffer_bytes
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.bridges.ros2.settings import unicast_port
-from uwsim.channels import Table, build, channels
-from uwsim.channels.cdr import encode, schema, store_of
-from uwsim.channels.messages import default_message
-from uwsim.channels.rcl_parameters import value_of
+from uwsim.bridges.ros2.zenoh_names import Entity
+from uwsim.channels import Table, channels
+from uwsim.channels.calls.rcl_parameters import value_of
+from uwsim.channels.names import node_name
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import encode, schema, store_of
+from uwsim.channels.ros.messages import default_message
 from uwsim.live import LiveSimulator
 
 TWIST = "geometry_msgs/msg/Twist"
@@ -102,7 +106,7 @@ def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(nod
     said: list[str] = []
     expected = (  # in any order: calls are answered on threads
         '/lights/front: {"success":true',
-        "/simulation/set_speed: data = 'nonsense': must be JSON",
+        "/simulation/set_speed: data = 'nonsense': not JSON (column 1: Expecting value)",
         "/cmd_tilt: cmd_tilt = 99.0 rad: must be in",
     )
     until(
@@ -152,6 +156,30 @@ def test_parameter_values_of_every_type_are_read():
     assert value(8, double_array_value=np.array([1.0, 2.5])) == [1.0, 2.5]
     with pytest.raises(ValueError, match=r"value.type = 0: must be one of 1 \(bool_value\)"):
         value(0)
+
+
+def test_a_namespace_is_that_of_the_node():
+    info = entities_info("jazzy", bytes(16), node_name("fleet/auv_1"), [], []).node_entities_info_seq[0]
+    assert (info.node_namespace, info.node_name) == ("/fleet/auv_1", "uwsim")
+    token = Entity("NN", SETTINGS, "ab", 0, node_name("auv_1")).token
+    assert token.split("/")[5:] == ["NN", "%", "%auv_1", "uwsim"]
+
+
+def test_a_best_effort_reader_of_messages_too_large_for_its_socket_is_warned_of_once(node, other):
+    size = default_buffer_bytes()
+    assert size is not None and size < 640 * 480 * 4, "Linux's default"
+    warned = []
+    lossy = LossyReaders(warned.append)
+    for has_any in (False, True, True):
+        lossy.note("small", has_any)
+        lossy.note("picture", has_any)
+        lossy.check("small", size)
+        lossy.check("picture", size + 1)
+    assert len(warned) == 1 and "topic 'picture': a best-effort reader will lose messages of" in warned[0]
+    writer = node._writers["imu"]
+    assert not writer.has_best_effort_readers()
+    other.listen("imu", "sensor_msgs/msg/Imu", reliable=False)
+    until(writer.has_best_effort_readers, "the reader's quality of service")
 
 
 def test_the_graph_tells_the_node_and_all_its_endpoints(node, other):

@@ -15,11 +15,12 @@ from uwsim.bridges.actions import actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps, rtps_participant
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
-from uwsim.channels import Channel, Table, build, channels
-from uwsim.channels.action_types import FLY_PATH
-from uwsim.channels.cdr import encode, schema, store_of
-from uwsim.channels.feed import Feed
-from uwsim.channels.messages import default_message, from_bytes
+from uwsim.channels import Channel, Table, channels
+from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.ros import build
+from uwsim.channels.ros.action_types import FLY_PATH
+from uwsim.channels.ros.cdr import encode, schema, store_of
+from uwsim.channels.ros.messages import default_message, from_bytes
 from uwsim.live import LiveSimulator
 
 pytestmark = pytest.mark.skipif(not BINARY.is_file(), reason="fast_dds_peer is built by tools/setup --dev")

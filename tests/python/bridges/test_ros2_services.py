@@ -10,12 +10,13 @@ from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, rtps
 from uwsim.bridges.ros2.qos import writer_qos
 from uwsim.bridges.ros2.rtps_endpoints import Track
 from uwsim.bridges.ros2.rtps_participant import RtpsParticipant
-from uwsim.channels import Table, build
-from uwsim.channels.cdr import store_of
-from uwsim.channels.messages import typestore
-from uwsim.channels.service_messages import request_values, response_message
-from uwsim.channels.service_types import SERVICE_TYPES, load_service_types
-from uwsim.channels.type_hash import type_hash
+from uwsim.channels import Table
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import store_of
+from uwsim.channels.ros.messages import typestore
+from uwsim.channels.ros.service_messages import request_values, response_message
+from uwsim.channels.ros.service_types import SERVICE_TYPES, load_service_types
+from uwsim.channels.ros.type_hash import type_hash
 from uwsim.live import LiveSimulator
 
 SETTINGS = Ros2Settings(domain_id=free_domain())

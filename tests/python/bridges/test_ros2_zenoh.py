@@ -13,10 +13,11 @@ import zenoh.ext
 from ros2_tools import until
 from uwsim.bridges.actions import SUCCEEDED, actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
-from uwsim.channels import Table, build
-from uwsim.channels.action_types import FLY_PATH
-from uwsim.channels.cdr import encode
-from uwsim.channels.messages import default_message, from_bytes
+from uwsim.channels import Table
+from uwsim.channels.ros import build
+from uwsim.channels.ros.action_types import FLY_PATH
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.ros.messages import default_message, from_bytes
 from uwsim.live import LiveSimulator
 
 SETTINGS = Ros2Settings(domain_id=5, rmw="zenoh")

@@ -13,13 +13,13 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from ruamel.yaml import YAML
 
 from uwsim import Simulator
+from uwsim.bridges.cli.ros import package
 from uwsim.bridges.ros1.raw_types import raw_type
 from uwsim.bridges.ros1.rospy_module import DEBIAN
 from uwsim.bridges.ros2.graph import endpoint_data
 from uwsim.bridges.ros_packages import ros_packages, write_sealed
 from uwsim.channels import Table
-from uwsim.channels.own_types import OWN_TYPES
-from uwsim.cli.ros import package
+from uwsim.channels.ros.own_types import OWN_TYPES
 
 
 @pytest.fixture
@@ -94,7 +94,10 @@ def test_rviz_and_octomap_server_subscribe_to_our_topics(folder: Path) -> None:
     offered = {f"/{one.name}": one.type for one in Table(Simulator("pool"), wire="standard").channels}
     for ros in (1, 2):
         bringup = folder / f"ros{ros}/uwsim_bringup"
-        displays = YAML(typ="safe").load((bringup / "rviz/uwsim.rviz").read_text())["Visualization Manager"]["Displays"]
+        configuration = YAML(typ="safe").load((bringup / "rviz/uwsim.rviz").read_text())
+        assert [panel["Name"] for panel in configuration["Panels"]] == ["Displays"], "more panels would cover the view"
+        assert configuration["Window Geometry"]["Width"] >= 1200
+        displays = configuration["Visualization Manager"]["Displays"]
         shown = [(one["Class"], one.get("Topic", one.get("Image Topic"))) for one in displays]
         topics = [(kind, topic if ros == 1 else topic["Value"]) for kind, topic in shown if topic]
         assert len(topics) == 4

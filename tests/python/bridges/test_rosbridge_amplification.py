@@ -24,10 +24,10 @@ from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import read
 from uwsim.bridges.rosbridge.session import Session
 from uwsim.bridges.rosbridge.weigh import ITEMS_PER_OBJECT, exact_load, walk_cbor
-from uwsim.channels.message_cost import SLICE_NUMBERS, SLICE_OBJECTS, Meter, cost_of, held_bytes
-from uwsim.channels.message_out import NUMBERS
-from uwsim.channels.message_types import fields
-from uwsim.channels.messages import default_message, from_plain, to_plain, typestore
+from uwsim.channels.ros.message_cost import SLICE_NUMBERS, SLICE_OBJECTS, Meter, cost_of, held_bytes
+from uwsim.channels.ros.message_out import NUMBERS
+from uwsim.channels.ros.message_types import fields
+from uwsim.channels.ros.messages import default_message, from_plain, to_plain, typestore
 
 SIZE = 15_000
 LIMITS = Limits(cost_bytes=20 * SIZE)  # small, so that many types can be tested
@@ -288,7 +288,8 @@ def test_no_decoder_gets_more_than_150000_values_in_one_call(values, accepted, m
 
     decoders = SimpleNamespace(loads=counting(orjson.loads), JSONDecodeError=orjson.JSONDecodeError)
     monkeypatch.setattr("uwsim.bridges.rosbridge.parse.orjson", decoders)
-    monkeypatch.setattr("uwsim.bridges.rosbridge.parse.json", SimpleNamespace(loads=counting(json.loads)))
+    kept = {"JSONDecodeError": json.JSONDecodeError}
+    monkeypatch.setattr("uwsim.base.texts.json_text.json", SimpleNamespace(loads=counting(json.loads), **kept))
     if accepted:
         assert read(text, Limits())[0]["a"] == values
     else:

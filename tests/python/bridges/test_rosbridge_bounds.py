@@ -4,7 +4,6 @@ import gc
 import json
 import logging
 import socket
-import time
 import weakref
 
 import pytest
@@ -17,6 +16,7 @@ from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.ledger import Ledger
 from uwsim.bridges.rosbridge.parameters import LONGEST, MOST_BYTES, Parameters
 from uwsim.bridges.rosbridge.session import Session
+from waiting import until
 
 MB = 1_000_000
 LIMITS = Limits(client_bytes=5 * MB, mailbox_bytes=2 * MB)
@@ -46,13 +46,6 @@ class Client:
     @property
     def bytes(self):
         return self.session._account.bytes
-
-
-def wait(condition):
-    deadline_s = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.01)
 
 
 @pytest.fixture
@@ -234,7 +227,7 @@ def sessions():
 
 def test_a_server_s_sessions_are_freed_when_their_clients_leave():
     with RosbridgeServer(None) as server:
-        wait(lambda: not server.sessions)
+        until(lambda: not server.sessions)
         gc.collect()
         gc.disable()
         try:
@@ -244,7 +237,7 @@ def test_a_server_s_sessions_are_freed_when_their_clients_leave():
                     client.send('{"op":"subscribe","topic":"/t","type":"std_msgs/String"}')
                     client.send("nonsense")
                     client.recv(10.0)
-            wait(lambda: not server.sessions and sessions() <= before)
+            until(lambda: not server.sessions and sessions() <= before)
         finally:
             gc.enable()
 
@@ -257,20 +250,20 @@ def test_a_slow_reader_is_told_why_it_must_go(caplog):
         with websocket(server.url, max_queue=1, max_size=None, ping_interval=None) as reader:
             for k in range(20):
                 reader.send(json.dumps({"op": "subscribe", "topic": f"/t{k}", "type": "std_msgs/String"}))
-            wait(lambda: sum(len(topic.sinks) for topic in server.graph.topics.values() if topic.name[0] == "t") >= 20)
+            until(lambda: sum(len(topic.sinks) for topic in server.graph.topics.values() if topic.name[0] == "t") >= 20)
             for k in range(20):
                 publisher.send(json.dumps({"op": "advertise", "topic": f"/t{k}", "type": "std_msgs/String"}))
             for k in range(60):
                 publisher.send(json.dumps({"op": "publish", "topic": f"/t{k % 20}", "msg": {"data": "x" * 1_000_000}}))
                 if "you read too slowly" in caplog.text:
                     break
-            wait(lambda: "you read too slowly" in caplog.text)
+            until(lambda: "you read too slowly" in caplog.text)
             with pytest.raises(ConnectionClosed) as closed:
                 while True:
                     reader.recv(10.0)
             if closed.value.rcvd is not None:  # absent if the connection had to be cut
                 assert closed.value.rcvd.code == 1008 and "you read too slowly" in closed.value.rcvd.reason
-        wait(lambda: len(server.sessions) == 1 and server.graph.ledger.bytes == 0)
+        until(lambda: len(server.sessions) == 1 and server.graph.ledger.bytes == 0)
 
 
 def test_a_message_in_very_many_frames_is_refused():
@@ -291,8 +284,8 @@ def test_pongs_that_nobody_reads_are_bounded():
     with RosbridgeServer(None) as server, socket.create_connection(("127.0.0.1", server.port)) as client:
         client.settimeout(60.0)
         client.sendall(handshake.encode())
-        wait(lambda: len(server.sessions) == 1)
+        until(lambda: len(server.sessions) == 1)
         with pytest.raises(ConnectionError):
             for _ in range(400):
                 client.sendall(ping * 1000)
-        wait(lambda: not server.sessions)
+        until(lambda: not server.sessions)

@@ -14,8 +14,8 @@ from uwsim.bridges.admission import Door
 from uwsim.bridges.rosbridge.encoding import Growing
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.channels import Table
-from uwsim.channels.build import text
 from uwsim.channels.guest import GuestService, GuestTopic
+from uwsim.channels.ros.build import text
 from uwsim.live import LiveSimulator
 
 

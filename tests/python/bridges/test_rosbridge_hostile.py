@@ -20,6 +20,7 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge import Limits
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.session import Session
+from waiting import until
 
 PATIENCE_S = 10.0
 QUICK = Limits(connections=40, frame_bytes=100_000, messages_per_s=300, replies=50)
@@ -44,13 +45,6 @@ def works(client):
     while (answer := json.loads(client.recv(PATIENCE_S))).get("id") != "still there?":
         pass
     return answer["result"]
-
-
-def until(condition):
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 @pytest.mark.parametrize(

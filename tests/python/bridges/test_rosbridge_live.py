@@ -1,21 +1,21 @@
 """A live simulator over rosbridge: as a server, as a client of another server, and from the command line."""
 
-import json
 import re
 import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
 
 from client_socket import connect as websocket
+from client_socket import receive, send
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
+from uwsim.bridges.cli.serve import parsed_speed
 from uwsim.channels import Table
-from uwsim.cli.serve import parsed_speed
 from uwsim.live import LiveSimulator
+from waiting import until
 
 PATIENCE_S = 20.0
 UWSIM = Path(sys.executable).with_name("uwsim")
@@ -25,20 +25,6 @@ UWSIM = Path(sys.executable).with_name("uwsim")
 def live():
     with LiveSimulator("lake", speed=5.0) as live:
         yield live
-
-
-def send(client, op, **fields):
-    client.send(json.dumps({"op": op, **fields}))
-
-
-def receive(client, **wanted):
-    """Return the next operation with these field values."""
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        operation = json.loads(client.recv(PATIENCE_S))
-        if wanted.items() <= operation.items():
-            return operation
-    raise TimeoutError(wanted)
 
 
 def test_topics_are_read_while_somebody_listens_and_stamped_with_simulated_time(live):
@@ -70,10 +56,7 @@ def test_services_and_commands_act_and_what_they_refuse_is_said(live):
         send(client, "publish", topic="/key", msg={"position": {"x": 4.0}})  # above 1: saturates
         send(client, "call_service", service="/rosapi/get_time", id="2")
         receive(client, id="2")
-        deadline = time.monotonic() + PATIENCE_S
-        while live.simulator.rov.effort[0] != 1.0:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        until(lambda: live.simulator.rov.effort[0] == 1.0)
         send(client, "publish", topic="/cmd_vel", id="bad", msg={"linear": {"x": None}})  # NaN
         assert "cmd_vel" in receive(client, op="status", id="bad")["msg"]
         send(client, "publish", topic="/key", msg={})
@@ -97,19 +80,13 @@ def test_a_simulator_joins_a_rosbridge_and_comes_back_when_it_was_away(live):
                 text = receive(peer, op="publish", topic="/depthArray")["msg"]["data"]
                 assert text.count("a") == live.simulator.rov.sonar.model.beams
                 send(peer, "publish", topic="/key", msg={"position": {"x": 0.25 * (turn + 1)}})
-                deadline = time.monotonic() + PATIENCE_S
-                while live.simulator.rov.effort[0] != 0.25 * (turn + 1):
-                    assert time.monotonic() < deadline
-                    time.sleep(0.01)
+                until(lambda effort=0.25 * (turn + 1): live.simulator.rov.effort[0] == effort)
                 send(peer, "call_service", service="/release", id="r")
                 assert receive(peer, id="r")["result"] is True
             broker.stop()
             if turn == 0:
                 broker = RosbridgeServer(None, port=port).start()
-                deadline = time.monotonic() + PATIENCE_S
-                while not (client.connections == 2 and client.connected.is_set()):
-                    assert time.monotonic() < deadline
-                    time.sleep(0.01)
+                until(lambda: client.connections == 2 and client.connected.is_set())
 
 
 def test_a_client_needs_a_websocket_url(live):

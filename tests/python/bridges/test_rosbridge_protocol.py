@@ -14,8 +14,8 @@ from rosbridge_session import Client
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.channels.message_types import ros1_typestore
-from uwsim.channels.messages import default_message, typed_array
+from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.channels.ros.messages import default_message, typed_array
 
 
 @pytest.fixture

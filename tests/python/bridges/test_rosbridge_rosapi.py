@@ -49,8 +49,25 @@ def test_rosapi_knows_the_graph(ask, graph):
     assert {"/go", "/rosapi/topics"} <= set(ask("services")["services"])
     assert ask("service_type", service="/go") == {"type": "demo/Go"}
     assert ask("services_for_type", type="demo/Go") == {"services": ["/go"]}
+    for service in ("demo/Go", "/go"):
+        assert ask("service_providers", service=service) == {"providers": ["/s"]}
+    assert {"std_msgs/String", "demo/Go", "rosapi/Topics"} <= set(ask("interfaces")["interfaces"])
+    assert ask("get_ros_version") == {"version": 1, "distro": "noetic"}
     assert ask("get_time") == {"time": {"secs": 12, "nsecs": 34}}
     assert "string data" in ask("topics_and_raw_types")["typedefs_full_text"][0]
+
+
+def test_arguments_may_be_a_list(graph):
+    offer_rosapi(graph, Parameters({"depth": 3}), 1, lambda: 0)
+    asker = Session(graph, "/asker")
+
+    def call(query, args):
+        send(asker, "call_service", service=f"/rosapi/{query}", args=args)
+        return json.loads(asker.outbox.take()[0])
+
+    assert call("has_param", ["/depth"])["values"] == {"exists": True}
+    refused = call("has_param", ["/depth", 2])
+    assert not refused["result"] and "service 'rosapi/has_param': 2 args: must be 1 at most: name" in refused["values"]
 
 
 def test_rosapi_knows_types(ask):

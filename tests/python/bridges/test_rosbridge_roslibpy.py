@@ -8,19 +8,13 @@ import roslibpy
 import roslibpy.tf
 
 from uwsim.bridges import RosbridgeServer
+from waiting import until
 
 PATIENCE_S = 10.0
 
 
 def take(heard):
     return heard.get(timeout=PATIENCE_S)
-
-
-def until(condition):
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 @pytest.fixture(scope="module")

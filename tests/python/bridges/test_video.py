@@ -20,6 +20,7 @@ from uwsim.bridges import video as video_module
 from uwsim.bridges.video import Target, VideoStream
 from uwsim.instruments.cameras import Frame
 from uwsim.live import LiveSimulator
+from waiting import until
 
 needs_ffmpeg = pytest.mark.skipif(
     shutil.which("ffmpeg") is None and find_spec("imageio_ffmpeg") is None, reason="needs ffmpeg, or the extra video"
@@ -33,14 +34,14 @@ class Kept(VideoStream):
         super().__init__(*arguments)
         self.pictures: list[np.ndarray] = []
 
-    def _take(self, capture: Callable[[], Frame] | None) -> None:
+    def _queue(self, capture: Callable[[], Frame] | None) -> None:
         def kept() -> Frame:
             assert capture is not None
             frame = capture()
             self.pictures.append(frame.rgb)
             return frame
 
-        super()._take(None if capture is None else kept)
+        super()._queue(None if capture is None else kept)
 
 
 @pytest.fixture(scope="module")
@@ -100,8 +101,8 @@ def test_steps_wait_for_no_picture(port: int, monkeypatch: pytest.MonkeyPatch) -
     """At speed max, 20 s pass while the first picture is still being rendered."""
     with LiveSimulator(Simulator("lagoon"), speed="max", paused=True) as live:
         stream = Kept(live, "rov", Target("127.0.0.1", port))
-        slow = stream._take
-        monkeypatch.setattr(stream, "_take", lambda capture: slow(capture and (lambda: time.sleep(1.0) or capture())))
+        slow = stream._queue
+        monkeypatch.setattr(stream, "_queue", lambda capture: slow(capture and (lambda: time.sleep(1.0) or capture())))
         with stream:
             live.step(round(20 / live.simulator.step_s))
             assert stream.sent == 0
@@ -117,10 +118,7 @@ def test_a_stream_ends_with_its_encoder_and_says_so_once(
     monkeypatch.setattr(video_module, "encoder_path", lambda: str(broken))
     caplog.set_level(logging.WARNING)
     with VideoStream(live, "rov", Target("127.0.0.1", port)):
-        end = time.monotonic() + 10
-        while "ended" not in caplog.text:
-            assert time.monotonic() < end
-            time.sleep(0.05)
+        until(lambda: "ended" in caplog.text, limit_s=10.0)
         time.sleep(0.3)
     assert caplog.text.count("ended: Unknown encoder") == 1
 

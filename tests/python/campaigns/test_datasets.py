@@ -11,6 +11,7 @@ from pycocotools.coco import COCO
 from ruamel.yaml import YAML
 
 import uwsim
+from uwsim.base import own_files
 from uwsim.campaigns.datasets.formats.masks import bounds, run_lengths
 from uwsim.campaigns.datasets.spec import DatasetSpec
 from uwsim.campaigns.datasets.split import split_of_frames
@@ -248,6 +249,8 @@ def test_the_same_bytes_after_a_stop_and_with_two_workers(
     assert begun.interrupted and begun.finished == 2 and not begun.files
     (stopped / "depth" / ".000003.png.half").write_bytes(b"half")  # a leftover of a killed process
     (stopped / "images" / "000003.png").write_bytes(b"half")
+    own_files.mark(stopped / "depth" / ".000003.png.half", unfinished=True)
+    own_files.mark(stopped / "images" / "000003.png")
     with pytest.raises(ValueError, match="holds a dataset already, 2 frames"):
         uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, **OPTIONS)
     with pytest.raises(ValueError, match=r"--resume: .*options"):

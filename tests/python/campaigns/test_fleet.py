@@ -105,7 +105,7 @@ def test_a_fleets_map_is_scored_as_one_and_survives_a_stop(pool: Path, tmp_path:
         tell=lambda done, *_: seen.append(done), stop_requested=lambda: 1 in seen,
     )  # fmt: skip
     assert part.interrupted and not (tmp_path / "part" / "map.bt").exists()
-    with pytest.raises(ValueError, match="holds 1 tiles already: use --resume"):
+    with pytest.raises(ValueError, match="holds a fleet already, 1 tiles of it finished: --resume"):
         run_fleet(pool, tmp_path / "part", tile_m=10.0, workers=0)
     with pytest.raises(ValueError, match=r"tile_m is 5\.0: was begun with 10\.0"):
         run_fleet(pool, tmp_path / "part", tile_m=5.0, workers=0, resume=True)

@@ -18,8 +18,9 @@ from scipy.spatial.transform import Rotation
 import uwsim
 from uwsim import Simulator
 from uwsim.base.atomic_file import remove_unfinished
+from uwsim.base.own_files import mark
 from uwsim.campaigns.datasets.sequences.make import ABOUT, BAG, CHAIN, IMU, TRUTH, UNFINISHED
-from uwsim.channels.message_types import ros1_typestore
+from uwsim.channels.ros.message_types import ros1_typestore
 from uwsim.missions import wait
 
 BALL_M, GRAVITY_M_S2 = np.array([3.0, 0.4, -4.0]), 9.80665
@@ -315,6 +316,7 @@ def test_the_folder_gets_its_name_only_when_it_is_complete(world: Path, tmp_path
     left = tmp_path / ("out" + UNFINISHED)
     (left / "mav0" / "cam0").mkdir(parents=True)
     (left / BAG).write_bytes(b"half")
+    mark(left, unfinished=True)
 
     def looks(vehicle: Any) -> Any:
         yield wait(0.1)

@@ -300,7 +300,7 @@ def test_what_failed_may_be_tried_again(folder: Path) -> None:
     assert run_sweep(sweep, folder / "out", workers=0, report=False, resume=True, retry_failed=True).failed == 0
 
 
-def test_a_jobs_figures_do_not_depend_on_what_was_flown_before() -> None:
+def test_a_jobs_values_do_not_depend_on_what_was_flown_before() -> None:
     job = Job("pool", 3, {"survey.altitude_m": 1.5}, voxel_m=0.5)
     first = fly_job(job)
     fly_job(Job("pool", 4, {"terrain.bed_depth_m": 6.0}, voxel_m=0.5))
@@ -355,11 +355,32 @@ def test_the_sweeps_of_the_page_are_accepted(folder: Path) -> None:
         require_flyable(*read_sweep(written(folder, text)))
 
 
+def test_runs_that_ended_early_are_counted_and_named(folder: Path) -> None:
+    (folder / "stop.py").write_text(
+        "from uwsim.missions import StoppedError, wait\n"
+        "def mission(vehicle, far=1):\n    yield wait(1.0)\n    if far > 1:\n        raise StoppedError('no way on')\n"
+        "    return 1.0\n"
+    )
+    path = written(
+        folder,
+        "scenario: pool\nmission: stop.py\nvary: {mission.far: {choices: [1, 2, 3]}}\n"
+        "objective: {metric: result, best: high}\nshow: [result]\nworst: 0\n",
+    )
+    done = uwsim("sweep", str(path), "--out", str(folder / "out"), "--workers", "0")
+    assert done.returncode == 1
+    assert "3 of 3 runs, 0 failed, 2 ended early" in done.stdout
+    assert "run 1 ended early: no way on" in done.stderr
+    assert "2 runs have no result, the objective" in done.stderr
+    page = (folder / "out/report.html").read_text()
+    assert "2 runs have no result: figures and ranking are of the others." in page
+    assert "2 x, first run 1" in page and "no way on" in page
+
+
 def test_the_command_says_what_it_did(folder: Path) -> None:
     path = written(folder, "scenario: pool\nmission: push.py\nvary: {mission.effort: {choices: [0.1, 1.0]}}\n")
     done = uwsim("sweep", str(path), "--out", str(folder / "out"), "--workers", "0", "--no-report")
     assert done.returncode == 1
-    assert "2 of 2 runs, 1 failed" in done.stdout
+    assert "2 of 2 runs, 1 failed, 0 ended early" in done.stdout
     assert "run 1: " in done.stderr and "too much" in done.stderr and "Traceback" not in done.stderr
     refused = uwsim("sweep", str(path), "--out", str(folder / "out"), "--workers", "0")
     assert "holds a sweep already, 2 runs of it finished" in error_line(refused)

@@ -14,11 +14,12 @@ import pytest
 from all_stop_world import DRIVES, at_rest, scenario
 from channel_tools import table
 from uwsim import Simulator
-from uwsim.channels import Table, build, channels
-from uwsim.channels.diagnostics import diagnostics_channel
+from uwsim.channels import Table, channels
+from uwsim.channels.families.diagnostics import diagnostics_channel
+from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.live.step_loop import REQUESTS_MAX
-from uwsim.operator.station.helm import Helm
+from uwsim.operator.station.pilot import Pilot
 
 
 def floats(*values: float) -> Any:
@@ -35,7 +36,7 @@ HEARD: dict[str, Any] = {
     "fins/cmd_fins": floats(0.1, 0.1, 0.2, 0.2),
 }  # fmt: skip
 """For each channel that can move the vehicle, a message that does."""
-LOOKING = {"thrusters/cmd_tilt", "forces/cmd_tilt", "forces/camera/front/cmd_pan", "forces/camera/front/cmd_tilt"}
+LOOKING = {f"{name}/cmd_tilt" for name in DRIVES} | {"forces/camera/front/cmd_pan", "forces/camera/front/cmd_tilt"}
 
 
 @pytest.fixture
@@ -99,10 +100,10 @@ def test_the_service_stops_and_releases_and_every_vehicle_has_one(live: LiveSimu
         stop = found[f"{name}/all_stop"]
         assert stop.type == "std_srvs/srv/SetBool"
         live.vehicles[name].set_effort(surge=0.5)
-        assert stop.call(live, {"data": True}) == {"success": True, "message": ""}
+        assert stop.call(live, {"data": True}).result() == {"success": True, "message": ""}
         assert live.vehicles[name].all_stopped and at_rest(live.simulator)
-        assert stop.call(live, {"data": False})["success"] and not live.vehicles[name].all_stopped
-        assert "data = None: must be given" in stop.call(live, {})["message"]
+        assert stop.call(live, {"data": False}).result()["success"] and not live.vehicles[name].all_stopped
+        assert "data = None: must be given" in stop.call(live, {}).result()["message"]
 
 
 def test_telemetry_and_diagnostics_say_so(live: LiveSimulator) -> None:
@@ -115,7 +116,7 @@ def test_telemetry_and_diagnostics_say_so(live: LiveSimulator) -> None:
 
 
 def test_the_pilot_s_hands_move_nothing_and_release_does_not_move_it_either(live: LiveSimulator) -> None:
-    helm = Helm(live, Table(live.simulator).steering)
+    helm = Pilot(live, Table(live.simulator).steering)
     assert helm.drive({"vehicle": "forces", "surge": 0.5}).result()["success"]
     for _ in range(2):
         assert helm.all_stop({"vehicle": "forces"}).result()["success"]
@@ -139,4 +140,4 @@ def test_all_stop_is_taken_however_many_commands_wait(live: LiveSimulator) -> No
     stopped = live.command("all_stop", vehicle="forces")
     waiting.set_result(None)
     held.result(), stopped.result()
-    assert at_rest(live.simulator)
+    assert live.read(at_rest).result()  # after all commands that waited, and between two of them

@@ -11,7 +11,7 @@ import pytest
 from channel_tools import chain, stamp_ns, table
 from uwsim import Simulator
 from uwsim.channels import Table, channels
-from uwsim.channels.messages import to_bytes, to_plain, typestore
+from uwsim.channels.ros.messages import to_bytes, to_plain, typestore
 from uwsim.mapping import OccupancyMap, ranging
 
 
@@ -227,7 +227,7 @@ def test_map_changes_build_the_occupied_voxels_of_the_map_whenever_one_begins_to
         if k == 8:
             cursors["late"] = None
         for name, cursor in cursors.items():
-            message, cursors[name] = channel.catch_up(cursor)
+            message, cursors[name] = channel.delivery.catch_up(cursor)
             assert message.snapshot == (cursor is None)
             known[name] = voxels_after(known[name], message)
             assert known[name] == occupied and len(occupied) > 100
@@ -235,7 +235,7 @@ def test_map_changes_build_the_occupied_voxels_of_the_map_whenever_one_begins_to
     sim.reset()
     channel.read(sim)
     ping_map.points()
-    assert channel.catch_up(cursors["late"])[0].snapshot  # a different map, hence a full snapshot
+    assert channel.delivery.catch_up(cursors["late"])[0].snapshot  # a different map, hence a full snapshot
 
 
 def test_telemetry_tells_the_truth_only_where_it_may():

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from channel_tools import table
-from uwsim.channels import cdr
-from uwsim.channels.feed import Feed, Reading
-from uwsim.channels.message_types import typestore
-from uwsim.channels.messages import from_bytes, to_bytes
+from uwsim.channels.delivery.feed import Feed, Reading
+from uwsim.channels.ros import cdr
+from uwsim.channels.ros.message_types import typestore
+from uwsim.channels.ros.messages import from_bytes, to_bytes
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
@@ -47,7 +47,7 @@ def test_threads_that_ask_at_once_get_the_same_bytes(sim: Simulator, monkeypatch
     reading = Reading(channel, channel.read(sim), sim.time_ns, sim.tick)
     made = []
     encode = cdr.encode
-    monkeypatch.setattr("uwsim.channels.feed.encode", lambda message: made.append(message) or encode(message))
+    monkeypatch.setattr("uwsim.channels.delivery.feed.encode", lambda message: made.append(message) or encode(message))
     found: list[memoryview] = []
     threads = [threading.Thread(target=lambda: found.append(reading.cdr)) for _ in range(8)]
     for thread in threads:

@@ -11,8 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from channel_tools import table
-from uwsim.channels import Table, build, keep_up
-from uwsim.channels.command_services import named_arguments
+from uwsim.channels import Table, start_updates
+from uwsim.channels.calls.command_services import named_arguments
+from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 
@@ -148,15 +149,15 @@ def test_the_map_holds_every_ping_since_the_start_though_nobody_reads(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     own = Table(live.simulator)
-    going_on = keep_up(live, own.channels)
-    assert len(going_on) == 2, "a map for each vehicle"
+    started = start_updates(live, own.channels)
+    assert len(started) == 2, "a map for each vehicle"
     live.step(10)
     first = _saved(live, own, "first.bt")
     live.vehicles["rov"].sonar.aim(-1.0)
     live.step(1000)
     turned = _saved(live, own, "turned.bt")
     assert len(turned) > 1.2 * len(first) > 0
-    for subscription in going_on:
+    for subscription in started:
         subscription.cancel()
     live.step(1000)
     assert len(_saved(live, own, "still.bt")) == len(turned)

@@ -6,7 +6,7 @@ import pytest
 from channel_tools import table
 from uwsim import Simulator
 from uwsim.channels import diagnostics_channel
-from uwsim.channels.covariance import UNKNOWN, of_velocity, variance
+from uwsim.channels.families.covariance import UNKNOWN, of_velocity, variance
 from uwsim.live import LiveSimulator
 from uwsim.scenario.spec.sensor import SensorMount
 
@@ -61,7 +61,7 @@ def test_readings_of_many_seeds_scatter_as_the_messages_say():
         assert 0.45 < ratio < 1.8, name  # of 60 draws, 99.9 % of the ratios lie in 0.5..1.7
 
 
-def test_a_figure_that_is_changed_while_it_runs_changes_the_covariance():
+def test_a_value_that_is_changed_while_it_runs_changes_the_covariance():
     sim = Simulator("pool")
     said = table(sim)["pressure"]
     sim.advance(0.1)

@@ -9,8 +9,8 @@ import pytest
 from channel_tools import table
 from uwsim import Simulator
 from uwsim.channels import Table
-from uwsim.channels.covariance import variance
-from uwsim.channels.message_types import fields
+from uwsim.channels.families.covariance import variance
+from uwsim.channels.ros.message_types import fields
 
 ABSENT, IDLE, PANEL, LINK = (
     "there is none",

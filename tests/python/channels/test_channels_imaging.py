@@ -10,7 +10,8 @@ from PIL import Image
 from channel_tools import stamp_ns, table
 from test_imaging_mount import SONARS, pool_with
 from uwsim import Simulator
-from uwsim.channels import Table, imaging
+from uwsim.channels import Table
+from uwsim.channels.families import imaging
 from uwsim.live import LiveSimulator
 
 PERIOD_S = 0.1

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from threading import Event
 from types import SimpleNamespace
 
-from uwsim.channels.pictures import RATE_HZ, Pictures
+from uwsim.channels.delivery.pictures import RATE_HZ, Pictures
 
 PERIOD_NS = int(1e9 / RATE_HZ)
 

@@ -9,8 +9,8 @@ import pytest
 
 from channel_tools import matrix, table
 from uwsim import Simulator
-from uwsim.channels import build
-from uwsim.channels.published import csharp_number
+from uwsim.channels.families.published import csharp_number
+from uwsim.channels.ros import build
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.mapping import ranging

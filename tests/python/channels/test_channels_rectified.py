@@ -10,7 +10,7 @@ import pytest
 from channel_tools import chain, stamp_ns, table
 from uwsim import Simulator
 from uwsim.channels import Table
-from uwsim.channels.pictures import Stream
+from uwsim.channels.delivery.pictures import Stream
 from uwsim.instruments.cameras.rectify import rectify
 from uwsim.scenario.spec.camera import FlatPort
 
@@ -132,7 +132,7 @@ def test_parts_are_made_only_for_readers(sim: Simulator, monkeypatch: pytest.Mon
             made.append(sim.time_s)
         return rgb
 
-    monkeypatch.setattr("uwsim.channels.pictures.rectify", note)
+    monkeypatch.setattr("uwsim.channels.delivery.pictures.rectify", note)
     for name, reads in (("image_raw", 2), ("image_rect", 3), ("image_raw", 5)):
         for _ in range(reads):
             sim.advance(0.1)

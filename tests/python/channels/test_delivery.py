@@ -10,10 +10,11 @@ from uwsim import Simulator
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.channels import Channel, Table, diagnostics_channel
-from uwsim.channels.build import text
-from uwsim.channels.feed import Feed
-from uwsim.channels.outgoing import Line, Turns
-from uwsim.channels.pictures import Pictures
+from uwsim.channels.channel import LATCHED
+from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.delivery.outgoing import Line, Turns
+from uwsim.channels.delivery.pictures import Pictures
+from uwsim.channels.ros.build import text
 from uwsim.live import LiveSimulator
 
 TEXT = "std_msgs/msg/String"
@@ -48,7 +49,7 @@ class BusyLoop:
 
 
 def test_a_busy_server_keeps_latched_messages_and_reports_the_others_that_it_drops(live: LiveSimulator) -> None:
-    fixed = Channel("fixed", TEXT, "out", "", latched=True, read=lambda sim: text("fixed"))
+    fixed = Channel("fixed", TEXT, "out", "", delivery=LATCHED, read=lambda sim: text("fixed"))
     often = Channel("often", TEXT, "out", "", rate_hz=200.0, read=lambda sim: text("often"))
     diagnostics, graph, loop, seen = diagnostics_channel(live, lambda: [fixed, often]), Graph(), BusyLoop(), []
     with SimulatorNode(live, [fixed, often], [], None, graph, loop):  # type: ignore[arg-type]

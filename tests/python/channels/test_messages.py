@@ -8,10 +8,10 @@ import numpy as np
 import orjson
 import pytest
 
-from uwsim.channels.base64_text import PIECE_BYTES, PIECE_CHARACTERS, from_base64, to_base64
-from uwsim.channels.message_out import TYPED_ARRAY_TAGS
-from uwsim.channels.message_types import ros1_typestore
-from uwsim.channels.messages import (
+from uwsim.channels.ros.base64_text import PIECE_BYTES, PIECE_CHARACTERS, from_base64, to_base64
+from uwsim.channels.ros.message_out import TYPED_ARRAY_TAGS
+from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.channels.ros.messages import (
     default_message,
     from_bytes,
     from_plain,

@@ -6,7 +6,7 @@ import numpy as np
 
 from uwsim import Simulator
 from uwsim.channels import Table, channels
-from uwsim.channels.cdr import encode
+from uwsim.channels.ros.cdr import encode
 
 
 def test_accelerations_are_the_rates_of_the_velocities_along_the_body_axes() -> None:
@@ -66,7 +66,7 @@ def test_where_the_truth_is_hidden_no_topic_has_it() -> None:
 
     def revealing(truth: bool) -> set[str]:
         said = [channel for channel in Table(sim, truth=truth).channels if channel.direction == "out"]
-        found = {channel.name: bytes(encode(channel.read(sim))) for channel in said if not channel.late}
+        found = {channel.name: bytes(encode(channel.read(sim))) for channel in said if not channel.delivery.late}
         return {
             name
             for name, data in found.items()
@@ -76,3 +76,23 @@ def test_where_the_truth_is_hidden_no_topic_has_it() -> None:
     assert {"tf", "odom", "ground_truth/odom", "propPos", "telemetry"} <= revealing(truth=True)
     assert revealing(truth=False) == set()
     assert {"key", "cmd_vel", "tf", "odom"} <= {channel.name for channel in Table(sim, truth=False).channels}
+
+
+def test_the_published_vehicle_s_gauges_are_exact_through_a_release() -> None:
+    """Docked, falling, splashing and at rest: speed, position and distance are those of its exact sensors."""
+    sim = Simulator("paper", seed=3)
+    telemetry = next(channel for channel in channels(sim) if channel.name == "telemetry")
+    station_m, fastest_m_s = np.asarray(sim.scenario.station.position_m), 0.0
+    for tick in range(60):
+        if tick == 10:
+            sim.rov.release()
+        sim.advance(0.1)
+        message, velocity, position_m = telemetry.read(sim), sim.rov.velocity, sim.rov.pose.position_world_m
+        speed_m_s = float(np.linalg.norm(velocity.linear_body_m_s))
+        fastest_m_s = max(fastest_m_s, speed_m_s)
+        assert abs(message.speed - speed_m_s) < 1e-5, sim.time_s
+        assert abs(message.angular_speed - np.linalg.norm(velocity.angular_body_rad_s)) < 1e-5
+        assert abs(message.distance_to_station - np.linalg.norm(position_m - station_m)) < 1e-4
+        np.testing.assert_allclose(message.position, position_m, atol=1e-9)
+        assert (message.position_std == 0.0).all()
+    assert fastest_m_s > 5.0 and speed_m_s < 0.1

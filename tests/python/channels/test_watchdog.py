@@ -10,7 +10,8 @@ import pytest
 from all_stop_world import scenario
 from uwsim import Simulator
 from uwsim.bridges.bridge import Bridge
-from uwsim.channels import Channel, Table, build
+from uwsim.channels import Channel, Table
+from uwsim.channels.ros import build
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
 
@@ -166,3 +167,14 @@ def test_over_a_modem_the_station_watches_and_sends_the_end() -> None:
     sent = [entry.arguments["topic"] for entry in live.log if entry.name == "link_send"]
     forces_n = [entry.arguments["force_body_n"][0] for entry in live.log if entry.name == "set_wrench"]
     assert sent.count("cmd_wrench") == 2 and forces_n == [100.0, 0.0]
+
+
+def test_a_command_that_is_lost_ends_nothing_aboard(live: LiveSimulator) -> None:
+    table = Table(live.simulator)
+    with Peers(live, table.channels) as peers:
+        peers.say("scout/cmd_vel", twist(0.4))
+        live.command("inject_fault", kind="link", vehicle="scout").result()
+        peers.say("scout/cmd_wrench", wrench(50.0))
+        live.step(80)
+        assert table.steering["scout"].is_flown, "it holds the velocity that it knows"
+        assert live.vehicles["scout"].velocity.linear_body_m_s[0] > 0.1

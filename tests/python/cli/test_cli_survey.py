@@ -57,7 +57,11 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("after_s", [0.01, 0.05, 0.1, 0.3, 0.5, 0.7])
 def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_path: Path) -> None:
-    program = "from uwsim.cli import main; print(flush=True); main()"
+    program = (
+        "from uwsim import cli; install = cli.exit_on_signals\n"
+        "cli.exit_on_signals = lambda: (install(), print(flush=True))\n"
+        "cli.main()"
+    )
     process = subprocess.Popen(
         [sys.executable, "-c", program, "survey", "lake", "--out", str(tmp_path / "out")],
         stdout=subprocess.PIPE,
@@ -65,7 +69,7 @@ def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_p
         text=True,
         preexec_fn=hears_ctrl_c,
     )
-    process.stdout.readline()  # until here, Python's own handler is in force, and its imports may swallow an interrupt
+    process.stdout.readline()  # until main installs its own handler, Python's is in force
     time.sleep(after_s)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=60)

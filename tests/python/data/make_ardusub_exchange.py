@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.base.commands.table import SERVO_FRAMES
+from uwsim.bridges.servo_frames import unpacked
 from uwsim.recording.reader import Recording
-from uwsim.simulator.servo_frames import unpacked
 
 RATE_HZ, SECONDS, MOTORS = 400, 88, 8
 

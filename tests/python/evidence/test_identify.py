@@ -11,8 +11,12 @@ from typer.testing import CliRunner
 from uwsim import Batch, Simulator
 from uwsim.cli.program import app
 from uwsim.evidence.identification import MotionLog, identify, read_log
-from uwsim.evidence.identification.unknowns import parameters_at, unknowns
+from uwsim.evidence.identification.command_times import sampled, segment_of
+from uwsim.evidence.identification.flown import parts_of
+from uwsim.evidence.identification.motion_log import read_mapping
+from uwsim.evidence.identification.unknowns import DELAY, parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
+from uwsim.evidence.validate.identification import covered, true_log
 from uwsim.recording import Recorder
 from uwsim.scenario import VehicleModel, load_vehicle
 
@@ -37,7 +41,7 @@ def flown(
 ) -> tuple[dict[str, float], MotionLog]:
     """Return a vehicle's true values, drawn from the prior, and its log with noise."""
     draw = np.random.default_rng(seed)
-    found = unknowns(model, "body", known=KNOWN)
+    found = unknowns(model, "body", known=(*KNOWN, DELAY))
     z = draw.standard_normal(len(found))
     bare = model.model_copy(update={"sensors": {}, "sonar": None})
     batch = Batch(deep_scenario(bare), n=1, parameters=parameters_at(found, z))
@@ -64,6 +68,35 @@ def test_intervals_contain_the_truth_and_the_noise_is_found(model: VehicleModel)
     np.testing.assert_allclose(found.noise, NOISE, rtol=0.25)
     assert all(found.values[name].is_determined for name in ("mass_kg", "quadratic_damping.surge", "current_m_s.x"))
     assert found.model.mass_kg == pytest.approx(truth["mass_kg"], rel=0.02)
+
+
+@pytest.mark.parametrize("seed", [0, 1], ids=["commands late by a delay", "commands seen in the next row"])
+def test_intervals_contain_the_truth_of_commands_between_the_rows(seed: int, model: VehicleModel) -> None:
+    true = true_log(seed, model, duration_s=8.0)
+    found = identify(true.log, model)
+    inside = covered(found, true.values)
+    assert np.mean(list(inside.values())) >= 0.8  # of up to 30; a log without their times has 5 to 17
+    assert found.values[DELAY].is_determined
+    if seed == 0:
+        assert found.values[DELAY].value == pytest.approx(true.values[DELAY], abs=0.002)
+
+
+def test_changes_between_samples_come_at_times_that_may_shift() -> None:
+    efforts = np.zeros((6, 6))
+    efforts[2:, 0], efforts[4:, 5] = 0.5, -1.0
+    times_s, changed, sds_s = sampled(0.1 * np.arange(6), efforts)
+    np.testing.assert_allclose(times_s, [0.0, 0.15, 0.35])
+    np.testing.assert_allclose(sds_s, [0.0, *[0.1 / np.sqrt(12)] * 2])
+    segment = segment_of(times_s, changed, sds_s, 0.0, 0.5)
+    on_time, all_later, first_later, last_later = segment.efforts(0, np.array([0, 0]), 100).transpose(1, 0, 2)
+    assert [int(np.argmax(on_time[:, axis] != 0)) for axis in (0, 5)] == [30, 70]
+    assert [int(np.argmax(all_later[:, axis] != 0)) for axis in (0, 5)] == [31, 71]
+    assert [int(np.argmax(first_later[:, axis] != 0)) for axis in (0, 5)] == [31, 70]
+    assert [int(np.argmax(last_later[:, axis] != 0)) for axis in (0, 5)] == [30, 71]
+    shifted = segment.efforts(-2, np.array([5, 0]), 100)[:, 0]
+    assert [int(np.argmax(shifted[:, axis] != 0)) for axis in (0, 5)] == [33, 68]
+    exact = segment_of(np.array([0.0, 0.1525]), changed[:2], np.zeros(2), 0.0, 0.5)
+    np.testing.assert_allclose(exact.efforts(0, np.array([], np.int64), 40)[29:33, 0, 0], [0, 0.25, 0.5, 0.5])
 
 
 def test_a_log_without_motion_in_an_axis_says_so(model: VehicleModel) -> None:
@@ -94,13 +127,66 @@ def test_a_table_becomes_a_vehicle_file_and_a_report(model: VehicleModel, tmp_pa
         "What the log does not determine" in (out / "report.md").read_text()
         and (out / "residuals.png").stat().st_size > 0
     )
-    for broken, rule in (("t", "no column 'time'"), ("e0", "no column 'e9'")):
-        text = (tmp_path / "map.yaml").read_text()
-        (tmp_path / "bad.yaml").write_text(
-            text.replace("time_s: t", "time_s: time") if broken == "t" else text.replace("e0", "e9")
-        )
-        refused = CliRunner().invoke(app, [*words, f"--map={tmp_path / 'bad.yaml'}"])
-        assert refused.exit_code != 0 and rule in str(refused.exception)
+
+
+MAP = """time_s: t
+position_m: [px, py, pz]
+orientation_xyzw: [qx, qy, qz, qw]
+effort: [e0, null, null, null, null, null]
+noise: {position: 0.02}
+"""
+ROWS = [f"{0.1 * k:.1f},0,0,-9,0,0,0,1,0.3" for k in range(30)]
+
+
+@pytest.mark.parametrize(
+    ("was", "broken", "rule"),
+    [
+        ("time_s: t", "time_s: time", r"log\.csv: no column 'time'; there are: t, px"),
+        ("e0, null", "e9, null", r"log\.csv: no column 'e9'"),
+        ("e0, null", "null, null", r"map\.yaml:4: effort: must name at least one axis"),
+        ("position: 0.02", "position: -1", r"map\.yaml:5: noise.position = -1: must be in"),
+        ("position: 0.02", "positions: 1", r"map\.yaml:5: .*positions"),
+        ("noise: {", "noise: [", r"map\.yaml:5: not valid YAML"),
+        ("time_s: t", "- t", r"map\.yaml"),
+        ("time_s: t", "time: t", r"map\.yaml:1: time: unknown key; did you mean 'time_s'"),
+        ("\n0.5,", "\ninf,", r"log\.csv:7: t = 'inf': must be a finite number"),
+        ("\n0.5,0,", "\n0.5,inf,", r"log\.csv:7: px = 'inf': must be a finite number"),
+        ("\n0.5,0,", "\n0.5,x,", r"log\.csv:7: px = 'x': must be a finite number"),
+        ("\n0.5,", "\n0.4,", r"log\.csv: time 0.4 s is followed by 0.4 s: times must increase"),
+        ("\n2.9,", "\n1e9,", r"log\.csv: time 2.8 s is followed by 1000000000 s: must be within 3600 s"),
+        ("1,0.3\n0.5", "1,1.3\n0.5", r"log\.csv: effort = 1.3: must be in \[-1, 1\]"),
+        ("1,0.3\n0.5", "1\n0.5", r"log\.csv:6: 8 values: must be 9, one for each column"),
+        ("t,px,", "t,px,px,", r"log\.csv:1: column 'px' is named twice"),
+        ("\n0.5,", '\n0.5,"' + "0" * 200_000, r"log\.csv:7: not CSV"),
+        ("\n0.5,", "\n\0,", r"log\.csv: a binary file"),
+    ],
+)
+def test_a_broken_log_or_mapping_is_refused_with_its_file_line_and_rule(
+    was: str, broken: str, rule: str, tmp_path: Path
+) -> None:
+    for name, text in (("log.csv", "\n".join(["t,px,py,pz,qx,qy,qz,qw,e0", *ROWS, ""])), ("map.yaml", MAP)):
+        (tmp_path / name).write_text(text.replace(was, broken, 1))
+    with pytest.raises(ValueError, match=rule) as refused:
+        read_log(tmp_path / "log.csv", read_mapping(tmp_path / "map.yaml"))
+    assert "\n" not in str(refused.value) and len(str(refused.value)) < 400
+
+
+def test_a_log_with_a_gap_is_simulated_where_it_has_rows(model: VehicleModel, tmp_path: Path) -> None:
+    rows = [*ROWS, *(f"{3000 + 0.1 * k:.1f},5,0,-9,0,0,0,1,0.3" for k in range(30))]
+    (tmp_path / "log.csv").write_text("\n".join(["t,px,py,pz,qx,qy,qz,qw,e0", *rows, ""]))
+    (tmp_path / "map.yaml").write_text(MAP)
+    log = read_log(tmp_path / "log.csv", read_mapping(tmp_path / "map.yaml"))
+    parts = parts_of(log, unknowns=29, segment_s=1.0, most=None)
+    assert [part.start_s for part in parts] == pytest.approx([0.0, 1.0, 2.0, 3000.0, 3001.0, 3002.0], abs=0.11)
+    assert sum(part.steps for part in parts) < 3000  # of 5 ms
+
+
+def test_a_damaged_recording_is_refused_in_one_line(tmp_path: Path) -> None:
+    for name, content in (("a.mcap", b"\x89MCAP0\r\n" + bytes(200)), ("a.bag", b"#ROSBAG V2.0\n" + bytes(200))):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(ValueError, match=rf"{name}: ") as refused:
+            read_log(tmp_path / name)
+        assert "\n" not in str(refused.value)
 
 
 def test_a_recording_of_ours_gives_the_commands_at_their_times(model: VehicleModel, tmp_path: Path) -> None:

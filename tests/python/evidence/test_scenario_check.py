@@ -12,7 +12,7 @@ from uwsim.evidence.scenario_check import check_file, check_part
 from uwsim.scenario import packaged_scenarios
 from uwsim.scenario.new import new_scenario
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.scenario.read.yaml_document import read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.schema import schema
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()
@@ -41,7 +41,7 @@ def test_all_mistakes_come_at_once(tmp_path: Path) -> None:
         "  dock_m: [0, 0, -3]\n": ("  dock_m: [0, 0, -3]\n  mesh: no.obj\n", "station.mesh = 'no.obj': no such file"),
         "sonar: {model: 2": ("sonar: {model: 7", "vehicles[1].sonar.model = 7: must be in [1, 4]"),
         "  bottom_temperature_deg_c: 14": ("  current: {kind: tidal}", "water.current.amplitude_m_s: missing"),
-    }  # fmt: skip
+    }
     more = """  - {kind: gate, name: far, position_m: [0, 90], width_m: 2, height_m: 1}
 vehicles:
   - {name: deep, model: rov, start: {position_m: [0, 0, -30]}}
@@ -117,7 +117,7 @@ def test_packaged_scenarios_have_no_mistakes_and_no_surprises(name: str) -> None
         ("dock_m: [0, 0, -3]", "dock_m: [0, 0, -3]\n  exit_m: [0, 0, -6.9]", "vehicle 'rov' cannot leave the dock"),
         ("vehicles:\n", "vehicles:\n  - {name: two, model: rov, start: {position_m: [-15, -14, -3]}}\n", "1.00 m from"),
     ],
-)  # fmt: skip
+)
 def test_what_may_surprise_is_told(old: str, new: str, warning: str, tmp_path: Path) -> None:
     edited(tmp_path / "cove.yaml", (old, new))
     report = check_file(tmp_path / "cove.yaml")

@@ -90,7 +90,7 @@ def changed_copy(name: str, path: tuple[str | int, ...], factor: float) -> Vehic
     ("name", "law", "path", "factor"),
     [pytest.param(*f, id="-".join(map(str, (f[0], *f[2])))) for f in actuator_figures()],
 )
-def test_an_actuator_figure_five_percent_off_is_a_miss(
+def test_an_actuator_value_five_percent_off_is_a_miss(
     name: str, law: Law, path: tuple[str | int, ...], factor: float
 ) -> None:
     assert any(not check.passed for check in law(name, changed_copy(name, path, factor)))

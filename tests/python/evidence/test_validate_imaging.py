@@ -56,7 +56,7 @@ def test_a_narrow_forward_looking_sonar_passes() -> None:
         {"beam_width_rad": np.radians(1.1)},
     ],
 )
-def test_a_wrong_figure_of_a_forward_looking_sonar_fails(change: dict[str, float]) -> None:
+def test_a_wrong_value_of_a_forward_looking_sonar_fails(change: dict[str, float]) -> None:
     assert worst_db(suite.bed_level_ahead(NARROW, replace(NARROW, **change))) > suite.AHEAD_TOLERANCE_DB
 
 
@@ -70,7 +70,7 @@ def test_a_wrong_figure_of_a_forward_looking_sonar_fails(change: dict[str, float
         {"depression_rad": np.radians(31.5)},
     ],
 )
-def test_a_wrong_figure_of_a_side_scan_sonar_fails(change: dict[str, float]) -> None:
+def test_a_wrong_value_of_a_side_scan_sonar_fails(change: dict[str, float]) -> None:
     assert worst_db(suite.bed_level_aside(SideScan(), replace(SideScan(), **change))) > suite.ASIDE_TOLERANCE_DB
 
 

@@ -11,26 +11,51 @@ from uwsim.evidence.validate import refraction, sonar, sonar_table
 from uwsim.evidence.validate.check import Check
 from uwsim.evidence.validate.sonar_instrument import detection_rate, half_detected_m, half_detected_swath_m
 from uwsim.evidence.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell, acoustics
+from uwsim.scenario.build.multibeam import multibeam_model
+from uwsim.scenario.spec.sonar import load_sonar
 
 
 def misses(checks: list[Check]) -> list[Check]:
     return [check for check in checks if not check.passed]
 
 
-def test_the_figures_of_the_files_agree_with_the_manufacturers_table() -> None:
+def test_the_values_of_the_files_agree_with_the_manufacturers_table() -> None:
     checks = sonar.table_checks()
-    assert len(checks) == len(DEPTH_M) + len(COVERAGE_M) == 28
+    assert (len(DEPTH_M), len(COVERAGE_M)) == (20, 32)
+    assert len(checks) == 20 + 32 + 12
     assert misses(checks) == []
+
+
+def test_the_second_receiver_widens_every_coverage_by_its_tilt_and_not_without_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tilted = Cell(ARRAYS[0], 200, "ocean", receivers=2)
+    single = Cell(ARRAYS[0], 200, "ocean")
+    assert tilted.coverage().width_m / single.coverage().width_m == pytest.approx(980 / 920, rel=0.03)
+    flat = multibeam_model(load_sonar(ARRAYS[0]), 200e3)
+    monkeypatch.setattr(sonar_table, "_packaged_fan", lambda *args: flat)
+    assert tilted.coverage().width_m == pytest.approx(single.coverage().width_m, rel=1e-9)
+    assert misses(sonar.table_checks())
+
+
+@pytest.mark.parametrize("khz", [200, 300, 400])
+def test_physics_mode_gains_by_the_second_receiver_what_its_formula_gains(khz: int) -> None:
+    single, dual = Cell(ARRAYS[0], khz, "ocean"), Cell(ARRAYS[0], khz, "ocean", receivers=2)
+    depth_m = 0.55 * single.depth_m()  # where weak outer beams limit the swath, not the fan
+    expected = dual.swath_m(depth_m) / single.swath_m(depth_m)
+    assert expected > 1.035
+    simulated = half_detected_swath_m(dual, depth_m) / half_detected_swath_m(single, depth_m)
+    assert simulated - 1 == pytest.approx(expected - 1, rel=0.1)
 
 
 @pytest.mark.parametrize("khz", FREQUENCIES_KHZ)
 def test_a_source_level_too_low_by_eight_decibels_misses_the_table(khz: int) -> None:
-    figures = acoustics(ARRAYS[0], khz).figures
-    figures.source_level_db -= 8.0
+    parameters = acoustics(ARRAYS[0], khz).parameters
+    parameters.source_level_db -= 8.0
     try:
         assert any(cell.depth_m() < 0.9 * DEPTH_M[cell] for cell in (Cell(ARRAYS[0], khz, water) for water in WATERS))
     finally:
-        figures.source_level_db += 8.0
+        parameters.source_level_db += 8.0
 
 
 def test_warmer_water_does_not_fit_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,19 +80,19 @@ def test_physics_mode_is_as_wide_as_its_formula() -> None:
 
 def test_physics_mode_is_as_wide_as_its_formula_at_every_frequency() -> None:
     checks = sonar.swath_checks()
-    assert len(checks) == len(FREQUENCIES_KHZ)
+    assert len(checks) == len(FREQUENCIES_KHZ) + 3
     assert misses(checks) == []
 
 
 def test_a_level_off_by_one_and_a_half_decibels_misses_the_swath_at_600_kilohertz() -> None:
     cell = Cell(ARRAYS[0], 600, "ocean")
-    figures = acoustics(cell.array, cell.frequency_khz).figures
+    parameters = acoustics(cell.array, cell.frequency_khz).parameters
     expected_m = cell.swath_m(77.0)
-    figures.source_level_db -= 1.5
+    parameters.source_level_db -= 1.5
     try:
         assert half_detected_swath_m(cell, 77.0) < (1 - sonar.SWATH_TOLERANCE) * expected_m
     finally:
-        figures.source_level_db += 1.5
+        parameters.source_level_db += 1.5
 
 
 def test_the_detection_rate_falls_with_depth() -> None:

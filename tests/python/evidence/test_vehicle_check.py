@@ -50,7 +50,7 @@ def test_packaged_vehicles_are_sound(name: str) -> None:
     assert report.to_dict()["vehicle"]["mass_kg"] == pytest.approx(figures(report).mass_kg)
 
 
-def test_the_sound_vehicle_is_told_of_in_figures(tmp_path: Path) -> None:
+def test_the_report_on_a_sound_vehicle_is_in_numbers(tmp_path: Path) -> None:
     report = checked(tmp_path)
     assert (report.mistakes, report.warnings) == ((), ())
     it = figures(report)
@@ -69,6 +69,15 @@ def test_a_hull_that_cannot_be_built_is_a_mistake_of_the_file(tmp_path: Path) ->
     told = check_part(model, "vehicle").mistakes
     assert len(told) == 1 and "hull.obj" in told[0]
     assert told[0].startswith(str(model))
+
+
+def test_all_missing_keys_are_named_at_once(tmp_path: Path) -> None:
+    absent = ("mesh", "centre_of_mass_m", "linear_damping", "max_force_n", "buoyancy")
+    text = "\n".join(check_part(vehicle_file(tmp_path, without=absent), "vehicle").mistakes)
+    for key in absent[:-1]:
+        assert f"{key}: missing" in text
+    assert "exactly one of mass_kg, density_kg_m3 and buoyancy must be given, not 0" in text
+    assert text.count("\n") == 4
 
 
 @pytest.mark.parametrize(
@@ -161,7 +170,7 @@ def test_mounts_of_sensors(sensors: dict[str, Any], warning: str | None, tmp_pat
         ({"imaging_sonars": {"fls": {"kind": "forward_looking", "position_m": [-0.61, 0, 0]}}}, "imaging_sonars.fls"),
         ({"lamps": {"a": {"flux_lm": 9, "spots": [{"position_m": [0, 0, 9]}]}}}, "lamps.a is 8.65 m away"),
     ],
-)  # fmt: skip
+)
 def test_mounts_of_what_looks(changes: dict[str, Any], warning: str | None, tmp_path: Path) -> None:
     report = checked(tmp_path, **changes)
     assert report.warnings == () if warning is None else warning in only_warning(report), report.warnings
@@ -212,8 +221,10 @@ def test_a_vehicle_without_a_tail_is_warned_of(tmp_path: Path) -> None:
 
 def test_a_tail_at_the_bow_does_not_hold_the_course(tmp_path: Path) -> None:
     at_bow = {"top": {"position_m": [0.73, 0, 0.1]}, "bottom": {"position_m": [0.73, 0, -0.1]}}
-    told = check_part(remus(tmp_path, fins=at_bow), "vehicle").warnings
-    assert len(told) == 1 and "it does not keep its course" in told[0]
+    warnings = check_part(remus(tmp_path, fins=at_bow), "vehicle").warnings
+    assert (
+        len(warnings) == 2 and "without the Munk moment" in warnings[0] and "it does not keep its course" in warnings[1]
+    )
 
 
 def test_ballast_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import pytest
 import uwsim
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.remote.flight import fly_remote
 from uwsim.examples import (
     m01_hello_dive,
     m02_ping_and_plot,
@@ -20,12 +21,11 @@ from uwsim.examples import (
     m11_over_rosbridge,
     m12_learned_policy,
 )
-from uwsim.flight.remote import fly_remote
 from uwsim.live import LiveSimulator
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.station import exit_position
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.simulator.command_gate import FailsafeWarning
+from uwsim.simulator.helm import FailsafeWarning
 
 
 def scenario_of(name: str, *faults: dict, **failsafe: object) -> Scenario:
@@ -181,7 +181,7 @@ def test_the_learned_policy_holds_its_place_with_a_thruster_out_in_a_current_tha
     assert began(sim) == ["current", "thruster"]
 
 
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.command_gate.FailsafeWarning")
+@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.FailsafeWarning")
 def test_a_vehicle_behind_a_rosbridge_surfaces_with_a_leak_and_a_sagging_battery():
     sag, leak = {**SAG, "at_s": 2.0}, {**LEAK, "at_s": 3.0}
     scenario = scenario_of("pool", sag, leak, leak_then="surface", surface_m=1.0)

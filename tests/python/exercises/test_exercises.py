@@ -2,13 +2,17 @@
 
 import json
 import math
+import re
+from pathlib import Path
 
 import pytest
 
 from uwsim.exercises import Exercise, exercise_names, load_exercise
-from uwsim.flight.exercise import fly_exercise
+from uwsim.exercises.flight import fly_exercise
+from uwsim.exercises.goal import GOALS
 from uwsim.missions import dive_to, follow, goto, hold, turn_to, wait
 from uwsim.scenario import ScenarioError
+from uwsim.scenario.schema import schema
 
 
 def hover(vehicle):
@@ -234,3 +238,12 @@ def test_a_path_counts_in_order_and_a_ring_in_its_direction():
 
 def backwards(vehicle):
     yield from goto(vehicle, (-4, 4, -2.5))
+
+
+def test_the_guide_and_the_schema_list_each_kind_of_goal() -> None:
+    guide = (Path(__file__).parents[3] / "docs/guides/exercises.md").read_text()
+    table = guide.partition("| goal |")[2].partition("\n\n")[0]
+    assert re.findall(r"^\| `(\w+)`", table, re.MULTILINE) == list(GOALS.models())
+    definitions = schema("exercise", {"exercise": Exercise})["definitions"]
+    kinds = [definitions[model.__name__]["properties"]["kind"]["const"] for model in GOALS.models().values()]
+    assert kinds == list(GOALS.models())

@@ -119,6 +119,11 @@ def test_the_command_writes_log_track_map_summary_and_report(mission: Path, tmp_
             "def mission(vehicle):\n    vehicle.sensors['sonr'].read()\n    yield\n",
             "m.py:2: rov.sensors['sonr']: must be one of",
         ),
+        (
+            "from uwsim.missions import goto, wait\ndef mission(vehicle):\n    yield wait(1.0)\n"
+            "    goto(vehicle, (0.0, 0.0, -2.0))\n",
+            "m.py:4: goto(...) is made and never run: write `yield from goto(...)`",
+        ),
         ("\0", "m.py: source code string cannot contain null bytes"),
     ],
 )

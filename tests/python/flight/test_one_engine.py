@@ -99,6 +99,5 @@ def test_both_commands_have_the_same_options() -> None:
     """Except for the options that select the mission, the vehicle, and an autopilot, which replaces a survey's."""
     of_run, of_survey = set(inspect.signature(run).parameters), set(inspect.signature(survey).parameters)
     assert of_survey <= of_run
-    autopilot = {name for name in of_run if name.startswith("ardusub")}
-    selects = {"make_map", "vehicle", "argument", "function", "connect", "lockstep", "odometry"}
-    assert of_run - of_survey == selects | autopilot
+    selects = {"make_map", "vehicle", "argument", "function", "connect", "lockstep", "odometry", "autopilots"}
+    assert of_run - of_survey == selects

@@ -11,8 +11,8 @@ from command_line import uwsim as run_uwsim
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle
+from uwsim.bridges.remote.flight import fly_remote
 from uwsim.flight.fly import fly
-from uwsim.flight.remote import fly_remote
 from uwsim.live import LiveSimulator
 from uwsim.missions import dive_to, goto, run, wait
 

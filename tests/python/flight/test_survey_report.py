@@ -129,7 +129,7 @@ def texts(page: str) -> str:
     return " ".join(" ".join(ElementTree.fromstring(page).itertext()).split())
 
 
-def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(record, surveyed):
+def test_the_report_is_well_formed_and_shows_every_key_value_and_picture(record, surveyed):
     flown, figures, page, _ = surveyed
     shown = texts(page)
     for name, value in key_figures(flown):
@@ -222,7 +222,7 @@ def test_the_same_survey_gives_the_same_bytes(world, record, surveyed, tmp_path)
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
 
 
-def test_the_table_shows_the_same_key_figures(surveyed, tmp_path):
+def test_the_table_shows_the_same_key_values(surveyed, tmp_path):
     flown = surveyed[0]
     console = Console(width=100, record=True, file=(tmp_path / "terminal").open("w"))
     console.print(summary_table(dataclasses.replace(flown, scenario="[red]lake[/red]")))

@@ -12,6 +12,7 @@ import pytest
 
 from command_line import start_survey, wait_for
 from uwsim import Simulator
+from uwsim.base.atomic_file import write_atomically
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.record import DONE, FlightRecord
@@ -135,7 +136,7 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
 
 @pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])
 def test_results_of_an_earlier_survey_are_removed(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_bytes(b"of an earlier survey")
+    write_atomically(tmp_path / name, b"of an earlier survey")
     run_survey("pool", tmp_path, mission_time_s=1.0)  # results are skipped, see no_results
     assert not (tmp_path / name).exists()
 

@@ -108,6 +108,6 @@ def test_differences_are_taken_over_beams_with_both_echoes() -> None:
         ("vertical_fov_rad", 3.2),
     ],
 )
-def test_a_bad_figure_is_named(sim: SimpleNamespace, field: str, value: object) -> None:
+def test_a_bad_value_is_named(sim: SimpleNamespace, field: str, value: object) -> None:
     with pytest.raises(ValueError, match="horizontal_fov" if field == "field_of_view_rad" else field):
         ranges_m(sim, np.eye(4), [0.0], method(**{field: value}))

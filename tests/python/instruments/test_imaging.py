@@ -214,7 +214,7 @@ def test_an_invalid_pose_is_refused(pose: np.ndarray) -> None:
         ("rays_per_column", 10**6),
     ],
 )
-def test_a_bad_figure_is_named(field: str, value: object) -> None:
+def test_a_bad_value_is_named(field: str, value: object) -> None:
     with pytest.raises(ValueError, match=rf"sonar\.{field}"):
         imaging.look_ahead(basin(), HEAD, replace(LOOK, **{field: value}))
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from channel_tools import chain, table
 from uwsim import Simulator
-from uwsim.channels import build
+from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator, replay
 from uwsim.scenario.build.camera import mount_orientation_xyzw
 

@@ -83,7 +83,7 @@ def test_a_channel_offers_it_with_the_samples_of_the_ping(seep: Simulator) -> No
     levels = np.asarray(message.image.data).view("<f4").reshape(len(message.ranges), message.image.beam_count)
     assert np.array_equal(levels.T, ping.water_column)  # type: ignore[attr-defined]
     assert message.ping_info.sound_speed > 1400.0  # at the head
-    assert channel.on_request and channel.type == "marine_acoustic_msgs/msg/ProjectedSonarImage"
+    assert channel.delivery.on_request and channel.type == "marine_acoustic_msgs/msg/ProjectedSonarImage"
 
 
 def test_a_scenario_without_it_has_no_such_channel() -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import fnmatch
 import re
+from concurrent.futures import Future
 
 from docs_pages import page_named
-from uwsim.base.commands import COMMANDS, TRIGGER
+from uwsim.base.commands import COMMANDS, SET_BOOL
 from uwsim.bridges.foxglove.shows import shows_of
 from uwsim.channels import Channel, Table
-from uwsim.channels.feed import Feed
-from uwsim.channels.outgoing import Outgoing
+from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.delivery.outgoing import Outgoing
 from uwsim.channels.served import served_table
 from uwsim.link import Carrier
 from uwsim.link.carried import carried_channels
@@ -32,7 +33,7 @@ REQUESTS = {
     "set_wrench": {"force_body_n": [1.0, 0.0, 0.0]}, "set_thrusters": {"commands": {}}, "set_fins": {"angles_rad": {}},
     "hold": {"heading": True},
 }  # fmt: skip
-"""Requests for command services whose arguments are not just `data`."""
+"""Requests for command services that require arguments, or do nothing without."""
 
 
 def table() -> list[str]:
@@ -89,21 +90,20 @@ def test_every_order_to_a_vehicle_by_service_is_a_message_of_the_link() -> None:
         assert {"release", "undock", "dock", "override_failsafe", "all_stop"} <= {one.name for one in orders}
         for order in orders:
             before = given(sim)
-            request = REQUESTS.get(order.name) or ({} if order.type == TRIGGER else {"data": True})
-            assert order.call(live, request)["success"], order.name
+            request = REQUESTS.get(order.name) or ({"data": True} if order.type == SET_BOOL else {})
+            found = order.call(live, request)
+            assert (found.result() if isinstance(found, Future) else found)["success"], order.name
             assert given(sim) == before + 1 and not sim.rov.released, order.name
 
 
 def test_the_pilot_s_hands_and_commands_at_the_station_are_messages_of_the_link() -> None:
     sim = Simulator("lake", link="tether")
-    station = Station(is_fixed=True)
-    station.node = Node()
     with LiveSimulator(sim, paused=True) as live:
-        running = Running(live, station.node, lambda: None, wire="both", origin="world", truth=True)
+        running = Running(live, Node(), lambda: None, wire="both", origin="world", truth=True)
         running.carrier.start()
-        running.helm.drive({"vehicle": "rov", "surge": 0.5}).result()
+        running.pilot.drive({"vehicle": "rov", "surge": 0.5}).result()
         assert given(sim) == 1 and not any(sim.rov.effort)
-        running.helm.all_stop({"vehicle": "rov"}).result()
+        running.pilot.all_stop({"vehicle": "rov"}).result()
         assert given(sim) == 2 and not sim.rov.all_stopped
         for name in sorted(CARRIED & {"release", "undock", "dock"}):
             before = given(sim)

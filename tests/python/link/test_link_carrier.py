@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.channels import Table, build, channels
-from uwsim.channels.cdr import encode
+from uwsim.channels import Table, channels
 from uwsim.channels.channel import Channel
-from uwsim.channels.published import join
+from uwsim.channels.families.published import join
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import encode
 from uwsim.link import Carrier
 from uwsim.link.carried import carried_channels
 from uwsim.link.packing import PACKINGS
@@ -162,8 +163,8 @@ def test_packings_keep_what_their_quanta_say() -> None:
     def carried(name: str) -> tuple[object, object, int]:
         channel = table[name]
         message = channel.read(sim)
-        payload = PACKINGS[channel.packing].pack(message)
-        return message, PACKINGS[channel.packing].unpack(payload, channel), len(payload)
+        payload = PACKINGS[channel.over_link.packing].pack(message)
+        return message, PACKINGS[channel.over_link.packing].unpack(payload, channel), len(payload)
 
     before, after, size = carried("propPos")
     assert size == 20

@@ -64,7 +64,7 @@ def test_what_is_sent_fits_into_the_modem_s_time() -> None:
     for name in ("s2cm_hs", "micromodem"):
         modem = load_modem(name)
         rates = send_rates(said, sizes, modem, "tdma", 2)
-        pictures = {one.channel.name for one in said if one.channel.priority == 4}
+        pictures = {one.channel.name for one in said if one.priority == 4}
         busy = sum(rate * airtime_s(modem, "tdma", 40) for name, rate in rates.items() if name not in pictures)
         assert busy <= airtime_share(modem, "tdma", 2)
         assert "stateData" in rates

@@ -83,7 +83,7 @@ def test_a_packet_is_received_by_all_arrivals_however_often_they_bounce_and_turn
     spec = _core.LinkSpec()
     spec.modem = modem_spec(load_modem("micromodem"))
     spec.set_bottom(*BOTTOMS["silt"])
-    heard = _core.LinkWater(spec, water).hear(_core.RayScene(world), (0.0, 0.0, -46.9), (1889.0, 0.0, -11.3))
+    heard = _core.LinkWater(spec, water).receive(_core.RayScene(world), (0.0, 0.0, -46.9), (1889.0, 0.0, -11.3))
     alpha = _core.absorption_db_km(spec.modem.frequency_hz, 8.0, 0.0, 50.0)
     found = arrivals(
         [(0, 1480), (100, 1530)], 46.9, 11.3, 1889.0, "silt",
@@ -107,7 +107,7 @@ def test_a_ridge_blocks_the_rays_below_its_top(top_m: float, bounces: int | None
     heights = np.full((401, 401), -40.0, np.float32)
     heights[:, 195:206] = top_m
     world.set_terrain(heights, 1.0, (-200.0, -200.0))
-    heard = _core.LinkWater(spec, water).hear(_core.RayScene(world), (-100.0, -20.0, -10.0), (100.0, 40.0, -10.0))
+    heard = _core.LinkWater(spec, water).receive(_core.RayScene(world), (-100.0, -20.0, -10.0), (100.0, 40.0, -10.0))
     assert heard.reached == (bounces is not None)
     if bounces is not None:
         assert heard.delay_s == pytest.approx(np.hypot(np.hypot(200.0, 60.0), 20.0 * bounces) / 1480.0, rel=1e-4)
@@ -213,7 +213,7 @@ def test_a_bed_that_is_not_flat_is_reported() -> None:
         world = _core.World()
         heights = -40.0 + slope * np.linspace(-500.0, 500.0, 101, dtype=np.float32)
         world.set_terrain(np.tile(heights, (101, 1)).astype(np.float32), 10.0, (-500.0, -500.0))
-        return heard_in.hear(_core.RayScene(world), *ends)
+        return heard_in.receive(_core.RayScene(world), *ends)
 
     assert departure(0.0).bed_departure == pytest.approx(0.0, abs=1e-6)
     assert departure(0.1).bed_departure == pytest.approx(0.25, rel=1e-3)
@@ -261,7 +261,7 @@ def _file(folder, text: str) -> str:
     return str(path)
 
 
-def test_a_modem_s_figures_reach_the_core() -> None:
+def test_a_modem_s_values_reach_the_core() -> None:
     """Every parameter of a modem changes something in the core's specification."""
     modem = load_modem("s2cm_hs")
     figures = set(ModemModel.model_fields) - {"name", "description", "kind", "latency_s"}

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.link.table import link_rows
 from uwsim.scenario import load
 from uwsim.scenario.spec.link import LinkFault, LinkSetup
+from uwsim.simulator.link_traffic import link_rows
 
 TOPIC = "ranging/usbl"
 

@@ -132,7 +132,8 @@ def test_batch_is_inserted_whole_or_not_at_all(points, counts, origins, rule):
     assert occupancy_map.statistics().nodes == 0
 
 
-def test_the_bench_measures_every_case(tmp_path):
+def test_the_bench_measures_every_case(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(BENCH.parent)
     spec = importlib.util.spec_from_file_location("bench_mapping", BENCH)
     bench = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = bench  # dataclasses look their module up in sys.modules

@@ -51,7 +51,7 @@ def test_any_other_text_raises_a_value_error(text):
     ("model", "beams", "fov_deg", "range_m", "limit_m"),
     [(1, 513, 85, 95, 94.9), (2, 513, 85, 55, 54.9), (3, 1025, 170, 95, 94.9), (4, 1025, 170, 55, 54.9)],
 )
-def test_every_link_uses_the_models_figures(model, beams, fov_deg, range_m, limit_m):
+def test_every_link_uses_the_models_values(model, beams, fov_deg, range_m, limit_m):
     text = ranging.encode_depth_string(np.full(beams, np.inf), model)
     assert text == beams * f"{range_m}a"
     scan = ranging.to_laser_scan(ranging.decode_depth_string(text, model), model)

@@ -12,7 +12,7 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.remote import LockstepClock, RemoteConnection, RemoteVehicle
 from uwsim.live import LiveSimulator
 from uwsim.missions import OwnVehicle, StoppedError, aim_to, drive, run, wait
-from uwsim.simulator.command_gate import IdleAxisWarning
+from uwsim.simulator.helm import IdleAxisWarning
 from vehicle_files import OPEN_WATER
 
 

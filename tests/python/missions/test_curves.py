@@ -9,11 +9,9 @@ import uwsim
 from uwsim.missions.planners.curves import dubins_path, fly_through, spline_path
 
 POINTS_M = np.array([[0, 0, -2], [12, 0, -3], [12, 9, -4], [-3, 6, -2]], float)
-WITHOUT_OMPL = "a Dubins path needs OMPL, an optional part"
 
 
 def test_a_dubins_path_turns_no_tighter_than_its_radius() -> None:
-    pytest.importorskip("ompl", reason=WITHOUT_OMPL)
     radius_m, step_m = 2.5, 0.05
     path = dubins_path(POINTS_M, radius_m, 0.5 * math.pi, step_m)
     steps = np.diff(path[:, :2], axis=0)
@@ -27,7 +25,6 @@ def test_a_dubins_path_turns_no_tighter_than_its_radius() -> None:
 
 
 def test_two_points_in_line_are_joined_by_a_straight_line_and_a_turn_back_is_longer() -> None:
-    pytest.importorskip("ompl", reason=WITHOUT_OMPL)
     ahead, back = (dubins_path([[0, 0], [8, 0]], 2.0, heading, 0.1) for heading in (0.0, math.pi))
     assert np.abs(ahead[:, 1]).max() < 1e-6
     lengths = [np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in (ahead, back)]
@@ -43,8 +40,6 @@ def test_a_spline_passes_through_its_points_and_reproduces_a_cubic() -> None:
 
 @pytest.mark.parametrize("curve", ["dubins", "spline"])
 def test_a_vehicle_flies_through_the_waypoints(curve: str) -> None:
-    if curve == "dubins":
-        pytest.importorskip("ompl", reason=WITHOUT_OMPL)
     waypoints = [(3.0, 3.0, -2.5), (-2.0, 4.0, -2.0), (-3.0, -4.0, -2.5)]
 
     def mission(vehicle):
@@ -73,11 +68,7 @@ def test_a_vehicle_stops_before_what_is_in_the_way_of_its_curve() -> None:
 
 @pytest.mark.parametrize(
     ("points", "radius_m", "match"),
-    [
-        ([[0, 0]], 1.0, "n at least 2"),
-        ([[0, 0], [0, 0]], 1.0, "coincide"),
-        ([[0, 0], [1, 1]], 0.0, "must be positive"),
-    ],
+    [([[0, 0]], 1.0, "n at least 2"), ([[0, 0], [0, 0]], 1.0, "coincide"), ([[0, 0], [1, 1]], 0.0, "must be positive")],
 )
 def test_what_is_no_path_is_refused(points, radius_m, match) -> None:
     with pytest.raises(ValueError, match=match):

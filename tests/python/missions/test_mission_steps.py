@@ -1,6 +1,7 @@
 """Missions as generators: time passes at each yield, steps compose, and repeated flights are identical bit for bit."""
 
 import math
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -26,6 +27,7 @@ from uwsim.missions import (
     until,
     wait,
 )
+from uwsim.missions.own_vehicle import TiltWarning
 
 
 class Clock:
@@ -231,18 +233,83 @@ def test_a_way_that_is_blocked_ends_the_mission() -> None:
     ("step", "words"),
     [
         (lambda v: goto(v, (1.0, 2.0)), "must be finite and of shape"),
+        (lambda v: goto(v, (0.0, 0.0, 3.0)), "z must be at most 0 m, the mean water surface"),
         (lambda v: goto(v, (1.0, 2.0, math.nan)), "must be finite"),
+        (lambda v: goto(v, (500.0, 0.0, -3.0)), r"must be above the terrain, which reaches from x = -\S+ to \S+ m"),
+        (lambda v: follow(v, [(1.0, 2.0, -3.0), (0.0, -500.0, -3.0)]), "must be above the terrain"),
         (lambda v: goto(v, (1.0, 2.0, -3.0), speed_m_s=0.0), "speed_m_s = 0.0 m/s: must be positive"),
         (lambda v: goto(v, (1.0, 2.0), altitude_m=-1.0), "altitude_m = -1.0 m: must be positive"),
         (lambda v: follow(v, [(1.0, 2.0, -3.0)]), "n at least 2"),
         (lambda v: hold(v, -1.0), "must be positive"),
     ],
 )
-def test_moves_refuse_bad_figures(step, words: str) -> None:
+def test_moves_refuse_bad_values(step, words: str) -> None:
     sim = Simulator("pool")
     sim.rov.release()
     with pytest.raises(ValueError, match=words):
         next(step(OwnVehicle(sim.rov, sim)))
+
+
+def test_a_target_is_over_the_terrain_up_to_its_edge() -> None:
+    rov = Simulator("pool").rov
+    edge = rov.beyond_terrain(1e6, 0.0)
+    assert edge is not None
+    x_m = float(edge.split(" to ")[1].split()[0])
+    assert rov.beyond_terrain(x_m, 0.0) is None and rov.beyond_terrain(x_m + 1e-3, 0.0) == edge
+
+
+class Remote:
+    """A vehicle as `uwsim.missions.Vehicle` documents it, which is no OwnVehicle: it reaches its targets at once."""
+
+    def __init__(self) -> None:
+        self.name, self.time_s, self.sensors, self.all_stopped, self.released = "remote", 0.0, {}, False, True
+        self.estimate, self.pose, self.velocity = self, self._pose(0.0), None
+
+    @staticmethod
+    def _pose(x_m: float, upright: float = 1.0) -> SimpleNamespace:
+        matrix = np.eye(4)
+        matrix[2, 2] = upright
+        return SimpleNamespace(position_world_m=np.array([x_m, 0.0, -3.0]), world_from_body=matrix, yaw_rad=0.0)
+
+    def telemetry(self) -> SimpleNamespace:
+        return SimpleNamespace(battery_percent=50.0)
+
+
+def test_goto_takes_any_vehicle_of_the_documented_protocol() -> None:
+    """Far beyond any terrain, which a remote vehicle does not know."""
+    remote = Remote()
+    assert list(goto(remote, (0.2, 0.0, -3.0), within_m=0.5)) == []
+    with pytest.raises(ValueError, match="z must be at most"):
+        next(goto(remote, (5000.0, 0.0, 1.0)))
+
+
+def test_a_lasting_tilt_is_warned_of_once() -> None:
+    """At 40 degrees: after 10 s, not after 9 s, and not again; an upright moment restarts the count."""
+    remote, heard = Remote(), []
+    own = OwnVehicle(remote, remote, hear=heard.append)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for time_s, tilt_deg in ((0.0, 40.0), (9.0, 40.0), (9.5, 20.0), (10.0, 40.0), (19.0, 40.0)):
+            remote.time_s = time_s
+            own.watch_tilt(math.cos(math.radians(tilt_deg)))
+        remote.time_s = 20.0
+        with pytest.raises(TiltWarning, match="'remote': has been tilted by more than 30 deg for 10 s, now by 40 deg"):
+            own.watch_tilt(math.cos(math.radians(40.0)))
+        remote.time_s = 60.0
+        own.watch_tilt(math.cos(math.radians(40.0)))
+    assert [(event.name, event.values) for event in heard] == [("tilted", {"tilt_deg": 40.0, "duration_s": 10.0})]
+
+
+def test_a_mission_watches_the_tilt() -> None:
+    """Placed on its side, at 40 degrees, in every period."""
+    sim = Simulator("pool")
+    sim.rov.release()
+    own = OwnVehicle(sim.rov, sim)
+    heeled = [math.sin(math.radians(20.0)), 0.0, 0.0, math.cos(math.radians(20.0))]
+    with pytest.warns(TiltWarning, match="'rov'"):
+        for pause in hold(own, 12.0):
+            sim.wait(pause.duration_s)
+            sim.rov.place([0.0, 0.0, -2.0], heeled)
 
 
 def test_the_lawn_mower_flies_as_a_step_as_it_does_alone() -> None:

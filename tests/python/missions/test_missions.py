@@ -82,7 +82,7 @@ def test_the_autopilot_holds_heading_height_and_velocity() -> None:
 
 
 @pytest.mark.parametrize("model", ["rov", "bluerov2_heavy", "bluerov2_wu", "bluerov2_tank"])
-@pytest.mark.filterwarnings("error::uwsim.simulator.command_gate.IdleAxisWarning")
+@pytest.mark.filterwarnings("error::uwsim.simulator.helm.IdleAxisWarning")
 def test_the_autopilot_holds_every_packaged_vehicle_still(model: str, tmp_path: Path) -> None:
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace("model: rov", f"model: {model}")
     (tmp_path / "pool.yaml").write_text(text)
@@ -220,7 +220,7 @@ def test_a_vehicle_without_the_sensors_that_the_mission_needs_is_refused() -> No
         sensors = {}  # noqa: RUF012
 
     vehicle = Blind()
-    with pytest.raises(ValueError, match="no sensor 'altitude'"):
+    with pytest.raises(ValueError, match="no sensor of kind 'altitude'"):
         AdaptiveLawnMower(vehicle, vehicle, PLAN)
 
 

@@ -8,7 +8,7 @@ import pytest
 import uwsim
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
-from uwsim.flight.remote import fly_remote
+from uwsim.bridges.remote.flight import fly_remote
 from uwsim.live import LiveSimulator
 from uwsim.missions import StoppedError
 from uwsim.missions.planners.cells import Cells, nearest

@@ -1,11 +1,16 @@
 """The navigation filter compared with the truth, and inputs that must not affect it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator
 from uwsim.navigation.estimation import Navigator, Start
+from uwsim.navigation.estimation.aids import AIDS, Surroundings
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.read.assets import assets_folder
 
 WALK = np.random.default_rng(4).uniform(-0.4, 0.4, (40, 6)) * [1.0, 1.0, 0.3, 0.1, 0.1, 1.0]
 
@@ -128,3 +133,99 @@ def test_moving_the_vehicle_by_hand_starts_it_anew() -> None:
     assert np.linalg.norm(errors(sim)[:3]) < 0.5
     sim.reset()
     assert np.linalg.norm(errors(sim)[:3]) < 0.5
+
+
+WAVES = {"kind": "airy", "amplitude_m": 0.25, "period_s": 5.0}
+
+
+def lagoon(surface: dict[str, object], sensors: dict[str, object] | None = None) -> Simulator:
+    """Return a simulator of the lagoon with this surface, its vehicle free and neutral at 3 m."""
+    scenario = load("lagoon")
+    plain = {key: getattr(scenario, key) for key in type(scenario).model_fields}
+    plain["water"] = {**scenario.water.model_dump(), "surface": surface}
+    start = {"position_m": [0.0, 0.0, -3.0]}
+    vehicle = {"name": "rov", "model": "bluerov2_heavy", "trim": {"net_buoyancy_n": 0.0}, "start": start}
+    plain["vehicles"] = [vehicle]
+    return Simulator(Scenario.model_validate(plain, context={"folder": assets_folder() / "scenarios"}), seed=1)
+
+
+@pytest.mark.parametrize("amplitude_m, period_s", [(0.1, 5.0), (0.25, 5.0), (0.25, 10.0), (0.1, 3.0)])
+def test_the_pressure_of_waves_does_not_move_the_estimate(amplitude_m: float, period_s: float) -> None:
+    sim = lagoon({"kind": "airy", "amplitude_m": amplitude_m, "period_s": period_s})
+    _ = sim.rov.estimate
+    for _ in range(60):
+        sim.advance(1.0)
+        error = errors(sim)
+        assert np.linalg.norm(error[3:6]) < 0.1 and np.linalg.norm(error[:3]) < 0.3, sim.time_s
+    assert all(rejected == 0 for _, rejected in sim.rov.estimate.counts.values())
+
+
+def test_a_sea_that_rises_beyond_what_was_expected_is_learned() -> None:
+    """A filter that expects still water meets waves of 0.5 m height: its gates recover, and it goes on."""
+    sim = lagoon(WAVES)
+    start = Start(tuple(sim.rov.pose.position_world_m), 0.1, (0.0, 0.0, 0.0), 0.05)
+    station_m, density_kg_m3 = sim.scenario.station.position_m, float(sim.world.water.density_at_kg_m3(0.0))
+    estimate = Navigator(sim.rov, start, density_kg_m3=density_kg_m3, wave_std_m=0.0, station_world_m=station_m)
+    sim.advance(15.0)
+    rejected = estimate.counts["depth"][1]
+    for _ in range(45):
+        sim.advance(1.0)
+        error = errors(sim, estimate)
+        assert np.linalg.norm(error[3:6]) < 0.1 and np.linalg.norm(error[:3]) < 0.3, sim.time_s
+    assert estimate.counts["depth"][1] == rejected
+
+
+def test_still_water_is_as_well_known_as_before() -> None:
+    sim = lagoon({"kind": "still"})
+    _ = sim.rov.estimate
+    sim.advance(60.0)
+    assert abs(errors(sim)[5]) < 0.004 and abs(errors(sim)[2]) < 0.05
+
+
+def test_a_vehicle_at_rest_is_not_surer_of_its_range_than_its_rounding_permits() -> None:
+    sim = lagoon({"kind": "still"})
+    sim.parameters["rov.sensors.usbl.channels.range.quantum"] = 1.0
+    estimate = sim.rov.estimate
+    sim.advance(60.0)
+    line = sim.rov.pose.position_world_m - np.asarray(sim.scenario.station.position_m)
+    line /= np.linalg.norm(line)
+    error, std = line @ errors(sim)[:3], float(np.sqrt(line @ estimate.covariance[:3, :3] @ line))
+    assert abs(error) < 3.0 * std
+
+
+def test_a_docked_vehicle_stays_where_the_dock_holds_it() -> None:
+    sim = Simulator("paper", seed=3)
+    estimate = sim.rov.estimate
+    sim.advance(60.0)
+    assert (estimate.position_std_m < 0.11).all() and np.abs(errors(sim)).max() < 0.01
+    state = sim.save_state()
+    other = Simulator("paper", seed=3)
+    other.restore_state(state)
+    for one in (sim, other):
+        one.advance(30.0)
+    assert (sim.rov.estimate.covariance == other.rov.estimate.covariance).all()
+
+
+def test_a_dry_gauge_is_not_a_depth() -> None:
+    """The vehicle falls from its dock, 4 m above the water: 0 m of water over the gauge is not a depth of 0 m."""
+    sim = Simulator("paper", seed=3)
+    estimate = sim.rov.estimate
+    sim.advance(20.0)
+    sim.rov.release()
+    for _ in range(40):
+        sim.advance(0.1)
+        error = errors(sim)
+        assert np.linalg.norm(error[3:6]) < 0.15 and np.linalg.norm(error[:3]) < 0.15, sim.time_s
+        std = np.sqrt(np.diagonal(estimate.covariance)[:6])
+        assert (np.abs(error[:6]) < 5.0 * std + 0.05).all(), sim.time_s
+    assert estimate.counts["depth"][1] == 0
+
+
+def test_a_fix_from_a_reflected_ray_above_the_water_is_not_a_position() -> None:
+    sim = undocked()
+    flown(sim, 9.0, look=0.5)
+    aid, sensor = AIDS["usbl"], sim.rov.sensors["usbl"]
+    around = Surroundings(np.zeros(3), np.zeros(3), 9.8, 1000.0, 0.1)
+    readings = np.array([[20.0, 0.0, -5.0, 20.6, 0.0, 0.0], [20.0, 0.0, 60.0, 63.2, 0.0, 0.0]])
+    samples = SimpleNamespace(valid=np.array([True, True]), readings=readings)
+    assert aid.readings(sensor, samples, around)[0].tolist() == [True, False]

@@ -2,21 +2,12 @@
 
 import json
 
-import pytest
-
-from browser import chromium, desk, shows, until, when
+from browser import desk, judge, shows, until, when
 from client_socket import connect
-from test_station_page import judge
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 
 AHEAD = {"position": {"x": 1.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0}}
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
 
 
 def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(browser, tmp_path):

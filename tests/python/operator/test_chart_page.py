@@ -7,23 +7,13 @@ import numpy as np
 import pytest
 
 import uwsim
-from browser import chromium, desk, shows, until, when
-from test_station_page import judge
+from browser import judge, shows, until, when
 
 DRAWN = [(-3.0, 3.0), (2.0, 3.0), (2.0, -3.0)]
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory):
-    with chromium() as browser, desk(browser, tmp_path_factory.mktemp("chart"), "pool") as found:
-        found.station.present().live.rov.undock()
-        yield found
-
-
-@pytest.fixture(scope="module")
-def page(here):
-    page = here.fly(viewport={"width": 1440, "height": 900})
-    when(page, "station.station.isPilot")
+def page(page):
     page.evaluate("station.views.enlarge('chart')")
     when(page, "station.chart.frame.scale > 5")
     return page
@@ -48,7 +38,7 @@ def test_a_plan_is_drawn_saved_and_flown(here, page, tmp_path: Path):
     np.testing.assert_allclose(drawn[:, 2], -2.0)
     page.fill("[aria-label='Name of the plan']", "square")
     page.click(".chart-tools >> text=Save")
-    path = here.station.folder / "square.py"
+    path = here.station.sessions.folder / "square.py"
     until(path.exists, "the file")
     saved = runpy.run_path(str(path))
     np.testing.assert_allclose(saved["POINTS_WORLD_M"], drawn, atol=1e-3)

@@ -1,53 +1,104 @@
-"""An exercise at the station: a person flies it in a real browser, sees the score, and loads the sheet."""
+"""An exercise at the station: a person flies it in a real browser, begins, sees the score, and loads the sheet."""
 
 import json
 from pathlib import Path
 
 import pytest
 
-from browser import Desk, chromium, until, when
-from test_station_page import judge
-from uwsim.bridges import RosbridgeServer
+from browser import exercise_desk, judge, shows, until, when
 from uwsim.exercises import load_exercise
-from uwsim.operator.station import Site, Station
+
+NOT_VALID = "Not valid: the world was changed by the program that runs the simulator"
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("exercise")
-    station = Station(is_fixed=True, truth=False, folder=folder)
+def here(browser, tmp_path_factory):
     short = load_exercise("hover").model_copy(update={"time_s": 30.0})
-    with (
-        chromium() as browser,
-        RosbridgeServer(None, guests=[station], site=Site(station)) as server,
-        station.serving(server.show),
-    ):
-        station.run_exercise(short)
-        yield Desk(browser, station, server)
-        for context in list(browser.contexts):
-            context.close()
+    with exercise_desk(browser, tmp_path_factory.mktemp("exercise"), short) as found:
+        yield found
 
 
-def test_the_score_follows_the_flight_and_the_sheet_comes_at_the_end(here, tmp_path: Path):
-    page = here.fly(viewport={"width": 1440, "height": 900})
+@pytest.fixture(scope="module")
+def page(here):
+    return here.fly(viewport={"width": 1440, "height": 900})
+
+
+def test_time_stands_still_until_the_pilot_presses_begin(here, page, tmp_path: Path):
     live = here.station.present().live
-    when(page, "document.querySelector('#exercise') && !document.querySelector('#exercise').hidden")
-    until(lambda: "0 of 100 points" in page.inner_text("#exercise"), "the score")
-    live.command("place", vehicle="rov", position_world_m=[0.0, 0.0, -2.5]).result()
-    until(lambda: "20 / 20" in page.inner_text("#exercise"), "the first goal")
+    shows(page, "#exercise", "Time stands still until you begin.")
+    shows(page, "#exercise", "0 of 100 points")
+    page.keyboard.press("KeyW")
+    shows(page, "#hint", "press Begin")
+    judge(page, "waiting")
+    page.screenshot(path=tmp_path / "before-begin.png")
+    assert live.paused and live.tick == 0
+    assert page.is_disabled("#pause") and page.is_disabled("#speed") and page.is_hidden("#inspect")
+    page.click(".exercise-begin")
+    until(lambda: live.tick > 0, "time")
+    when(page, "!station.station.state.paused")
+    until(lambda: page.is_hidden(".exercise-begin"), "no button")
+
+
+def test_an_aid_that_the_exercise_does_not_allow_is_refused_and_the_reason_shown(here, page, tmp_path: Path):
+    shows(page, "#exercise", "No aids are allowed.")
+    page.click("#hold-depth")
+    shows(page, "#toast", "hold: refused: the exercise does not allow this aid")
+    page.screenshot(path=tmp_path / "refused-aid.png")
+    holds = here.rov.holds
+    assert holds is not None and not holds.has_control
+
+
+def test_a_restart_leaves_a_sheet_and_waits_for_begin(here, page, tmp_path: Path):
+    live = here.station.present().live
+    page.click("#menu")
+    page.click("text=Restart from the beginning")
+    until(lambda: live.paused and live.tick == 0, "a restart")
+    until(lambda: (here.station.sessions.folder / "sheet-1/sheet.html").is_file(), "the broken-off attempt's sheet")
+    score = json.loads((here.station.sessions.folder / "sheet-1/score.json").read_text())
+    assert score["ended_because"] == "broken off: the exercise was restarted"
+    assert score["attempt"] == 1 and score["time_s"] > 0 and score["is_valid"] and not score["has_passed"]
+    shows(page, "#exercise", "Time stands still until you begin.")
+
+
+def test_a_changed_world_makes_the_score_not_valid_and_the_sheet_says_so(here, page, tmp_path: Path):
+    live = here.station.present().live
+    page.click(".exercise-begin")
+    until(lambda: live.tick > 0, "time")
+    with live.privileged():
+        live.command("place", vehicle="rov", position_world_m=[0.0, 0.0, -2.5]).result()
+    shows(page, "#exercise", "20 / 20")
+    shows(page, "#exercise", NOT_VALID)
     judge(page, "exercise")
-    page.screenshot(path=tmp_path / "under-way.png")
-    live.speed = 20.0
-    page.wait_for_selector("#exercise >> text=Not passed: the time is over")
+    page.screenshot(path=tmp_path / "running.png")
+    with live.privileged():
+        live.speed = 20.0
+    page.wait_for_selector("#exercise >> text=Ended: the time is over")
     page.wait_for_selector(".exercise-sheet:not([hidden])")
     with page.expect_download() as loaded:
         page.click(".exercise-sheet")
-    assert "<h1>Hover</h1>" in Path(loaded.value.path()).read_text()
-    score = json.loads((here.station.folder / "sheet-1/score.json").read_text())
-    assert score["goals"][0]["share"] == 1.0 and not score["has_passed"]
+    sheet = Path(loaded.value.path()).read_text()
+    assert "<h1>Hover</h1>" in sheet and NOT_VALID in sheet and "place: " in sheet
+    score = json.loads((here.station.sessions.folder / "sheet-2/score.json").read_text())
+    assert score["attempt"] == 2 and not score["is_valid"] and not score["has_passed"]
+    assert score["goals"][0]["share"] == 1.0
+    assert [act["changed"] for act in score["outside_acts"]] == [True]
     page.screenshot(path=tmp_path / "over.png")
-    here.station.present().live.reset()
-    until(
-        lambda: "left" in page.inner_text("#exercise") and "Not passed" not in page.inner_text("#exercise"), "a restart"
-    )
+    shown = here.browser.new_page()
+    shown.goto((here.station.sessions.folder / "sheet-2/sheet.html").as_uri())
+    shown.screenshot(path=tmp_path / "sheet.png", full_page=True)
+
+
+def test_a_jump_in_time_ends_an_attempt_too(here, page):
+    live = here.station.present().live
+    with live.privileged():
+        live.reset()
+    shows(page, "#exercise", "Time stands still until you begin.")
+    page.click(".exercise-begin")
+    until(lambda: live.tick > 20, "time")
+    with live.privileged():
+        live.reset()
+    until(lambda: (here.station.sessions.folder / "sheet-3/score.json").is_file(), "a sheet")
+    score = json.loads((here.station.sessions.folder / "sheet-3/score.json").read_text())
+    assert score["ended_because"] == "broken off: time was set back" and score["time_s"] > 0
+    until(lambda: live.paused, "rest")
     assert not here.complaints

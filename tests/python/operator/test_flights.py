@@ -1,6 +1,8 @@
 """Flights at the station: recorded unasked, found again, replayed as a session that only its time line commands."""
 
+import errno
 import json
+import os
 import re
 import shutil
 import threading
@@ -12,12 +14,15 @@ import pytest
 from browser import until
 from flown import fly
 from station_pages import get, page, serving
+from uwsim.live import LiveSimulator
 from uwsim.operator.station import flights as kept
 from uwsim.operator.station.flights import Bounds, Flights
-from uwsim.recording import Recording
+from uwsim.recording import Recorder, Recording, queue
+from uwsim.recording.mcap_sink import McapSink
 from uwsim.recording.timeline import Timeline
 
 KEEP = Bounds(5)
+HEAD_BYTES = 50_000  # less than what precedes the first message
 
 
 def names(server) -> list[str]:
@@ -64,21 +69,30 @@ def test_a_flight_is_recorded_unasked_and_listed_by_the_next_server(tmp_path: Pa
         assert (first["scenario"], first["refused"], first["branched_from"]) == ("pool", "", "")
         assert first["duration_s"] > 1.4 and first["size_bytes"] > 10_000 and second["begun"] >= first["begun"]
         for each in (first, second):
-            line = station.flights.timeline(each["name"])
+            line = station.sessions.flights.timeline(each["name"])
             assert line.events[0].text == "undock rov"
 
 
-def test_only_the_newest_within_the_bounds_are_kept(flown: Path, tmp_path: Path):
-    size = flown.stat().st_size
+@pytest.fixture(scope="module")
+def unasked(tmp_path_factory) -> Path:
+    """A short flight as the station records it."""
+    return fly(tmp_path_factory.mktemp("unasked") / "run.mcap", end_s=1.0, notes=kept.RECORDED_BY)
+
+
+def test_only_the_newest_within_the_bounds_are_kept(unasked: Path, tmp_path: Path, caplog):
+    size = unasked.stat().st_size
     for bounds, left in ((Bounds(3), 3), (Bounds(9, 2 * size + 10), 2), (Bounds(0), 0), (Bounds(9), 6)):
         folder = tmp_path / f"{bounds.count}-{bounds.size_bytes}"
         folder.mkdir()
         for k in range(6):
-            shutil.copy(flown, folder / f"2026010{k}-000000-pool.mcap")
+            shutil.copy(unasked, folder / f"2026010{k}-000000-pool.mcap")
         other = folder / "notes.txt"
         other.write_text("not ours")
         found = Flights(folder, bounds)
+        caplog.clear()
         found.make_room()
+        lines = [record.getMessage() for record in caplog.records]
+        assert len(lines) == 6 - left and all(f"2026010{k}" in line for k, line in enumerate(lines))
         assert [each["name"][7] for each in found.listed()] == list("543210")[:left]
         assert other.exists()
         if left == 3:
@@ -87,6 +101,95 @@ def test_only_the_newest_within_the_bounds_are_kept(flown: Path, tmp_path: Path)
         with pytest.raises(ValueError, match=why):
             Bounds.of(text)
     assert Bounds.of("7,30") == Bounds(7, 30_000_000)
+
+
+def test_only_recordings_that_the_station_made_unasked_are_deleted(flown: Path, unasked: Path, tmp_path: Path, caplog):
+    for k in range(20):
+        (tmp_path / f"2019-my-lake-{k:02d}.mcap").write_bytes(b"from another program")
+        shutil.copy(flown, tmp_path / f"20190101-0000{k:02d}-pool.mcap")  # ours, but made with a Recorder
+    foreign = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    for k in range(5):
+        shutil.copy(unasked, tmp_path / f"zzz-{k}.mcap")
+    (tmp_path / "1-cut.mcap").write_bytes(unasked.read_bytes()[:-100])  # after a kill
+    found = Flights(tmp_path, Bounds(3))
+    found.make_room()
+    left = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    assert foreign.items() <= left.items()
+    assert len(left) == len(foreign) + 3  # the others count towards no bound
+    assert len(caplog.records) == 3 and "1-cut.mcap is deleted: at most 3 flights" in caplog.records[0].getMessage()
+    found.bounds = Bounds(0)
+    found.make_room()
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == foreign
+
+
+def test_a_flight_that_another_station_records_is_not_deleted(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(queue, "FLUSH_S", 0.1)
+    path = tmp_path / "20260101-000000-pool.mcap"
+    with LiveSimulator("pool") as live, Recorder(live, path, notes=kept.RECORDED_BY, is_light=True):
+        until(lambda: path.stat().st_size and Recording(path).end_tick is not None, "a chunk")
+        found = Flights(tmp_path, Bounds(0))  # of another process, with the same folder
+        found.make_room()
+        assert path.exists()
+    found.make_room()
+    assert not path.exists()
+
+
+def test_what_a_kill_left_is_listed_with_its_end_and_replayed_to_there(tmp_path: Path, monkeypatch):
+    """A kill -9 of a station leaves whole chunks, and then the beginning of another one."""
+    monkeypatch.setattr(queue, "FLUSH_S", 0.2)
+    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
+        ada.call("start", scenario="pool", seed=7)
+        ada.call("take_control")
+        ada.call("command", name="undock", vehicle="rov")
+        assert ada.call("command", name="set_lamp", vehicle="rov", args={"lamp": "front", "on": True})["success"]
+        live = station.present().live
+        until(lambda: live.tick > 400, "two seconds")
+        (growing,) = (tmp_path / "flights").iterdir()
+        left = growing.read_bytes()[:-7]
+    growing.unlink()
+    name = "20260101-000000-pool.mcap"
+    (tmp_path / "flights" / name).write_bytes(left)
+    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
+        (flight,) = ada.call("catalog")["flights"]
+        assert (flight["scenario"], flight["cut_off"], flight["refused"]) == ("pool", True, "")
+        assert 1.0 < flight["duration_s"] <= 2.2 and flight["begun"].startswith("20")
+        assert ada.call("start", flight=name, speed=0)["success"]
+        replay = ada.call("describe")["replay"]
+        assert replay["end_s"] - replay["start_s"] == pytest.approx(flight["duration_s"])
+        assert [event["text"] for event in replay["events"]] == ["undock rov", "set lamp rov: lamp front, on True"]
+        live = station.present().live
+        until(lambda: live.paused and live.tick * 0.005 == pytest.approx(replay["end_s"]), "the end")
+        ada.call("take_control")
+        assert ada.call("control", action="helm")["success"]
+
+
+def test_a_write_error_is_in_the_state_at_once(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(kept, "CHECK_S", 0.2)
+    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
+        ada.subscribe("/station/state")
+        ada.call("start", scenario="pool")
+        assert ada.call("describe")["is_recorded"]
+        ada.call("take_control")
+        ada.call("command", name="undock", vehicle="rov")
+        state = ada.message("/station/state", lambda state: state["flight"])
+        assert state["flight_trouble"] == ""
+        (path,) = (tmp_path / "flights").iterdir()
+        until(lambda: Recording(path).end_tick is not None, "a chunk")
+
+        def full(*arguments):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(McapSink, "write", full)
+        state = ada.message("/station/state", lambda state: state["flight_trouble"])
+        assert "No space left on device" in state["flight_trouble"] and state["flight"] == ""
+        monkeypatch.undo()
+        until(lambda: station.sessions.flights.growing is None, "the end of the recording")
+        state = ada.message("/station/state", lambda state: state["flight_trouble"])
+        assert "No space left on device" in state["flight_trouble"] and state["flight"] == ""
+        assert station.present().live.error is None and not station.present().live.paused  # the flight goes on
+        (flight,) = ada.call("catalog")["flights"]
+        assert flight["cut_off"] and flight["refused"] == ""
+        station.sessions.flights.timeline(flight["name"])
 
 
 def test_a_flight_that_alone_exceeds_the_bound_ends_its_recording_and_says_so(tmp_path: Path, monkeypatch):
@@ -165,7 +268,7 @@ def test_a_replay_is_a_session_that_takes_no_commands_until_the_helm_is_taken(fo
         ada.call("control", action="quit")
         branch, _ = ada.call("catalog")["flights"]
         assert name in branch["branched_from"]
-        assert station.flights.timeline(branch["name"]).start_tick >= 600
+        assert station.sessions.flights.timeline(branch["name"]).start_tick >= 600
 
 
 def test_the_ghost_of_a_branch_leaves_its_parent_where_the_helm_was_taken(folder: Path, flown: Path):
@@ -187,7 +290,7 @@ def test_the_ghost_of_a_branch_leaves_its_parent_where_the_helm_was_taken(folder
 def test_what_was_cut_edited_or_made_by_others_is_refused_in_one_line(folder: Path, flown: Path, monkeypatch):
     whole = flown.read_bytes()
     place = folder / "flights"
-    (place / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    (place / "cut.mcap").write_bytes(whole[:HEAD_BYTES])
     flipped = bytearray(whole)
     flipped[len(whole) // 2] ^= 4
     (place / "flipped.mcap").write_bytes(flipped)
@@ -198,9 +301,10 @@ def test_what_was_cut_edited_or_made_by_others_is_refused_in_one_line(folder: Pa
     with serving(folder, keep_flights=KEEP) as (station, server), page(server) as ada:
         listed = {each["name"]: each["refused"] for each in ada.call("catalog")["flights"]}
         assert set(listed) == {flown.name, "cut.mcap", "flipped.mcap", "empty.mcap", "text.mcap"}
-        assert all("is cut off" in listed[name] for name in ("cut.mcap", "empty.mcap", "text.mcap"))
+        assert listed["cut.mcap"] == "recording 'cut.mcap': is cut off before its first message"
+        assert all("was not written by uwsim" in listed[name] for name in ("empty.mcap", "text.mcap"))
         for name, why in (
-            ("cut.mcap", "cut off"),
+            ("cut.mcap", "cut off before its first message"),
             ("flipped.mcap", "checksum|damaged"),
             ("text.mcap", "not written by uwsim"),
             ("../flights/" + flown.name, "must be one of those listed"),
@@ -210,7 +314,7 @@ def test_what_was_cut_edited_or_made_by_others_is_refused_in_one_line(folder: Pa
             answer = ada.call("start", flight=name)
             line = answer["errors"]["flight"]
             assert re.search(why, line) and "\n" not in line and str(folder) not in line, line
-        assert station.phase == "idle" and station.running is None
+        assert station.sessions.phase == "idle" and station.sessions.running is None
         again = {each["name"]: each["refused"] for each in ada.call("catalog")["flights"]}
         assert re.search("checksum|damaged", again["flipped.mcap"])  # remembered
         assert ada.call("start", flight=flown.name, seed=3)["errors"] == {"seed": "is as it was recorded"}

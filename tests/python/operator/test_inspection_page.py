@@ -11,28 +11,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from browser import chromium, desk, until, when
-from test_station_page import judge
+from browser import judge, until, when
 
+START_M = [2.0, 1.0, -2.0]
 BAND = slice(540, 600)
 COMMENT_INK = (255, 209, 102)
-
-
-@pytest.fixture(scope="module")
-def here(tmp_path_factory):
-    with chromium() as browser, desk(browser, tmp_path_factory.mktemp("inspection"), "pool") as found:
-        live = found.station.present().live
-        live.rov.undock()
-        live.command("place", vehicle="rov", position_world_m=[2.0, 1.0, -2.0]).result()
-        yield found
-    assert not found.complaints
-
-
-@pytest.fixture(scope="module")
-def page(here):
-    page = here.fly(viewport={"width": 1440, "height": 1000})
-    when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
-    return page
 
 
 def inked(frame) -> int:
@@ -126,7 +109,7 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
     assert "2. Debris" in items[0] and "1. Defect: Crack <b>in</b> the weld" in items[1]
     first = page.evaluate("station.inspection.notes[0]")
     np.testing.assert_allclose(first["position_m"], [2.0, 1.0, -2.0], atol=0.5)
-    assert (here.station.folder / first["picture"]).is_file()
+    assert (here.station.sessions.folder / first["picture"]).is_file()
     when(page, "station.scene.marks.count === 2")
     judge(page, "inspection")
     page.screenshot(path=tmp_path / "panel.png")

@@ -1,22 +1,6 @@
 """The inspector on the station's page: parameters are found, changed, refused and reset."""
 
-import pytest
-
-from browser import chromium, desk, shows, until, when
-from test_station_page import judge
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture
-def running(browser, tmp_path):
-    """A desk with a running simulator."""
-    with desk(browser, tmp_path, "pool") as found:
-        yield found
+from browser import judge, shows, until, when
 
 
 def test_the_inspector_finds_changes_and_resets_parameters(running):

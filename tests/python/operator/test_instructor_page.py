@@ -6,28 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from browser import Desk, chromium, until, when
-from test_station_page import judge
-from uwsim.bridges import RosbridgeServer
+from browser import exercise_desk, judge, until, when
 from uwsim.exercises import load_exercise
-from uwsim.operator.station import Site, Station
 
 TOKEN = "a-secret-of-18-byte"
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory):
+def here(browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp("instructor")
-    station = Station(is_fixed=True, truth=False, folder=folder, instructor_token=TOKEN)
-    with (
-        chromium() as browser,
-        RosbridgeServer(None, guests=[station], site=Site(station)) as server,
-        station.serving(server.show),
-    ):
-        station.run_exercise(load_exercise("hover"))
-        yield Desk(browser, station, server)
-        for context in list(browser.contexts):
-            context.close()
+    with exercise_desk(browser, folder, load_exercise("hover"), instructor_token=TOKEN) as found:
+        yield found
 
 
 @pytest.fixture(scope="module")
@@ -58,8 +47,9 @@ def call(page, service, **args):
 
 def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instructor, tmp_path: Path):
     sim = here.station.present().live.simulator
-    instructor.select_option("[aria-label=Fault]", "sensor_stuck")
-    instructor.select_option("[aria-label=Part]", "depth")
+    instructor.select_option("[aria-label=Fault]", "sensor")
+    instructor.select_option("[aria-label=sensor]", "depth")
+    instructor.select_option("[aria-label=mode]", "stuck")
     instructor.click("text=Let it fail")
     until(lambda: sim.faults.active, "a fault")
     instructor.wait_for_selector("text=End sensor")
@@ -87,6 +77,7 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
         ("station/instruct", {"action": "pause"}),
         ("station/overview", {}),
         ("station/parameters", {}),
+        ("station/fault_kinds", {}),
         ("station/supervise", {"token": "a-secret-of-18-bytes"}),
         ("station/command", {"name": "inject_fault", "args": {"kind": "sonar"}}),
         ("station/command", {"name": "set_parameter", "args": {"name": "mission_time_s", "value": 9999}}),
@@ -103,10 +94,13 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
 def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor):
     running = here.station.present()
     live, course = running.live, running.judged.course
+    trainee.click(".exercise-begin")
+    until(lambda: live.tick > 0, "the beginning")
     instructor.click("text=Save this moment")
     instructor.wait_for_selector("text=Return to moment 1")
-    saved_s = here.station.instructor.moments[0].time_s
-    live.command("place", vehicle="rov", position_world_m=[0.0, 0.0, -2.5]).result()
+    saved_s = here.station.present().moments[0].time_s
+    with live.privileged():
+        live.command("place", vehicle="rov", position_world_m=[0.0, 0.0, -2.5]).result()
     until(lambda: course.state()["goals"][0]["share"] == 1.0, "a goal")
     instructor.click("text=Pause >> nth=0")
     when(trainee, "station.station.state.paused")
@@ -117,9 +111,12 @@ def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor)
     assert abs(1e-9 * live.time_ns - saved_s) < 0.1 and course.time_s == pytest.approx(saved_s, abs=0.1)
     instructor.click("text=Resume >> nth=0")
     when(trainee, "!station.station.state.paused")
-    log = [json.loads(line) for line in (here.station.folder / "instructor-log.jsonl").read_text().splitlines()]
+    log = [
+        json.loads(line) for line in (here.station.sessions.folder / "instructor-log.jsonl").read_text().splitlines()
+    ]
     actions = [entry["action"] for entry in log]
     assert actions[-4:] == ["save_moment", "pause", "return_to", "resume"]
+    assert not course.state()["is_valid"], "the instructor returned to a moment"
     assert log[0]["args"]["args"] == {"kind": "sensor", "sensor": "depth", "mode": "stuck"}
     assert "inject_fault" in [entry.name for entry in live.log]
 

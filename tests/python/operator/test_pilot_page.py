@@ -2,30 +2,7 @@
 
 from pathlib import Path
 
-import pytest
-
-from browser import chromium, desk, shows, until, when
-from test_station_page import judge
-
-
-@pytest.fixture(scope="module")
-def here(tmp_path_factory):
-    with chromium() as browser, desk(browser, tmp_path_factory.mktemp("pilot"), "pool") as found:
-        found.station.present().live.rov.undock()
-        yield found
-
-
-@pytest.fixture(scope="module")
-def page(here):
-    page = here.fly(viewport={"width": 1440, "height": 900})
-    when(page, "station.station.isPilot")
-    return page
-
-
-@pytest.fixture(autouse=True)
-def nothing_complains(here):
-    yield
-    assert not here.complaints
+from browser import judge, shows, until, when
 
 
 def test_keys_and_buttons_hold_and_a_lost_sensor_is_shown(here, page, tmp_path: Path):

@@ -1,27 +1,55 @@
 """Replay in a real browser: fly, find the flight, scrub, look elsewhere, take the helm, and compare two flights."""
 
+import errno
+import os
 import shutil
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from browser import chromium, desk, shows, until, when
+from browser import desk, judge, shows, until, when
 from flown import fly
-from test_station_page import judge
 from uwsim.operator.station.flights import Bounds
+from uwsim.recording import Recording
+from uwsim.recording.mcap_sink import McapSink
 
 KEEP = Bounds(10)
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
-
-
 def slide_to(slider, time_s: float) -> None:
     slider.evaluate("(slider, to) => { slider.value = to; slider.dispatchEvent(new Event('input')); }", time_s)
+
+
+def test_the_lamp_is_red_when_the_flight_is_not_recorded(browser, tmp_path: Path, monkeypatch):
+    with desk(browser, tmp_path, keep_flights=KEEP) as here:
+        page = here.open()
+        page.wait_for_selector("#field-scenario")
+        page.click("button[type=submit]")
+        when(page, "station.station.isPilot && station.telemetry.message")
+        page.keyboard.press("y")
+        until(lambda: here.rov.released, "the vehicle in free water")
+        page.wait_for_selector("#rec:not(.is-off) >> text=/^REC$/")
+        (path,) = (tmp_path / "flights").iterdir()
+        assert path.name in page.get_attribute("#rec", "title")
+        green = page.evaluate("getComputedStyle(document.getElementById('rec')).backgroundColor")
+        until(lambda: Recording(path).end_tick is not None, "a chunk")
+
+        def full(*arguments):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(McapSink, "write", full)
+        page.wait_for_selector("#rec.is-off >> text=NO REC")
+        assert "No space left on device" in page.get_attribute("#rec", "title")
+        assert page.evaluate("getComputedStyle(document.getElementById('rec')).backgroundColor") != green
+        judge(page, "a flight that is not recorded")
+        monkeypatch.undo()
+        page.keyboard.press("Escape")
+        page.click("text=Quit to the start screen")
+        page.wait_for_selector("#flights li button:not(:disabled)")
+        shows(page, "#flights li", "cut off at 0:")
+        page.click("#flights li button")
+        page.wait_for_selector("#timeline:not([hidden])")
+        assert page.is_hidden("#rec")  # a replay is not recorded, and need not be
 
 
 def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Path):
@@ -125,7 +153,7 @@ def test_a_flight_that_was_cut_is_refused_in_one_line_and_a_restarted_server_lis
     folder = tmp_path / "flights"
     folder.mkdir()
     whole = fly(folder / "20260102-000000-pool.mcap", end_s=2.0).read_bytes()
-    (folder / "20260103-000000-pool.mcap").write_bytes(whole[: len(whole) // 2])
+    (folder / "20260103-000000-pool.mcap").write_bytes(whole[: len(whole) // 10])  # in its first chunk
     flipped = bytearray(whole)
     flipped[len(whole) // 2] ^= 1
     (folder / "20260104-000000-pool.mcap").write_bytes(flipped)
@@ -137,7 +165,7 @@ def test_a_flight_that_was_cut_is_refused_in_one_line_and_a_restarted_server_lis
             assert "is cut off" in cut.inner_text() and cut.locator("button").is_disabled()
             edited = page.locator("[data-flight^='20260104']")
             edited.locator("button").click()
-            until(lambda edited=edited: "checksum" in edited.inner_text(), "why it is refused")
+            until(lambda edited=edited: "damaged" in edited.inner_text(), "why it is refused")
             assert page.is_visible("#start")
             judge(page, "refused flights")
             page.screenshot(path=tmp_path / "refused.png", full_page=True)

@@ -5,27 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from browser import chromium, desk, until, when
-from test_station_page import judge
+from browser import judge, until, when
 
+START_M = [-2.5, 0.0, -4.2]
 FACE_M = 2.5  # east of the pool's middle: the near face of its box
 EYE_M = 0.56  # the sonar's head, ahead of the vehicle's middle
-
-
-@pytest.fixture(scope="module")
-def here(tmp_path_factory):
-    with chromium() as browser, desk(browser, tmp_path_factory.mktemp("sonar"), "pool") as found:
-        live = found.station.present().live
-        live.rov.undock()
-        live.command("place", vehicle="rov", position_world_m=[-2.5, 0.0, -4.2]).result()
-        yield found
-
-
-@pytest.fixture(scope="module")
-def page(here):
-    page = here.fly(viewport={"width": 1440, "height": 900})
-    when(page, "station.station.isPilot")
-    return page
 
 
 def enlarge(page, name):

@@ -76,8 +76,8 @@ def test_one_flies_and_the_other_watches_until_the_controls_are_handed_over(pool
             assert "Ada has the controls" in bob.call(call, **args)["message"], call
         assert ada.call("drive", vehicle="rov", surge=0.5)["success"]
         assert ada.call("hand_over", to=bob.id)["success"]
-        station.running.live.read(lambda sim: None).result()
-        assert not station.running.live.rov.effort.any()
+        station.present().live.read(lambda sim: None).result()
+        assert not station.present().live.rov.effort.any()
         assert bob.call("drive", vehicle="rov", surge=0.25)["success"]
         assert not ada.call("drive", vehicle="rov", surge=1.0)["success"]
 
@@ -87,7 +87,7 @@ def test_one_hand_at_a_time_and_all_see_whose_it_is():
     ahead = {"position": {"x": 1.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0}}
     with serving() as (station, server), page(server, "Ada") as ada, page(server, "a program") as other:
         station.start({"scenario": "pool"})
-        live = station.running.live
+        live = station.present().live
 
         def ask(service, **args):
             other.send("call_service", service=service, args=args, id=service)
@@ -120,7 +120,7 @@ def test_one_hand_at_a_time_and_all_see_whose_it_is():
 
 def test_a_lost_connection_ends_the_efforts_and_frees_the_controls(pool):
     station, server = pool
-    live = station.running.live
+    live = station.present().live
     with page(server, "Bob") as bob:
         bob.subscribe("/station/state")
         with page(server, "Ada") as ada:
@@ -167,7 +167,7 @@ def test_what_a_pilot_flew_replays_to_the_same_bytes():
             assert ada.call("drive", vehicle="rov", surge=0.1 * k, yaw=-0.5)["success"]
             time.sleep(0.05)
         ada.call("command", name="set_lamp", vehicle="rov", args={"lamp": "front", "on": True})
-        live = station.running.live
+        live = station.present().live
         until(lambda: not live.rov.effort.any(), "zero, without commands")
         ada.call("control", action="pause")
         surges = [entry.arguments["surge"] for entry in live.log if entry.name == "set_effort"]
@@ -198,7 +198,7 @@ def test_views_are_made_while_somebody_looks_and_stop_at_the_credit(pool):
         for topic in (view["topic"], view["small_topic"]):
             ada.send("unsubscribe", topic=topic)
         ada.call("describe")
-        large = station.running.views.views["front"].large
+        large = station.present().views.views["front"].large
 
         def is_idle():
             rendered = large.due_s
@@ -227,7 +227,7 @@ def test_a_flight_is_recorded_and_replays(tmp_path):
         assert ada.message("/station/state", lambda state: state["recording"])["recording"] == "dive.mcap"
         ada.call("command", name="release", vehicle="rov")
         ada.call("drive", vehicle="rov", surge=0.5, heave=-0.2)
-        live = station.running.live
+        live = station.present().live
         until(lambda: not live.rov.effort.any(), "zero, after the silence")
         until(lambda: live.time_ns > 3e9, "some messages")
         assert ada.call("control", action="stop_recording")["success"]
@@ -242,12 +242,12 @@ def test_a_saved_session_goes_on(tmp_path):
         ada.call("take_control")
         ada.call("command", name="release", vehicle="rov")
         ada.call("drive", vehicle="rov", surge=0.3, heave=-0.2)
-        live = station.running.live
+        live = station.present().live
         until(lambda: not live.rov.effort.any(), "zero, without commands")
         ada.call("control", action="pause")  # nothing changes it from now on
         ada.call("control", action="save", name="dive")
-        sim = station.running.live.simulator
-        tick, state, voxels = sim.tick, sim.save_state(), len(station.running.maps["rov"].points()[0])
+        sim = station.present().live.simulator
+        tick, state, voxels = sim.tick, sim.save_state(), len(station.present().maps["rov"].points()[0])
         ada.call("control", action="quit")
         assert ada.call("catalog")["saves"] == ["dive"]
         assert (
@@ -264,7 +264,7 @@ def test_a_saved_session_goes_on(tmp_path):
             patch.setattr(LiveSimulator, "__init__", note)
             assert ada.call("start", saved="dive", speed=0.1)["success"]  # later views may free some voxels
         assert found == [(tick, state)]
-        assert station.running.live.simulator.seed == 5
+        assert station.present().live.simulator.seed == 5
         ada.subscribe("/map_changes")
         assert len(ada.message("/map_changes")["cells"]) >= 0.9 * voxels
 
@@ -276,9 +276,9 @@ def test_a_simulator_that_has_ended_leaves_nothing_behind():
         gone = []
         for _ in range(2):
             station.start({"scenario": "pool"})
-            gone.append(ref(station.running.live.simulator))
+            gone.append(ref(station.present().live.simulator))
             ada.message("/scan")
-        station.quit()
+        station.sessions.quit()
         deadline = time.monotonic() + PATIENCE_S
         while any(simulator() is not None for simulator in gone):
             assert time.monotonic() < deadline

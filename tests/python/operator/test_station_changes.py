@@ -1,36 +1,39 @@
 """Changes at a station: simulators prepared before Start, pilots whose network fails, parameter updates to pages."""
 
 import time
+from pathlib import Path
 
+import pytest
 from websockets.sync.client import connect
 
 from browser import until
 from station_pages import PATIENCE_S, Page, page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
+from uwsim.operator.station.control import new_path
 
 
 def test_start_finds_the_simulator_that_was_checked_ready():
     with serving() as (station, server), page(server) as ada:
         assert ada.call("check", scenario="pool", seed=4)["success"]
         deadline = time.monotonic() + PATIENCE_S
-        while not station.prepared._made.done():
+        while not station.sessions.prepared._made.done():
             assert time.monotonic() < deadline
             time.sleep(0.01)
-        ready = station.prepared._made.result()
+        ready = station.sessions.prepared._made.result()
         assert ada.call("start", scenario="pool", seed=4)["success"]
-        assert station.running.live.simulator is ready and station.prepared._made is None
+        assert station.present().live.simulator is ready and station.sessions.prepared._made is None
         ada.call("check", scenario="pool", seed=5)
-        assert station.prepared._made is None  # no second simulator is prepared while one runs
+        assert station.sessions.prepared._made is None  # no second simulator is prepared while one runs
 
 
 def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
     with serving() as (station, server):
         with page(server) as ada:
             ada.call("check", scenario="pool")
-            assert station.prepared._made is not None
+            assert station.sessions.prepared._made is not None
         deadline = time.monotonic() + PATIENCE_S
-        while station.prepared._made is not None:
+        while station.sessions.prepared._made is not None:
             assert time.monotonic() < deadline
             time.sleep(0.01)
 
@@ -48,9 +51,9 @@ def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
         bob.subscribe("/station/state")
 
         def answers_pings():  # one a second; she sends no commands
-            before_s = station.node.silence_s(ada.id)
+            before_s = station.sessions.node.silence_s(ada.id)
             time.sleep(0.05)
-            return station.node.silence_s(ada.id) < before_s
+            return station.sessions.node.silence_s(ada.id) < before_s
 
         until(answers_pings, "her reply to a ping")
         assert bob.message("/station/state", lambda s: s["pilot"] == ada.id and s["pilot_silence"] == 0.0)
@@ -75,9 +78,16 @@ def test_a_fixed_station_offers_no_start_screen_and_its_description_follows_para
         assert before["is_fixed"] and "quit" not in before["controls"] and "restart" in before["controls"]
         ada.call("take_control")
         assert "must be one of" in ada.call("control", action="quit")["message"]
-        live = station.running.live
+        live = station.present().live
         live.call(lambda sim: sim.parameters.update({"rov.sonar.range_max_m": 12.0})).result()
         ada.message("/station/state", lambda state: state["edition"] > before["edition"])
         after = ada.call("describe")
         assert after["session"] == before["session"]
         assert (before["vehicles"][0]["sonar"]["range_m"] != 12.0) and after["vehicles"][0]["sonar"]["range_m"] == 12.0
+
+
+@pytest.mark.parametrize("name", ["numpy", "numpy.py", "json", "uwsim"])
+def test_a_saved_plan_hides_no_module(tmp_path: Path, name: str):
+    with pytest.raises(ValueError, match="a Python module has this name, which the file would hide"):
+        new_path(tmp_path, {"name": name}, "plan", ".py")
+    assert new_path(tmp_path, {"name": "my_plan"}, "plan", ".py") == tmp_path / "my_plan.py"

@@ -1,21 +1,24 @@
 """The pilot's controls: who holds them, the age of commands, and the reaction to silence."""
 
+from typing import Any
+
 import pytest
 
 from uwsim import Simulator
 from uwsim.channels.table import Table
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.helm import Helm, LeastDelay
 from uwsim.operator.station.lease import Lease
+from uwsim.operator.station.pilot import LeastDelay, Pilot
+from uwsim.simulator import helm as rules
 
 
 def test_one_has_the_controls_and_hands_them_over():
     lease = Lease()
     for client in "abc":
         lease.join(client, f"pilot {client}")
-    lease.take("a", 0.0)
+    lease.request("a", 0.0)
     with pytest.raises(ValueError, match="pilot a has the controls"):
-        lease.take("b", 0.0)
+        lease.request("b", 0.0)
     assert (lease.pilot, lease.asking) == ("a", ["b"])
     with pytest.raises(ValueError, match="pilot a"):
         lease.hand_over("b", "c")
@@ -28,7 +31,7 @@ def test_one_has_the_controls_and_hands_them_over():
     with pytest.raises(ValueError, match="nobody has the controls"):
         lease.require_pilot("c")
     with pytest.raises(ValueError, match="join first"):
-        lease.take("a", 0.0)
+        lease.request("a", 0.0)
     for name in ("", " ", "x" * 41, "a\nb", None):
         with pytest.raises(ValueError, match="printable"):
             lease.join("a", name)
@@ -37,16 +40,16 @@ def test_one_has_the_controls_and_hands_them_over():
 def test_a_name_asks_the_pilot_no_more_than_twice_a_minute_whatever_its_connections():
     lease = Lease()
     lease.join("a", "Ada")
-    lease.take("a", 0.0)
+    lease.request("a", 0.0)
     for k in range(5):
         lease.join(f"b{k}", "Bob")
         with pytest.raises(ValueError, match="your wish is shown there" if k == 0 else f"ask again in {30 - k} s"):
-            lease.take(f"b{k}", float(k))
+            lease.request(f"b{k}", float(k))
         assert lease.asking == (["b0"] if k == 0 else [])
         lease.leave(f"b{k}")
     lease.join("b9", "Bob")
     with pytest.raises(ValueError, match="your wish is shown there"):
-        lease.take("b9", 30.0)
+        lease.request("b9", 30.0)
     assert lease.asking == ["b9"]
 
 
@@ -70,7 +73,7 @@ def flight():
     now = [100.0]
     with LiveSimulator(sim, paused=True) as live:
         live.rov.release()
-        yield live, Helm(live, Table(sim).steering, clock=lambda: now[0]), now
+        yield live, Pilot(live, Table(sim).steering, clock=lambda: now[0]), now
 
 
 def given(live):
@@ -129,7 +132,7 @@ def test_what_is_no_effort_is_refused_and_another_pilot_begins_with_zero(flight)
         with pytest.raises(ValueError, match=next(iter(wrong))):
             helm.drive({"vehicle": "rov", **wrong})
     drive(helm, now, surge=0.5)
-    helm.let_go()
+    helm.release()
     live.read(lambda sim: None).result()
     assert not live.rov.effort.any()
     assert drive([helm][0], [now[0] - 5000.0], surge=0.2)["success"]  # from a different clock
@@ -139,7 +142,7 @@ def test_a_speed_hold_lasts_as_long_as_the_pilot_is_there_and_other_holds_stay()
     now_s = [0.0]
     with LiveSimulator(Simulator("pool", seed=3), paused=True, speed="max") as live:
         live.rov.undock()
-        helm = Helm(live, Table(live.simulator).steering, clock=lambda: now_s[0])
+        helm = Pilot(live, Table(live.simulator).steering, clock=lambda: now_s[0])
         asked = {"heading": True, "depth": True, "speed": True}
         live.command("hold", vehicle="rov", **asked).result()
         helm.note_holds("rov", asked)
@@ -154,3 +157,11 @@ def test_a_speed_hold_lasts_as_long_as_the_pilot_is_there_and_other_holds_stay()
         helm.beat()
         live.step(1)
         assert set(live.simulator.rov.holds.targets) == {"heading", "depth"}
+
+
+def test_the_table_of_silences_gives_the_limits_of_pilots(flight: Any) -> None:
+    _, pilot, _ = flight
+    rows = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in (rules.__doc__ or "").splitlines()]
+    found = {row[0]: tuple(row[1:3]) for row in rows if len(row) == 4}
+    for name, timeout in (("efforts", pilot._silence), ("speed hold", pilot._cruise)):
+        assert found[f"a pilot's {name}"] == (timeout.clock.name, f"{timeout.limit_s():g} s")

@@ -56,9 +56,9 @@ def test_what_is_prepared_is_what_would_be_made():
         return made[-1]
 
     prepared = Prepared(make)
-    prepared.want(scenario)
-    prepared.want(load("pool").with_changes(seed=5))  # an equal scenario
-    simulator = prepared.take(load("pool").with_changes(seed=5))
+    prepared.prepare(scenario)
+    prepared.prepare(load("pool").with_changes(seed=5))  # an equal scenario
+    simulator = prepared.release(load("pool").with_changes(seed=5))
     assert made == [simulator]
     fresh = Simulator(scenario)
     for sim in (simulator, fresh):
@@ -67,7 +67,7 @@ def test_what_is_prepared_is_what_would_be_made():
         sim.advance(1.0)
     assert simulator.save_state() == fresh.save_state()
     assert (simulator.rov.sonar.ping().ranges_m == fresh.rov.sonar.ping().ranges_m).all()
-    assert prepared.take(scenario) is not simulator  # it is handed out only once
+    assert prepared.release(scenario) is not simulator  # it is handed out only once
     prepared.close()
 
 
@@ -83,10 +83,10 @@ def test_another_choice_takes_the_place_of_the_prepared_one_and_does_not_wait_fo
 
     prepared = Prepared(make)
     try:
-        prepared.want(first)
+        prepared.prepare(first)
         assert begun.wait(60.0)
-        prepared.want(second)  # queued
-        assert prepared.take(second).seed == 8
+        prepared.prepare(second)  # queued
+        assert prepared.release(second).seed == 8
     finally:
         may_go.set()
         prepared.close()
@@ -97,7 +97,7 @@ def test_what_cannot_be_made_says_so_when_it_is_taken():
         raise ValueError("no such lake")
 
     prepared = Prepared(make)
-    prepared.want(load("pool"))
+    prepared.prepare(load("pool"))
     with pytest.raises(ValueError, match="no such lake"):
-        prepared.take(load("pool"))
+        prepared.release(load("pool"))
     prepared.close()

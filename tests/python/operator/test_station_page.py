@@ -10,7 +10,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from browser import chromium, desk, shows, until, when
+from browser import desk, judge, shows, until, when
 from relay import Relay
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
@@ -18,29 +18,7 @@ from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
 
-AXE = Path(__file__).parents[3] / "build/js/node_modules/axe-core/axe.min.js"
 HELD_S = 1.2
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture
-def running(browser, tmp_path):
-    """A desk with a running simulator."""
-    with desk(browser, tmp_path, "pool") as found:
-        yield found
-
-
-def judge(page, what):
-    """Run axe to find accessibility problems for users with a screen reader, a keyboard or low vision."""
-    page.evaluate(AXE.read_text())
-    found = page.evaluate("axe.run({runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']})")
-    wrong = [(each["id"], [node["html"][:120] for node in each["nodes"]]) for each in found["violations"]]
-    assert not wrong, f"{what}: {wrong}"
 
 
 def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
@@ -168,7 +146,7 @@ def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkey
     when(first, "station.station.isPilot")
     second = running.fly()
     assert second.is_hidden("#banner")
-    monkeypatch.setattr(running.station.node, "silence_s", lambda client: 4.0)  # as if her network had failed
+    monkeypatch.setattr(running.station.sessions.node, "silence_s", lambda client: 4.0)  # as if her network had failed
     second.wait_for_selector("#banner:not([hidden])")
     shows(second, "#banner", "has been silent for 4 s: efforts are zero")
     shows(second, "#lease", "take over")

@@ -77,7 +77,7 @@ def test_the_map_goes_home_in_every_format(tmp_path):
 
 def test_the_scene_is_the_world(pool):
     station, server = pool
-    world = station.running.live.simulator.world
+    world = station.present().live.simulator.world
     scene = json.loads(get(server, "/scene/scene.json")[1])
     grid = scene["terrain"]
     heights = np.frombuffer(get(server, grid["url"])[1], "<f4").reshape(grid["rows"], grid["columns"])
@@ -91,11 +91,24 @@ def test_the_scene_is_the_world(pool):
     assert get(server, "/scene/mesh/999.glb")[0] == 404
 
 
+@pytest.mark.parametrize("scenario", ["lake", "paper"])
+def test_the_first_view_of_the_vehicle_is_free(scenario):
+    with serving() as (station, server):
+        station.start({"scenario": scenario})
+        sim = station.present().live.simulator
+        look_rad = json.loads(get(server, "/scene/scene.json")[1])["vehicles"][0]["look_rad"]
+        target_m, yaw_rad = sim.rov.pose.position_world_m, sim.rov.pose.yaw_rad
+        away_m = np.array([34 * np.cos(yaw_rad + np.pi + look_rad), 34 * np.sin(yaw_rad + np.pi + look_rad), 24])
+        far_m = np.linalg.norm(away_m)
+        seen_m = sim.scene.cast((target_m + away_m)[None], -away_m[None] / far_m, 100.0).ranges_m[0]
+        assert seen_m > far_m - 8.0, "the station's platform hides the vehicle from behind in `paper`"
+
+
 def test_outlines_on_the_chart_are_those_of_the_obstacles():
     with serving() as (station, server):
         station.start({"scenario": "lake"})
         bent = {
-            each.name: each for each in station.running.live.simulator.scenario.obstacles if each.kind == "pipeline"
+            each.name: each for each in station.present().live.simulator.scenario.obstacles if each.kind == "pipeline"
         }
         parts = json.loads(get(server, "/scene/scene.json")[1])["meshes"]
         for part in parts:
@@ -137,6 +150,10 @@ def test_a_token_guards_everything_but_the_page_s_own_files():
     site = Site(station, lambda request: has_token(request, token))
     with RosbridgeServer(None, guests=[station], site=site, token=token) as server, station.serving(server.show):
         station.start({"scenario": "pool"})
-        assert get(server, "/")[0] == 200
+        for address in ("/", "/index.html", "/instructor.html", "/?token=wrong-token&rosbridge=%22%3E"):
+            status, body, headers = get(server, address)
+            assert status == 401 and b"asks for a token" in body and b'"">' not in body
+            assert "form-action 'self'" in headers["Content-Security-Policy"]
+        assert get(server, "/app.js")[0] == get(server, "/?token=secret-token")[0] == 200
         assert get(server, "/scene/scene.json")[0] == 401
         assert get(server, "/scene/scene.json?token=secret-token")[0] == 200

@@ -1,4 +1,4 @@
-"""All that a person reads on the station's page stands in its tables of strings, one for each language."""
+"""All that a person reads on the station's page stands in its files of strings, one for each language."""
 
 import subprocess
 import sys
@@ -7,17 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from browser import chromium, desk, shows, until, when
-from test_station_page import judge
+from browser import chromium, desk, judge, shows, until, when
 
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "python/uwsim/operator/station/page"
 NODE = Path(sys.prefix) / "bin/node"
 
 
-def test_no_text_stands_outside_of_the_table():
+def test_no_text_stands_outside_of_the_files():
     done = subprocess.run([NODE, ROOT / "tests/js/texts.mjs"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, f"put into strings.js:\n{done.stdout}{done.stderr}"
+    assert done.returncode == 0, f"put into strings/*.json:\n{done.stdout}{done.stderr}"
 
 
 class Texts(HTMLParser):

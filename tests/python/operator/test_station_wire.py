@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from pydantic import ValidationError
 
 from station_pages import require_described
 from uwsim.base.axes import AXES
-from uwsim.base.commands import COMMANDS
-from uwsim.channels.own_types import MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
+from uwsim.base.commands import COMMANDS, HOLDS
+from uwsim.base.commands.notes import NoteCategory
+from uwsim.channels.authority.rights import AidKind
+from uwsim.channels.ros.own_types import MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
 from uwsim.operator.station import Station, wire, wire_js
 from uwsim.operator.station.calls import CALLS, Call
+from uwsim.scenario.spec.failsafe import Behaviour
+from uwsim.scenario.spec.fault import FAULTS
+from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
 DOCS = (Path(__file__).parents[3] / "docs/connections/station-wire.md").read_text()
 PAGE = wire_js.PATH.parents[1]
@@ -29,6 +36,16 @@ def test_the_page_names_services_and_types_of_the_station_nowhere_else() -> None
     for path in sources:
         code = re.sub(r"//.*", "", path.read_text())
         assert not re.search(r"'/station/(?!state)|uwsim_msgs/|'surge', 'sway'", code), path
+
+
+def test_the_page_has_a_text_for_each_name_of_python_s_tables() -> None:
+    texts = json.loads((PAGE / "strings/en.json").read_text())
+    own_faults = {kind for kind, model in FAULTS.models().items() if model.__module__.startswith("uwsim.")}
+    assert set(texts["instructor"]["kinds"]) == own_faults
+    assert set(texts["inspection"]["categories"]) == set(get_args(NoteCategory))
+    assert set(texts["exercise"]["aids"]) == set(get_args(AidKind))
+    assert {*FAILSAFE_CAUSES, *get_args(Behaviour)} <= set(texts["failsafe"])
+    assert set(HOLDS) <= set(texts["holds"])
 
 
 def test_the_server_offers_what_is_described_and_nothing_else() -> None:

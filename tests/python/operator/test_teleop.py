@@ -12,22 +12,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.text import Text
 from textual import events
 
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
-from uwsim.channels.key import Function
-from uwsim.cli.teleop import own_server
+from uwsim.channels.families.key import Function
 from uwsim.live import LiveSimulator
+from uwsim.operator.cli.teleop import own_server
 from uwsim.operator.teleop.app import TeleopApp
 from uwsim.operator.teleop.connection import Connection
 from uwsim.operator.teleop.fan import draw_fan, fan_scale_m
 from uwsim.operator.teleop.gamepad import FULL, Gamepads, shaped
 from uwsim.operator.teleop.hands import FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
-from uwsim.operator.teleop.readout import Readout, take_state_data
+from uwsim.operator.teleop.readout import Readout, read_state_data
 from uwsim.operator.teleop.tapes import depth_tape, heading_tape
 from uwsim.operator.teleop.terminal import ReleaseParser
 from uwsim.simulator.simulator import Simulator
+from waiting import until
 
 UWSIM = Path(sys.executable).with_name("uwsim")
 PATIENCE_S = 60.0
@@ -50,13 +52,6 @@ def watch():
 @pytest.fixture
 def hands(watch):
     return Hands(watch)
-
-
-def until(condition):
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_an_effort_ends_by_itself(hands, watch):
@@ -96,16 +91,16 @@ def test_the_opposite_key_turns_the_effort_round_at_once(hands):
 
 
 def test_where_releases_are_told_a_key_holds_until_it_is_let_go(hands, watch):
-    hands.tells_releases = True
+    hands.reports_releases = True
     hands.press(" ")
     watch.now_s += 1000.0
     assert hands.efforts()["heave"] == hands.share
-    hands.let_go(" ")
+    hands.release(" ")
     assert hands.efforts() == ZERO
 
 
 def test_everything_is_let_go_when_the_screen_hangs(hands, watch):
-    hands.tells_releases = True
+    hands.reports_releases = True
     hands.beat()
     hands.press("w")
     watch.now_s += 0.9
@@ -115,7 +110,7 @@ def test_everything_is_let_go_when_the_screen_hangs(hands, watch):
 
 
 def test_stop_lets_everything_go_and_giving_the_helm_away_as_well(hands):
-    hands.tells_releases = True
+    hands.reports_releases = True
     for key, has_helm in (("x", True), ("c", False)):
         hands.press("w")
         hands.set_sticks({"yaw": 1.0})
@@ -164,12 +159,12 @@ def test_the_published_panel_is_read():
     class Message:
         data = "0.5a0.1a18a150.3a5a12.5aInfinitya60a99.5a"
 
-    take_state_data(readout, Message)
+    read_state_data(readout, Message)
     assert (readout.depth_m, readout.battery_percent) == (5.0, 99.5)
     assert math.isinf(readout.seabed_m)
     Message.data = "1a2a"
     with pytest.raises(ValueError, match="stateData: 2 values: must be 9"):
-        take_state_data(readout, Message)
+        read_state_data(readout, Message)
 
 
 def test_the_fan_has_an_echo_where_it_is():
@@ -222,9 +217,9 @@ def test_a_pads_sticks_and_buttons_have_their_meaning():
             return button in self.buttons
 
     pads, pad = Gamepads(), Pad()
-    efforts, pressed, let_go = pads.read(pad)
+    efforts, pressed, released = pads.read(pad)
     assert efforts["surge"] == 1.0
-    assert (pressed, let_go) == (["x"], [])
+    assert (pressed, released) == (["x"], [])
     pad.buttons = frozenset()
     assert pads.read(pad)[1:] == ([], ["x"])
 
@@ -247,7 +242,7 @@ def server(live):
 
 def connected(server, hands):
     said = []
-    connection = Connection(server.url, hands, say=said.append)
+    connection = Connection(server.url, hands, report=said.append)
     connection.said = said
     connection.start()
     until(lambda: connection.state == "connected" and connection.silence_s < 1.0)
@@ -269,7 +264,7 @@ def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
 
 def test_a_connection_that_is_lost_stops_the_vehicle_and_comes_back_with_zero(live, server):
     hands = Hands()
-    hands.tells_releases = True
+    hands.reports_releases = True
     connection = connected(server, hands)
     hands.press("w")
     until(lambda: live.rov.effort[0] == 0.5)
@@ -285,7 +280,7 @@ def test_a_connection_that_is_lost_stops_the_vehicle_and_comes_back_with_zero(li
 
 def test_the_vehicle_stops_when_its_keyboard_vanishes(live, server):
     hands = Hands()
-    hands.tells_releases = True
+    hands.reports_releases = True
     connection = connected(server, hands)
     hands.press("w")
     until(lambda: live.rov.effort[0] == 0.5)
@@ -317,7 +312,7 @@ def test_what_a_service_answers_is_told(live, server):
 def test_the_screen_flies_and_ends_with_zero(live, server):
     async def fly():
         hands = Hands()
-        hands.tells_releases = True  # a key counts as held until it is released, however slow the screen is
+        hands.reports_releases = True  # a key counts as held until it is released, however slow the screen is
         app = TeleopApp(Connection(server.url, hands), "pool")
         async with app.run_test(size=(120, 40)) as pilot:
             while app.connection.silence_s > 1.0:
@@ -331,6 +326,8 @@ def test_the_screen_flies_and_ends_with_zero(live, server):
             text = app.export_screenshot()
             assert "depth" in text and "75" in text
             assert len(app.marks) == 1
+        app.draw()  # timers and queued calls still arrive while the screen is being taken down
+        app._write(Text("a line from another thread"))
         app.connection.stop()
 
     asyncio.run(asyncio.wait_for(fly(), PATIENCE_S))

@@ -2,17 +2,10 @@
 
 import json
 
-import pytest
 from websockets.sync.client import connect
 
-from browser import chromium, desk, shows, until, when
+from browser import desk, shows, until, when
 from uwsim.bridges import RosbridgeServer
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
 
 
 def test_address_and_port_on_the_start_screen_join_the_users_rosbridge(browser, tmp_path):

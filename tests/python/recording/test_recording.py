@@ -21,13 +21,13 @@ from command_line import UWSIM, error_line, files_limited_to, uwsim
 from uwsim import Simulator, recording
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels import Channel, Table, channels
-from uwsim.channels.build import message
-from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.delivery.feed import Feed, Reading
+from uwsim.channels.ros.build import message
 from uwsim.channels.served import served_table
-from uwsim.cli.recording import recording as list_recording
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.capsule import pack, unpack
+from uwsim.recording.cli.recording import recording as list_recording
 from uwsim.recording.mcap_sink import McapSink
 from uwsim.recording.picture_cost import picture_cost_text
 from uwsim.recording.replay import replay
@@ -79,7 +79,7 @@ def test_a_light_recording_omits_pictures_and_maps_and_nothing_else(tmp_path: Pa
 def test_every_channel_is_in_it_at_its_rate_in_simulated_time(run: Path) -> None:
     opened = recording.open(run)
     sim = Simulator("lake", seed=3)
-    said = {c.name for c in channels(sim) if c.direction == "out" and not c.late}
+    said = {c.name for c in channels(sim) if c.direction == "out" and not c.delivery.late}
     assert set(opened.channels) == said | {"uwsim/commands", "sonar_ping"}
     times = [recorded.time_ns for recorded in opened.messages("odom")]
     assert times == list(range(0, 2_500_000_001, 20_000_000))
@@ -123,17 +123,17 @@ def test_a_replay_says_the_same_bytes_and_ends_in_the_same_state(run: Path) -> N
 def test_a_changed_byte_is_found_and_said_by_how_much(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from uwsim.recording import replay as module
 
-    give = module._Replay._give
+    execute = module._Replay._execute
 
     def weaker(self: object, command: recording.Command) -> None:
-        give(
+        execute(
             self,
             command._replace(arguments={**command.arguments, "surge": 0.59})
             if "surge" in command.arguments
             else command,
         )
 
-    monkeypatch.setattr(module._Replay, "_give", weaker)
+    monkeypatch.setattr(module._Replay, "_execute", weaker)
     result = replay(run)
     assert result.difference is not None and result.difference.startswith("tick ")
     assert " and " in result.difference
@@ -360,7 +360,9 @@ def test_a_run_flown_over_rosbridge_replays_to_the_same_bytes(tmp_path: Path) ->
     with LiveSimulator("lake", speed=2.0) as live:
         table, feed = served_table(live), Feed(live)
         recorder = Recorder(live, path, topics=[*QUICK, "diagnostics", "cmd_vel"], shared=table, feed=feed)
-        server = RosbridgeServer(live, channels=recorder.hear(table.channels), services=table.services, feed=feed)
+        server = RosbridgeServer(
+            live, channels=recorder.record_received(table.channels), services=table.services, feed=feed
+        )
         with recorder, server, connect(server.url) as client:
 
             def send(**operation: object) -> None:

@@ -249,7 +249,7 @@ def test_the_replay_of_what_a_kill_left_compares_it_and_ends_with_4(
     done = uwsim("replay", str(killed))
     assert done.returncode == 4
     assert done.stdout.startswith("the same bytes: 278 messages of 4 channels, 2 commands"), done.stdout
-    assert done.stderr == f"{killed}: was cut off, as by a kill; its messages up to there are compared\n"
+    assert done.stderr == f"{killed}: was cut off at 1 s, as by a kill; its messages up to there are compared\n"
     whole = uwsim("replay", str(finished))
     assert whole.returncode == 0 and " and the state at the end" in whole.stdout and not whole.stderr
     empty = tmp_path / "empty.mcap"

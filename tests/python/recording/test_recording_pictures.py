@@ -19,7 +19,7 @@ from channel_tools import stamp_ns
 from client_socket import connect
 from command_line import hears_ctrl_c, uwsim
 from uwsim import Simulator, recording
-from uwsim.channels.pictures import RATE_HZ, Pictures
+from uwsim.channels.delivery.pictures import RATE_HZ, Pictures
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
@@ -164,9 +164,11 @@ def test_another_picture_is_found(slow: Slow, tmp_path: Path, monkeypatch: pytes
     slow.end()
     from uwsim.recording import replay as module
 
-    give = module.give
+    execute = module.execute
     dark = {"vehicle": "rov", "lamp": "front", "on": False}
-    monkeypatch.setattr(module, "give", lambda sim, own, command: give(sim, own, command._replace(arguments=dark)))
+    monkeypatch.setattr(
+        module, "execute", lambda sim, own, command: execute(sim, own, command._replace(arguments=dark))
+    )
     result = replay(path)
     assert result.difference is not None and "sees another picture at the time of its stamp" in result.difference
 

@@ -9,17 +9,17 @@ from command_line import uwsim
 from uwsim import Simulator, recording
 from uwsim.bridges.played_feed import channels_of
 from uwsim.channels import Table
-from uwsim.channels.cdr import encode
-from uwsim.channels.messages import from_bytes
-from uwsim.channels.scans import PING_TOPICS
-from uwsim.cli.diff import diff as diff_command
-from uwsim.cli.map import from_recording
-from uwsim.flight.from_recording import record_ping, survey_recorder
+from uwsim.channels.families.scans import PING_TOPICS
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.ros.messages import from_bytes
 from uwsim.flight.request import FlightRequest
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
+from uwsim.recording.cli.diff import diff as diff_command
+from uwsim.recording.cli.map_from import from_recording
 from uwsim.recording.diff import diff
+from uwsim.recording.flight_recorder import record_ping, survey_recorder
 from uwsim.recording.live_map import live_map
 from uwsim.recording.replay import replay
 
@@ -165,7 +165,7 @@ def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: P
     assert (run.xarray("scan")["ranges"].values == np.array([from_bytes(s, SCAN).ranges for s in said["scan"]])).all()
     assert np.unique(run.xarray("scan")["scan_time"]).tolist() == [np.float32(0.1)]
     played = {channel.name: channel for channel in channels_of(run)}
-    assert played["map_changes"].latched and played["scan"].type == SCAN
+    assert played["map_changes"].delivery.latched and played["scan"].type == SCAN
     changes = [recorded.message for recorded in run.messages("map_changes")]
     occupied = sum(int(np.where(m.cells & 0x8000, 1, -1).sum()) for m in changes)
     assert occupied == live_map(run)[0].statistics().occupied_voxels > 10

@@ -9,7 +9,7 @@ from flown import FLOWN_S, fly
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder, Recording
-from uwsim.recording.replay import give
+from uwsim.recording.replay import execute
 from uwsim.recording.timeline import Timeline, distances
 
 
@@ -30,7 +30,7 @@ def test_every_route_to_a_moment_leads_to_the_same_state(line: Timeline) -> None
     for tick in ticks:  # in one go, without saved states
         while (due := line.next_command_tick(place)) is not None and due < tick:
             sim.step(due - sim.tick)
-            give(sim, None, line.commands[place])
+            execute(sim, None, line.commands[place])
             place += 1
         sim.step(tick - sim.tick)
         states[tick] = sim.save_state()
@@ -90,19 +90,92 @@ def test_faults_holds_and_changed_water_are_repeated(tmp_path: Path) -> None:
     assert {"alarm", "command"} <= {event.kind for event in Timeline(Recording(path)).events}
 
 
+def test_a_recording_that_was_cut_off_leads_to_its_last_whole_chunk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("uwsim.recording.queue.FLUSH_S", 0.0)  # many chunks
+    whole = fly(tmp_path / "whole.mcap")
+    cut = tmp_path / "cut.mcap"
+    content = whole.read_bytes()
+    cut.write_bytes(content[: len(content) * 2 // 3])
+    recording, complete = Recording(cut), Timeline(Recording(whole))
+    line = Timeline(recording)
+    assert not recording.complete and 0 < line.end_tick == recording.end_tick < complete.end_tick
+    here, there = line.simulator(), complete.simulator()
+    line.go_to(here, line.end_tick), complete.go_to(there, line.end_tick)
+    assert here.save_state() == there.save_state()
+    assert line.events == complete.events[: len(line.events)]
+
+    class Forger(Recorder):
+        """Writes a sound file with other commands than were issued."""
+
+        def _record_command(self, name, arguments):
+            if name == "set_effort" and self._sim.tick == 100:
+                arguments = {**arguments, "surge": 0.41}
+            super()._record_command(name, arguments)
+
+    forged = fly(tmp_path / "forged.mcap", recorder=Forger)
+    cut.write_bytes(forged.read_bytes()[: forged.stat().st_size * 2 // 3])
+    with pytest.raises(ValueError, match="was edited, or made on another kind of machine: tick"):
+        Timeline(Recording(cut))
+
+
+def test_only_the_values_of_one_argument_are_one_event_and_switches_are_events_each(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    sim = Simulator("pool", seed=3)
+    with Recorder(sim, path, is_light=True):
+        sim.rov.undock()
+        sim.rov.all_stop(True)
+        sim.advance(0.5)
+        sim.rov.all_stop(False)
+        sim.advance(0.5)
+        for name in ("front", "down"):
+            for on in (True, False, False):
+                sim.rov.lamps[name].on = on
+                sim.advance(0.1)
+        for k in range(5):
+            sim.rov.sonar.aim(0.1 + 0.1 * k)
+            sim.advance(0.1)
+    commands = [event for event in Timeline(Recording(path)).events if event.kind == "command"]
+    lamps = [f"set lamp rov: lamp {name}, on {on}" for name in ("front", "down") for on in (True, False, False)]
+    expected = ["undock rov", "all stop rov: on True", "all stop rov: on False", *lamps]
+    assert [event.text for event in commands[:-1]] == expected
+    assert [event.time_s for event in commands[:-1]] == pytest.approx(
+        [0.0, 0.0, 0.5, *(1.0 + 0.1 * k for k in range(6))]
+    )
+    assert commands[-1].text.startswith("aim rov") and "0.1 to 0.5" in commands[-1].text
+    assert commands[-1].time_s == pytest.approx(1.6)
+
+
+def test_an_event_hides_no_value_and_no_second_fault(tmp_path: Path) -> None:
+    """Law: of an event of several commands, the first and the last value are the least and the greatest."""
+    path = tmp_path / "run.mcap"
+    sim = Simulator("pool", seed=3)
+    with Recorder(sim, path, is_light=True):
+        for value in (0.0, 0.5, 1.0, 0.5, 0.0):  # a switch that is a number goes on and off
+            sim.rov.sonar.aim(value)
+            sim.advance(0.1)
+        for _ in range(2):
+            sim.faults.inject("current", velocity_world_m_s=(0.1, 0.0, 0.0))
+        sim.advance(0.1)
+    events = [event.text for event in Timeline(Recording(path)).events if event.kind == "command"]
+    assert [text.split("elevation_rad ")[-1].split(",")[0] for text in events[:2]] == ["0 to 1", "0.5 to 0"]
+    assert len(events) == 4
+
+
 def test_a_run_that_cannot_be_repeated_is_refused(flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cut = tmp_path / "cut.mcap"
-    cut.write_bytes(flown.read_bytes()[: flown.stat().st_size * 2 // 3])
-    with pytest.raises(ValueError, match=r"cut\.mcap': is cut off"):
+    cut.write_bytes(flown.read_bytes()[:50_000])
+    with pytest.raises(ValueError, match=r"cut\.mcap': is cut off before its first message"):
         Timeline(Recording(cut))
 
     class Forger(Recorder):
         """Writes a sound file with other commands than were issued."""
 
-        def _take_command(self, name, arguments):
+        def _record_command(self, name, arguments):
             if name == "set_effort" and self._sim.tick == 100:
                 arguments = {**arguments, "surge": 0.41}
-            super()._take_command(name, arguments)
+            super()._record_command(name, arguments)
 
     forged = fly(tmp_path / "forged.mcap", recorder=Forger)
     with pytest.raises(ValueError, match="was edited, or made on another kind of machine"):

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from uwsim.base.texts import yaml_parser
 from uwsim.scenario import load, packaged_scenarios
-from uwsim.scenario.read import disk_cache, yaml_document, yaml_parser
+from uwsim.scenario.read import disk_cache, yaml_file
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.read.disk_cache import cached_arrays, cached_json
 
@@ -120,8 +121,8 @@ def test_a_value_that_json_cannot_write_is_not_stored(value: int | str, folder: 
 def test_a_stored_document_is_the_parsed_one(name: str, folder: Path) -> None:
     path = assets_folder() / "scenarios" / f"{name}.yaml"
     for _ in range(2):
-        yaml_document._values.cache_clear()
-        document = yaml_document.read_yaml(path, path.name)
+        yaml_file._values.cache_clear()
+        document = yaml_file.read_yaml(path, path.name)
         assert document.values == yaml_parser.plain_values(path.read_text(), path.name)
         line = document.line(("vehicles", 0, "model"))
         assert path.read_text().splitlines()[line - 1].strip(" -").startswith("model:")
@@ -131,7 +132,7 @@ def test_a_stored_file_with_a_mistake_is_refused_at_its_line(folder: Path, tmp_p
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text() + "wire: smoke\n"
     (tmp_path / "mine.yaml").write_text(text)
     for _ in range(2):
-        yaml_document._values.cache_clear()
+        yaml_file._values.cache_clear()
         yaml_parser.parsed.cache_clear()
         with pytest.raises(ValueError, match=rf"mine\.yaml:{text.count(chr(10))}: wire = 'smoke'"):
             load(tmp_path / "mine.yaml")

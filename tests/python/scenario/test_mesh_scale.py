@@ -128,7 +128,7 @@ def test_an_obstacle_in_millimetres_is_refused_and_a_ship_is_not(tmp_path: Path)
 def test_a_box_and_a_terrain_in_millimetres_are_warned_of(tmp_path: Path) -> None:
     box = {"kind": "box", "name": "thing", "size_m": [3000, 2, 1], "position_m": [0, 50, -30]}
     told = "\n".join(check_file(scenario_file(tmp_path, vehicle_file(tmp_path), obstacles=[box])).warnings)
-    assert "is 3000 x 2 x 1 m, in a terrain of 200 x 200 m: are its figures in metres?" in told
+    assert "is 3000 x 2 x 1 m, in a terrain of 200 x 200 m: are its sizes in metres?" in told
 
     def of_bed(heights: str) -> str:
         grid = "ncols 4\nnrows 4\nxllcorner 1000\nyllcorner 1000\ncellsize 100\n" + heights

@@ -332,7 +332,7 @@ def with_every_default(scenario: Scenario) -> dict[str, bytes]:
     return {SCENARIO: json.dumps(packed(values)).encode(), **files}
 
 
-def test_figures_of_noise_count_whatever_their_values(tmp_path: Path) -> None:
+def test_parameters_of_noise_count_whatever_their_values(tmp_path: Path) -> None:
     """A sonar model may replace a noise value's usual default, so setting the usual value explicitly matters."""
     loud = load_sonar("em2040-2").model_copy(update={"noise": SonarNoise(level_db=60.0, range=False)})
 

@@ -9,8 +9,10 @@ from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.scenario import ScenarioError, Terrain
-from uwsim.scenario.build.obstacles import SIDES, Solid, obstacle_solid, swept_tube
-from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.solids import SIDES
+from uwsim.scenario.obstacles.pipeline import swept_tube
+from uwsim.scenario.spec.obstacle import ObstacleSpec, Solid
 
 SLOPE = 0.2
 X, Y = np.meshgrid(np.linspace(-50, 50, 101), np.linspace(-50, 50, 101))

@@ -11,9 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
+from uwsim import _core
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.scenario.read.yaml_document import read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.schema import FILES, PARTS, schema, schema_file
+from uwsim.scenario.spec.imaging_kind import imaging_kinds
+from uwsim.scenario.spec.sensor_kind import sensor_kinds
 
 FOLDERS = {"scenario": "scenarios", "vehicle": "vehicles", "thruster": "thrusters", "sonar": "sonars",
            "sensors": "sensors", "modem": "modems", "battery": "batteries"}  # fmt: skip
@@ -119,3 +122,8 @@ def test_what_the_program_refuses_editors_refuse(old: str, new: str, tmp_path: P
 def test_an_unknown_part_is_named() -> None:
     with pytest.raises(ValueError, match=r"part = 'sonr': must be one of .*did you mean 'sonar'\?"):
         schema("sonr")
+
+
+def test_the_cores_kinds_of_sensors_and_sonars_are_registered() -> None:
+    assert sensor_kinds() == list(_core.sensor_kinds()), "pyproject.toml, uwsim.kinds.sensor"
+    assert imaging_kinds() == list(_core.imaging_kinds()), "pyproject.toml, uwsim.kinds.imaging_sonar"

@@ -55,11 +55,11 @@ def test_the_files_of_the_four_models_on_the_wire_agree_with_the_core(number: in
 
 
 @pytest.mark.parametrize("name", ["em2040-04", "em2040-07"])
-def test_the_physical_instruments_have_acoustic_figures_at_five_frequencies(name: str) -> None:
+def test_the_physical_instruments_have_acoustic_values_at_five_frequencies(name: str) -> None:
     model = load_sonar(name)
     assert [band.frequency_hz for band in model.frequencies] == [200e3, 300e3, 400e3, 600e3, 700e3]
     for band in model.frequencies:
-        assert acoustic_spec(model, band.frequency_hz).figures.frequency_hz == band.frequency_hz
+        assert acoustic_spec(model, band.frequency_hz).parameters.frequency_hz == band.frequency_hz
         assert multibeam_model(model, band.frequency_hz).number == 0
     with pytest.raises(ValueError, match=r"frequency_hz: missing: em2040-0. works at 200000, 300000, .*, 700000 Hz"):
         multibeam_model(model)
@@ -264,7 +264,7 @@ def test_a_smaller_range_set_by_the_operator_raises_the_ping_rate_and_limits_the
         load(pool(tmp_path, "{model: 2, range_max_m: 4}"))
 
 
-def test_the_figures_of_a_scenarios_own_sonar_change_its_fingerprint(tmp_path: Path) -> None:
+def test_the_values_of_a_scenarios_own_sonar_change_its_fingerprint(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(MODEL)
     before = scenario_fingerprint(load(pool(tmp_path, "{model: mine.yaml}")))
     (tmp_path / "mine.yaml").write_text(MODEL.replace("beams: 101", "beams: 102"))

@@ -11,7 +11,9 @@ from rasterio.transform import from_origin
 
 from uwsim.scenario import ScenarioError, build_terrain
 from uwsim.scenario.build.terrain import Terrain
-from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrain, Rim
+from uwsim.scenario.terrains.image import ImageTerrain
+from uwsim.scenario.terrains.noise import NoiseTerrain, Rim
+from uwsim.scenario.terrains.raster import RasterTerrain
 
 RNG = np.random.default_rng(3)
 GRID = RNG.integers(200, 300, (12, 15)).astype(np.float64)  # rows from north to south

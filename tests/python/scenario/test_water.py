@@ -232,7 +232,7 @@ def test_varying_and_steady_currents_are_bounded_together(more: dict[str, Any]) 
     ("name", "content", "message"),
     [
         ("cut.npz", b"PK\x03\x04 and no more", "not a .npz file"),
-        ("twice.csv", b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s,u_m_s\n0,0,0,1,0,0,2\n", "a column is named twice"),
+        ("twice.csv", b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s,u_m_s\n0,0,0,1,0,0,2\n", "column 'u_m_s' is named twice"),
     ],
 )
 def test_a_malformed_current_file_is_refused_in_one_line(

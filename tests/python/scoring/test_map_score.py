@@ -145,6 +145,15 @@ def test_recall_requires_the_voxel_itself_and_coverage_a_neighbour():
     assert half.precision == 1.0
 
 
+@pytest.mark.parametrize(("off_m", "recall"), [(0.0, 1.0), (5e-4, 1.0), (2e-3, 0.0)])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_surface_on_the_voxels_faces_counts_for_either_side(off_m, recall, side):
+    world = plane(1.0 - side * off_m)  # 1.0 is a multiple of the voxel; the map lies on the other side
+    truth = score(world, []).visible_centres_m
+    across = score(world, truth * (1, 1, 0) + (0, 0, 1.0 + side * VOXEL_M / 2))
+    assert across.recall == recall and across.coverage == 1.0
+
+
 def test_false_voxels_are_found():
     world = plane(0.2)
     truth = score(world, []).visible_centres_m
@@ -218,7 +227,7 @@ def test_what_exact_beams_have_hit_needs_no_ray_and_counts_as_seen():
     assert wrong.precision == 0.0
 
 
-def test_what_was_looked_at_ahead_changes_no_figure():
+def test_what_was_looked_at_ahead_changes_no_value():
     """Independent of how much of the surface was examined during the survey, and from where."""
     world = plane(0.2)
     truth = score(world, []).visible_centres_m

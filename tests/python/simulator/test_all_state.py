@@ -83,8 +83,7 @@ NO_STATE = {
     "Navigator._streams": "likewise",
     "Navigator._open": "likewise",
     "OnboardNavigation.due_tick": "when it takes in samples at the latest: no estimate depends on it",
-    "CommandGate._warned": "warnings are given again after a restore",
-    "CommandGate.stops": "a loop compares it with its own copy, only to see that it changed",
+    "Helm._warned": "warnings are given again after a restore",
 }
 NOT_YET_STATE = {"servo_frames"}
 """Commands for steps to come, of which a replay repeats all before the next command: they leave nothing to save."""

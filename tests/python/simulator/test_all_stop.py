@@ -20,7 +20,7 @@ from uwsim.navigation.control.path import PathFollower
 from uwsim.navigation.control.velocity_hold import VelocityHold
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay as replay_recording
-from uwsim.simulator.command_gate import AllStopWarning
+from uwsim.simulator.helm import AllStopWarning
 
 STEPS = 200
 
@@ -282,7 +282,7 @@ def test_no_failsafe_moves_a_stopped_vehicle_and_it_begins_where_it_is_released(
 # Log, recording, state
 
 
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.command_gate.AllStopWarning")
+@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.AllStopWarning")
 def test_a_replay_of_log_and_recording_stops_at_the_same_tick(tmp_path: Path) -> None:
     with LiveSimulator(Simulator("pool", seed=3), paused=True) as live:
         live.rov.undock()
@@ -300,7 +300,7 @@ def test_a_replay_of_log_and_recording_stops_at_the_same_tick(tmp_path: Path) ->
     assert found.difference is None and found.state_compared and found.sim.rov.all_stopped
 
 
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.command_gate.AllStopWarning")
+@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.AllStopWarning")
 def test_a_saved_state_has_it_and_a_reset_releases_it(sim: Simulator, alone: bytes) -> None:
     state = sim.save_state()
     other = Simulator(sim.scenario)

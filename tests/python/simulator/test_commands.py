@@ -14,10 +14,11 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.base.axes import AXES
-from uwsim.base.commands import COMMANDS, TRIGGER, Argument, Command, Commandable, Placeable, bound_command
+from uwsim.base.commands import COMMANDS, SET_BOOL, TRIGGER, Argument, Command, Commandable, Placeable, bound_command
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.remote import RemoteConnection, RemoteVehicle
-from uwsim.channels.key import key_efforts, key_message
+from uwsim.channels.families.key import key_efforts, key_message
+from uwsim.channels.ros.service_types import OUTCOME, SERVICE_TYPES, definition_of, field_names
 from uwsim.channels.served import served_table
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator, replay
@@ -85,6 +86,20 @@ def test_a_new_entry_is_a_service_and_a_command_of_remote_vehicles_and_missions(
                 vehicle.command("nudge", effort=0.75)
         with pytest.raises(ValueError, match=r"command 'nudge': effort: must be given"):
             connection.call("nudge")
+
+
+def test_a_service_s_type_has_a_field_for_each_argument() -> None:
+    assert definition_of(NUDGE) == f"float64 effort  # in [0, 0.5]\n---\n{OUTCOME}"
+    lamps = (Argument("on", "flag", default=True), Argument("lamp", "text", default=None))
+    assert definition_of(Command("blink", "", lamps)) == f"bool on true\nstring[<=1] lamp\n---\n{OUTCOME}"
+    for command in COMMANDS.values():
+        if command.service and command.service != TRIGGER:
+            names = [each.name for each in command.arguments] if command.service != SET_BOOL else ["data"]
+            assert field_names(SERVICE_TYPES[command.service]) == [*names, "success", "message"]
+    light = Argument("light", "numbers", default=None, length=3)
+    for argument in (light, Argument("file", "bytes"), Argument("value", "any")):
+        with pytest.raises(ValueError, match=f"argument '{argument.name}': no field of a service can carry it"):
+            definition_of(Command("show", "", (argument,)))
 
 
 def test_a_new_entry_goes_over_a_link_and_the_pilot_may_give_it(nudge: Command) -> None:

@@ -10,8 +10,8 @@ from uwsim.live import LiveSimulator, replay
 from uwsim.navigation.estimation import Start
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.simulator.command_gate import FailsafeWarning
 from uwsim.simulator.failures.manoeuvres import ascent
+from uwsim.simulator.helm import FailsafeWarning
 
 START = {"position_m": [-60.0, -40.0, -12.0], "yaw_deg": 30.0}
 SILENCE_S = 2.0

@@ -7,7 +7,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.channels import Table, channels
-from uwsim.channels.messages import default_message
+from uwsim.channels.ros.messages import default_message
 from uwsim.link import seen_channels
 from uwsim.live import LiveSimulator, replay
 from uwsim.scenario import Scenario, load

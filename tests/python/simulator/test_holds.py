@@ -9,7 +9,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.base.commands import HOLDS
-from uwsim.channels.own_types import TELEMETRY
+from uwsim.channels.ros.own_types import TELEMETRY
 from uwsim.channels.table import Table
 from uwsim.link.packing.panels import pack_telemetry, unpack_telemetry
 from uwsim.live import LiveSimulator, replay

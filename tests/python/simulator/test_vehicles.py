@@ -187,7 +187,7 @@ def test_a_centre_of_mass_or_buoyancy_outside_the_hull_is_refused(tmp_path: Path
         ),
     ],
 )
-def test_invalid_figures_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+def test_invalid_values_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
     text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
     assert old in text
     path = tmp_path / "bad.yaml"

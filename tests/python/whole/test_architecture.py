@@ -30,7 +30,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
     "sonar": {"core", "world", "acoustics", "rays"},
     "camera": {"core", "world", "rays"},
     "sim": {"core", "world", "vehicle", "acoustics", "rays", "dynamics", "sensors", "sonar"},
-    "bridges": {"core", "sim", "vehicle", "sensors"},  # a simulation that another program drives
+    "autopilots": {"core", "sim", "vehicle", "sensors"},  # a simulation that another program drives
 }
 
 # C++: a library's include pattern, and the files that may include it.
@@ -40,7 +40,8 @@ LIBRARIES: dict[str, tuple[str, str]] = {
     "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree_(cast|float_cast|query|round|terrain|tree)\.cpp"),
     "Bullet": (
         r"bt\w+\.h|Bullet\w*/|LinearMath/",
-        r"cpp/uwsim/dynamics/(bullet_engine|bullet_ground|bullet_memory|convex_contact|polytope|solid_triangles)\.cpp",
+        r"cpp/uwsim/dynamics/(bullet_contacts\.h|"
+        r"(bullet_(contacts|engine|ground|memory)|convex_contact|polytope|solid_triangles)\.cpp)",
     ),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "dynamicEDT3D": (r"dynamicEDT3D/", r"cpp/uwsim/mapping/distance_field\.cpp"),
@@ -123,14 +124,17 @@ def top_level_imports(text: str) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.module or ""
 
 
-def loads_fast(module: str) -> bool:
-    """Return True if a module is in EAGER_IN_CLI, or is a command-line module that imports only such modules."""
-    if module.split(".")[0] in EAGER_IN_CLI:
+def loads_fast(module: str, importing: frozenset[str] = frozenset()) -> bool:
+    """Return True if a module is in EAGER_IN_CLI, or if it and the packages around it import only such modules."""
+    if module.split(".")[0] in EAGER_IN_CLI or module in importing:
         return True
     path = ROOT / "python" / f"{module.replace('.', '/')}.py"
-    if not module.startswith("uwsim.cli.") or not path.is_file():
+    if not module.startswith("uwsim.") or not path.is_file():
         return False
-    return all(loads_fast(imported) for _, imported in top_level_imports(path.read_text()))
+    packages = [folder / "__init__.py" for folder in path.parents if folder.is_relative_to(ROOT / "python/uwsim/")]
+    files = [path, *(init for init in packages if init.parent.name != "uwsim")]  # which is imported in any case
+    found = (imported for file in files for _, imported in top_level_imports(file.read_text()))
+    return all(loads_fast(each, importing | {module}) for each in found)
 
 
 def eager_imports(path: PurePosixPath, text: str) -> Iterator[str]:
@@ -149,7 +153,7 @@ RULES: list[tuple[Rule, str]] = [
     (only_core_from_uwsim, r"python/uwsim/(?!examples/).*\.py"),
     (
         eager_imports,
-        r"python/uwsim/cli/(?!draw_|map_convert|pose_option|run_live)\w+\.py",
+        r"python/uwsim/(\w+/)?cli/(?!draw_|map_convert|pose_option|run_live)\w+\.py",
     ),  # everything except the imports inside commands
 ]
 

@@ -58,7 +58,8 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path, monkeypatch
     assert "| `step_s` | number in 0.0005 ... 0.02 s | `0.005` |" in scenario
     assert "rov | `usbl` | 1 | 0 | 0.05 |" in (tmp_path / "sensors.md").read_text()
     assert "## uwsim survey" in (tmp_path / "commands.md").read_text()
-    assert "`scan`" in (tmp_path / "channels.md").read_text()
+    published, received = (tmp_path / "channels.md").read_text().split("## Received")
+    assert "`scan`" in published and "`cmd_vel`" in received
     assert "| 0 to 2 | `place_body` | m | -10 ... 10 | 0.2 |" in (tmp_path / "environments.md").read_text()
     assert "| `retries` | whole number in 0 ... 100 | `2` |" in (tmp_path / "sweep.md").read_text()
     assert "Francois and Garrison 1982" in (tmp_path / "sources.md").read_text()

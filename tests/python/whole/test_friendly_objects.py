@@ -141,10 +141,13 @@ def test_the_view_from_above_shows_the_highest_voxel() -> None:
     assert extent == pytest.approx((0.0, 0.6, 0.0, 0.2))
 
 
-def test_a_simulator_says_how_to_copy_it(sim: uwsim.Simulator) -> None:
-    for attempt in (copy.copy, copy.deepcopy, pickle.dumps):
-        with pytest.raises(TypeError, match=r"save_state\(\)"):
-            attempt(sim)
+def test_parts_of_a_running_simulator_report_how_to_copy_it(sim: uwsim.Simulator) -> None:
+    rov = sim.rov
+    parts = [sim, rov, rov.estimate, rov.sensors["imu"], rov.sonar, rov.lamps["front"], rov.cameras["front"]]
+    for part in [*parts, next(iter(rov.imaging_sonars.values()))]:
+        for attempt in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError, match=r"cannot be copied or pickled: .*save_state\(\)"):
+                attempt(part)
 
 
 def test_advance_names_the_nearest_duration(sim: uwsim.Simulator) -> None:

@@ -1,12 +1,14 @@
 """Documented modules that have moved remain importable under their old names for one version, with a warning."""
 
 import importlib
+import re
 import subprocess
 import sys
 
 import pytest
 
 import uwsim
+from docs_pages import PAGES, ROOT
 from uwsim._moved import MOVED, new_name
 
 
@@ -34,3 +36,13 @@ def test_a_name_that_has_not_moved_is_left_alone() -> None:
     with pytest.raises(ModuleNotFoundError):
         importlib.import_module("uwsim.nowhere")
     assert uwsim.OccupancyMap.__name__ == "OccupancyMap"
+
+
+def test_no_page_documents_an_old_name() -> None:
+    """Entries of the changelog may: those that state that a name has moved."""
+    found = []
+    for page in [ROOT / "README.md", *PAGES, ROOT / "CHANGELOG.md"]:
+        entries = re.split(r"^(?=- )", page.read_text(), flags=re.MULTILINE)
+        text = "".join(entry for entry in entries if not re.search(r"\bmoved\b|\bold\s+names\b", entry))
+        found += [(page.name, old) for old in MOVED if re.search(rf"(?<![\w/]){re.escape(old)}(?![\w/])", text)]
+    assert not found

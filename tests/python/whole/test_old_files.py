@@ -94,7 +94,7 @@ def test_a_recording_is_read_and_replayed(name: str) -> None:
 
 
 def test_a_recorded_survey_gives_its_map(tmp_path: Path) -> None:
-    from uwsim.flight.from_recording import survey_from
+    from uwsim.recording.survey_from import survey_from
 
     assert survey_from(Recording(V1 / "survey.mcap"), tmp_path / "map.bt", None) == 30
     assert OccupancyMap.read(tmp_path / "map.bt").to_bytes("bt")

@@ -68,6 +68,7 @@ OF_OTHERS = {
     "gsw",
     "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
+    "pvlib",
     "pydantic_core",
     "markupsafe",
     "torch",

@@ -64,7 +64,7 @@ def unsourced(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: f"{p.parent.name}/{p.stem}")
-def test_each_figure_names_its_source_or_is_assumed(path: Path) -> None:
+def test_each_value_names_its_source_or_is_assumed(path: Path) -> None:
     assert unsourced(path.read_text()) == []
 
 
@@ -77,7 +77,7 @@ def test_the_listed_sources_are_those_that_are_used(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["mass_kg", "added_mass", "friction", "port", "propeller"])
-def test_a_figure_without_a_source_is_found(name: str) -> None:
+def test_a_value_without_a_source_is_found(name: str) -> None:
     """Each entry is reported if its comments are removed."""
     vehicle = "remus100" if name in ("port", "propeller") else "bluerov2_wu"
     lines = (assets_folder() / "vehicles" / f"{vehicle}.yaml").read_text().splitlines()

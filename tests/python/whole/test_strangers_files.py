@@ -11,11 +11,11 @@ from tests.fuzz.mutate_values import mutated
 from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
+from uwsim.base.texts.yaml_document import MAX_BYTES
 from uwsim.recording.capsule import SCENARIO, pack, unpack
 from uwsim.recording.commands import COMMANDS
 from uwsim.recording.replay import replay
 from uwsim.scenario import load
-from uwsim.scenario.read.yaml_document import MAX_BYTES
 
 WORKFLOWS = Path(__file__).parents[3] / ".github" / "workflows"
 FOUND = sorted((Path(__file__).parents[2] / "fuzz" / "found").glob("*/*"))

@@ -78,6 +78,8 @@ int main(int count, char** arguments) {
   RTCDevice device = rtcNewDevice("verbose=0");
   RTCScene scene = embree_faces::build(device, vertices, triangles, as_quads);
   constexpr std::size_t kChunk = 160;  // packets; as many blocks as a picture has in a row
+  std::printf("ready\n");
+  std::fflush(stdout);
   while (std::getchar() != EOF) {
     std::atomic<std::size_t> next{0};
     std::atomic<double> sum{0};

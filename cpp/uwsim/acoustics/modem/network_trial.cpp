@@ -13,8 +13,10 @@ namespace {
 class EvenMedium final : public LinkMedium {
  public:
   explicit EvenMedium(const Reception& heard) : heard_(heard) {}
-  Reception hear(std::size_t, std::size_t) const override { return heard_; }
-  std::array<double, 2> overhear(std::size_t, std::size_t) const override { return {heard_.delay_s, heard_.signal_db}; }
+  Reception receive(std::size_t, std::size_t) const override { return heard_; }
+  std::array<double, 2> interference(std::size_t, std::size_t) const override {
+    return {heard_.delay_s, heard_.signal_db};
+  }
 
  private:
   Reception heard_;

@@ -165,7 +165,7 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t now_ns, std::ui
   flight.packet = next_packet_++;
   flight.from = index;
   flight.at = message.signal ? message.to : next_hop(index, message.to);
-  flight.heard = medium.hear(index, flight.at);
+  flight.heard = medium.receive(index, flight.at);
   flight.starts_ns = start_ns + ns(flight.heard.delay_s);
   flight.ends_ns = flight.starts_ns + length_ns;
   const std::uint64_t first = message.packets_sent * modem_.packet_bytes;
@@ -181,7 +181,7 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t now_ns, std::ui
   if (modem_.kind == LinkKind::kModem) {
     flight.deaf = nodes_[flight.at].sending_until_ns > flight.starts_ns;
     deafen(index, start_ns, node.sending_until_ns);
-    let_others_hear(flight, start_ns, length_ns, medium);
+    add_interference(flight, start_ns, length_ns, medium);
     sounds_.push_back({flight.packet, flight.at, flight.starts_ns, flight.ends_ns, flight.heard.signal_db});
   }
   flight.is_copy = message.again || message.repeats + message.retransmissions > 0;
@@ -189,7 +189,7 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t now_ns, std::ui
     const bool again_at_once = message.repeats > 0;
     flight.message = node.queue.repeat_next(now_ns, again_at_once ? 0 : node.sending_until_ns + ns(timeout_s()));
   } else if (flight.is_last) {
-    flight.message = node.queue.take_next(now_ns);
+    flight.message = node.queue.pop_next(now_ns);
     --waiting_;
   } else {
     ++message.packets_sent;
@@ -200,11 +200,11 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t now_ns, std::ui
   flights_.push_back(std::move(flight));
 }
 
-void PacketNetwork::let_others_hear(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns,
-                                    const LinkMedium& medium) {
+void PacketNetwork::add_interference(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns,
+                                     const LinkMedium& medium) {
   for (std::size_t at = 0; at < nodes_.size(); ++at) {
     if (at == flight.from || at == flight.at) continue;
-    const auto [delay_s, level_db] = medium.overhear(flight.from, at);
+    const auto [delay_s, level_db] = medium.interference(flight.from, at);
     const std::uint64_t starts_ns = start_ns + ns(delay_s);
     sounds_.push_back({flight.packet, at, starts_ns, starts_ns + length_ns, level_db});
   }

@@ -30,10 +30,10 @@ class LinkMedium {
  public:
   virtual ~LinkMedium() = default;
   /// Returns how a packet sent now would reach another node.
-  virtual Reception hear(std::size_t from, std::size_t to) const = 0;
+  virtual Reception receive(std::size_t from, std::size_t to) const = 0;
   /// Returns the approximate delay [s] and level [dB re 1 uPa] along the direct path, for a packet that is not
   /// addressed to that node.
-  virtual std::array<double, 2> overhear(std::size_t from, std::size_t to) const = 0;
+  virtual std::array<double, 2> interference(std::size_t from, std::size_t to) const = 0;
 };
 
 /// A message that has arrived.
@@ -168,7 +168,8 @@ class PacketNetwork {
   bool may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns, std::uint64_t& start_ns);
   void send_packet(std::size_t index, std::uint64_t now_ns, std::uint64_t start_ns, std::uint64_t length_ns,
                    const LinkMedium& medium);
-  void let_others_hear(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
+  void add_interference(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns,
+                        const LinkMedium& medium);
   void deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns);
   void arrive(const Flight& flight);
   void finish_copy(const Flight& flight, Partial& known);

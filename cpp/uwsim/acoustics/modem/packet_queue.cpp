@@ -30,7 +30,7 @@ PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max
   const bool replaces = older != messages_.end();
   const std::uint64_t freed = replaces ? older->second.payload.size() : 0;
   if (bytes_ - freed + message.payload.size() > bytes_max) return Added::kRefused;
-  if (replaces) replaced = take(older);
+  if (replaces) replaced = remove(older);
   insert(std::move(message));
   return replaces ? Added::kReplaced : Added::kQueued;
 }
@@ -46,7 +46,7 @@ LinkMessage* PacketQueue::next(std::uint64_t now_ns) {
 }
 
 LinkMessage PacketQueue::repeat_next(std::uint64_t now_ns, std::uint64_t held_until_ns) {
-  LinkMessage message = take_next(now_ns);
+  LinkMessage message = pop_next(now_ns);
   LinkMessage copy = message;
   message.packets_sent = 0;
   message.again = true;
@@ -62,7 +62,7 @@ bool PacketQueue::finish(std::uint64_t number) {
   if (found == messages_.end()) return false;
   found->second.repeats = found->second.retransmissions = 0;
   if (found->second.packets_sent > 0) return false;
-  take(found);
+  remove(found);
   return true;
 }
 
@@ -84,7 +84,7 @@ void PacketQueue::insert(LinkMessage message) {
   messages_.emplace(place, std::move(message));
 }
 
-LinkMessage PacketQueue::take(Messages::iterator from) {
+LinkMessage PacketQueue::remove(Messages::iterator from) {
   LinkMessage taken = std::move(from->second);
   bytes_ -= taken.payload.size();
   numbers_.erase(taken.number);

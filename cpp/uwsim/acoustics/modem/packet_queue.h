@@ -52,21 +52,21 @@ class PacketQueue {
   bool empty() const { return messages_.empty(); }
   std::size_t size() const { return messages_.size(); }
   std::uint64_t bytes() const { return bytes_; }
-  /// Removes the messages whose deadlines have passed and calls `tell` for each, in order of their deadlines.
-  template <typename Tell>
-  void expire(std::uint64_t now_ns, const Tell& tell) {
+  /// Removes the messages whose deadlines have passed and calls `report` for each, in order of their deadlines.
+  template <typename Report>
+  void expire(std::uint64_t now_ns, const Report& report) {
     while (!deadlines_.empty() && deadlines_.begin()->first <= now_ns) {
       const auto found = messages_.find(deadlines_.begin()->second);
       deadlines_.erase(deadlines_.begin());
       if (found == messages_.end() || found->second.packets_sent > 0) continue;
-      tell(found->second);
-      take(found);
+      report(found->second);
+      remove(found);
     }
   }
   /// The message whose packets are sent next, or nullptr if there is none or all are held.
   LinkMessage* next(std::uint64_t now_ns);
-  /// Takes next(), which must exist.
-  LinkMessage take_next(std::uint64_t now_ns) { return take(find_next(now_ns)); }
+  /// Removes and returns next(), which must exist.
+  LinkMessage pop_next(std::uint64_t now_ns) { return remove(find_next(now_ns)); }
   /// Returns a copy of next(), which must exist, and moves the message behind all others of the same priority, to be
   /// sent again: a retransmission is held until `held_until_ns`, a repeat is not held.
   LinkMessage repeat_next(std::uint64_t now_ns, std::uint64_t held_until_ns);
@@ -90,7 +90,7 @@ class PacketQueue {
 
   Messages::iterator find_next(std::uint64_t now_ns);
   void insert(LinkMessage message);
-  LinkMessage take(Messages::iterator from);
+  LinkMessage remove(Messages::iterator from);
   /// The oldest message that this new message replaces.
   Messages::iterator replaced_by(const LinkMessage& message);
 

@@ -52,10 +52,11 @@ double spherical_loss_db(const ModemWater& water, double length_m, double depth_
 /// The share of an arrival's power that helps to detect a symbol, at a delay after the first arrival: 1 within the
 /// guard time, then ((guard + symbol - delay) / symbol)^2, the squared overlap of the delayed symbol with the
 /// receiver's integration over one symbol, and 0 after one more symbol. The rest interferes with the next symbols
-/// (Brugger and Hemingway 2003, "OFDM receivers - impact on coverage of inter-symbol interference and FFT window
-/// positioning", EBU Technical Review 295; cited from memory). It holds for receivers that integrate over a symbol
-/// after a guard time: OFDM with a guard interval, and tones or chirps whose frequencies are reused only after the
-/// guard time. An equaliser is modelled as a longer guard time.
+/// (planning of broadcast networks: Brugger and Hemingway 2003, "OFDM receivers - impact on coverage of inter-symbol
+/// interference and FFT window positioning", EBU Technical Review 295, not consulted; the shares of random OFDM symbols
+/// of 1,024 carriers, simulated with numpy, are within 0.002 of it). It holds for receivers that integrate over a
+/// symbol after a guard time: OFDM with a guard interval, and tones or chirps whose frequencies are reused only after
+/// the guard time. An equaliser is modelled as a longer guard time.
 double symbol_share(const ModemSpec& modem, double delay_s);
 
 /// Adds arrivals incoherently, for a receiver that synchronises with the first arrival within 20 dB of the strongest.

@@ -31,7 +31,6 @@ struct Development {
 };
 
 struct Kernels {
-  const char* name;
   // Pixels to rays, and hits to geometry.
   void (*primary_rays)(const View&, int left, int top, Block&);
   void (*shaft_rays)(const View&, int left, int top, int scale, Block&);

@@ -37,18 +37,18 @@ constexpr double kMaxDraws = 4e9;             // random draws of a ping are numb
 /// and multiple reflections, motion within a ping, and the curvature of a line array's beams away from the level plane.
 class ForwardLooking final : public ImagingSonar {
  public:
-  ForwardLooking(const ImagingAcoustics& acoustics, const ParameterValues& figures)
+  ForwardLooking(const ImagingAcoustics& acoustics, const ParameterValues& parameters)
       : ImagingSonar(acoustics),
-        beams_(static_cast<std::size_t>(whole_number(figures, "beams"))),
-        columns_per_beam_(static_cast<std::size_t>(whole_number(figures, "columns_per_beam"))),
-        rays_per_column_(whole_number(figures, "rays_per_column")),
+        beams_(static_cast<std::size_t>(whole_number(parameters, "beams"))),
+        columns_per_beam_(static_cast<std::size_t>(whole_number(parameters, "columns_per_beam"))),
+        rays_per_column_(whole_number(parameters, "rays_per_column")),
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
-        vertical_width_rad_(number(figures, "vertical_width_rad")),
-        across_(number(figures, "beam_width_rad"), number(figures, "taper"), kLeakage) {
+        vertical_width_rad_(number(parameters, "vertical_width_rad")),
+        across_(number(parameters, "beam_width_rad"), number(parameters, "taper"), kLeakage) {
     require(1.0 * static_cast<double>(beams_ * bins_) * std::max(acoustics.looks, 1) < kMaxDraws, "sonar.range_bins",
             acoustics.range_bins, "times beams and looks must be below 4e9");
-    const double field_of_view_rad = number(figures, "field_of_view_rad");
-    const double beam_width_rad = number(figures, "beam_width_rad");
+    const double field_of_view_rad = number(parameters, "field_of_view_rad");
+    const double beam_width_rad = number(parameters, "beam_width_rad");
     // A single beam has no neighbours, so its columns are spread over its width.
     const BeamAngles bearings = beams_ > 1 ? even_beam_angles(field_of_view_rad, static_cast<int>(beams_))
                                            : BeamAngles{-field_of_view_rad / 2, beam_width_rad};

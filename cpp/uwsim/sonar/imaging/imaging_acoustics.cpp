@@ -34,25 +34,25 @@ double power_of(double level_db) { return std::pow(10.0, level_db / 10); }
 
 std::span<const Parameter> imaging_acoustics_parameters() { return kAcousticParameters; }
 
-ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db,
+ImagingAcoustics imaging_acoustics(const ParameterValues& parameters, const std::vector<double>& strengths_db,
                                    const std::vector<BottomMaterial>& materials) {
   for (const double strength_db : strengths_db) {
     require(std::isnan(strength_db) || std::abs(strength_db) <= kLoudest_db, "sonar.strengths_db",
             with_unit(strength_db, "dB"), "must be in [-300, 300] dB");
   }
   ImagingAcoustics acoustics;
-  acoustics.frequency_hz = number(figures, "frequency_hz");
-  acoustics.source_level_db = number(figures, "source_level_db");
-  acoustics.noise_level_db = number(figures, "noise_level_db");
-  acoustics.bottom_strength_db = number(figures, "bottom_strength_db");
-  acoustics.solid_strength_db = number(figures, "solid_strength_db");
+  acoustics.frequency_hz = number(parameters, "frequency_hz");
+  acoustics.source_level_db = number(parameters, "source_level_db");
+  acoustics.noise_level_db = number(parameters, "noise_level_db");
+  acoustics.bottom_strength_db = number(parameters, "bottom_strength_db");
+  acoustics.solid_strength_db = number(parameters, "solid_strength_db");
   acoustics.strengths_db = strengths_db;
-  acoustics.range_max_m = number(figures, "range_max_m");
-  acoustics.range_bins = whole_number(figures, "range_bins");
-  acoustics.time_varied_gain = flag(figures, "time_varied_gain");
-  acoustics.gain_db_decade = number(figures, "gain_db_decade");
-  acoustics.looks = whole_number(figures, "looks");
-  acoustics.multipath = flag(figures, "multipath");
+  acoustics.range_max_m = number(parameters, "range_max_m");
+  acoustics.range_bins = whole_number(parameters, "range_bins");
+  acoustics.time_varied_gain = flag(parameters, "time_varied_gain");
+  acoustics.gain_db_decade = number(parameters, "gain_db_decade");
+  acoustics.looks = whole_number(parameters, "looks");
+  acoustics.multipath = flag(parameters, "multipath");
   acoustics.materials = materials;
   return acoustics;
 }

@@ -44,7 +44,7 @@ struct ImagingAcoustics {
 /// The parameters of ImagingAcoustics by name, except strengths_db.
 std::span<const Parameter> imaging_acoustics_parameters();
 /// Creates the acoustics from a complete set of parameters. Throws InvalidValue for strengths out of range.
-ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {},
+ImagingAcoustics imaging_acoustics(const ParameterValues& parameters, const std::vector<double>& strengths_db = {},
                                    const std::vector<BottomMaterial>& materials = {});
 
 /// Converts an echo's mean power to the displayed level: speckle, noise, gain.

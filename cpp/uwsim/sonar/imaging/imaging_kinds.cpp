@@ -24,12 +24,12 @@ std::vector<Parameter> imaging_parameters(const ImagingKind& kind) {
   return all;
 }
 
-std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues figures,
+std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues parameters,
                                             const std::vector<double>& strengths_db,
                                             const std::vector<BottomMaterial>& materials) {
   const ImagingKind& of = imaging_kind(kind);
-  complete_parameters(figures, imaging_parameters(of), "sonar");
-  return of.make(imaging_acoustics(figures, strengths_db, materials), figures);
+  complete_parameters(parameters, imaging_parameters(of), "sonar");
+  return of.make(imaging_acoustics(parameters, strengths_db, materials), parameters);
 }
 
 }  // namespace uwsim

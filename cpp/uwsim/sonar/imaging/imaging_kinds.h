@@ -15,7 +15,7 @@ std::vector<Parameter> imaging_parameters(const ImagingKind& kind);
 
 /// Creates a sonar from its parameters. `strengths_db`, `materials`: see ImagingAcoustics. Throws InvalidValue naming
 /// sonar.<parameter> if a parameter is unknown, missing or out of range.
-std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues figures,
+std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues parameters,
                                             const std::vector<double>& strengths_db = {},
                                             const std::vector<BottomMaterial>& materials = {});
 

@@ -55,12 +55,12 @@ struct ImagingKind {
   std::string_view name;
   std::string_view meaning;
   std::span<const Parameter> parameters;
-  std::unique_ptr<ImagingSonar> (*make)(const ImagingAcoustics& acoustics, const ParameterValues& figures);
+  std::unique_ptr<ImagingSonar> (*make)(const ImagingAcoustics& acoustics, const ParameterValues& parameters);
 };
 
 template <typename Sonar>
-std::unique_ptr<ImagingSonar> make_imaging_sonar(const ImagingAcoustics& acoustics, const ParameterValues& figures) {
-  return std::make_unique<Sonar>(acoustics, figures);
+std::unique_ptr<ImagingSonar> make_imaging_sonar(const ImagingAcoustics& acoustics, const ParameterValues& parameters) {
+  return std::make_unique<Sonar>(acoustics, parameters);
 }
 
 }  // namespace uwsim

@@ -44,14 +44,14 @@ std::vector<double> across_angles(const ImagingAcoustics& acoustics, double heig
 /// other's echoes.
 class SideScan final : public ImagingSonar {
  public:
-  SideScan(const ImagingAcoustics& acoustics, const ParameterValues& figures)
+  SideScan(const ImagingAcoustics& acoustics, const ParameterValues& parameters)
       : ImagingSonar(acoustics),
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
-        planes_(whole_number(figures, "planes")),
-        along_width_rad_(number(figures, "along_width_rad")),
-        vertical_width_rad_(number(figures, "vertical_width_rad")),
-        depression_rad_(number(figures, "depression_rad")),
-        detection_db_(number(figures, "detection_db")),
+        planes_(whole_number(parameters, "planes")),
+        along_width_rad_(number(parameters, "along_width_rad")),
+        vertical_width_rad_(number(parameters, "vertical_width_rad")),
+        depression_rad_(number(parameters, "depression_rad")),
+        detection_db_(number(parameters, "detection_db")),
         along_(along_width_rad_, kArrayTaper, 0),
         vertical_(vertical_width_rad_, kArrayTaper, kOutsideBeam) {}
 

@@ -58,13 +58,13 @@ double detect(std::span<const double> received, double threshold) {
 /// degrees, the relative shift is less than the square of the beam width.
 class SingleBeam final : public ImagingSonar {
  public:
-  SingleBeam(const ImagingAcoustics& acoustics, const ParameterValues& figures)
+  SingleBeam(const ImagingAcoustics& acoustics, const ParameterValues& parameters)
       : ImagingSonar(acoustics),
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
-        detection_db_(number(figures, "detection_db")),
-        width_rad_(number(figures, "beam_width_rad")),
+        detection_db_(number(parameters, "detection_db")),
+        width_rad_(number(parameters, "beam_width_rad")),
         pattern_(width_rad_, kPencilTaper, 0) {
-    const int rays_across = whole_number(figures, "rays_across");
+    const int rays_across = whole_number(parameters, "rays_across");
     step_rad_ = 2 * kSpan * width_rad_ / rays_across;
     for (int k = 0; k < rays_across; ++k) offsets_rad_.push_back(-kSpan * width_rad_ + (k + 0.5) * step_rad_);
   }

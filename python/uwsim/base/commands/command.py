@@ -89,7 +89,8 @@ class Command:
     steers: whether it drives the vehicle, and thus ends any earlier steering command. service: the ROS type of the
     vehicle's service with this name; "" for none. is_piloted: whether the station's pilot may issue it by name.
     is_ashore: whether it takes effect without reaching a vehicle, so that missions may issue it even if no link carries
-    it.
+    it. changes_world: whether it changes what a pilot must take as it is: the water, the light, faults, parameters, a
+    vehicle's place.
     """
 
     name: str
@@ -106,6 +107,7 @@ class Command:
     service: str = ""
     is_piloted: bool = True
     is_ashore: bool = False
+    changes_world: bool = False
 
     @property
     def all_arguments(self) -> tuple[Argument, ...]:

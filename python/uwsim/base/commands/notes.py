@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 COMMENT = "comment"
-CATEGORIES = ("observation", "defect", "leak", "debris", "growth", COMMENT)
+NoteCategory = Literal["observation", "defect", "leak", "debris", "growth"]
+CATEGORIES = (*get_args(NoteCategory), COMMENT)
 """The categories of notes. The latest `comment` is shown in pictures; an empty comment removes it."""
 TEXT_MAX = 200
 PICTURE_MAX = 100

@@ -30,13 +30,11 @@ def _aim_camera(carrier: Any, camera: str, pan_rad: float | None = None, tilt_ra
 
 
 def _hold(vehicle: Any, **on: bool) -> None:
-    if any(on.values()):
-        vehicle.gate.require_no_autopilot("hold")
-    vehicle.gate.holds.set(**on)
+    vehicle.helm.holds.set(**on)
 
 
 def _note(vehicle: Any, **values: Any) -> None:
-    vehicle.gate.note(**values)
+    vehicle.helm.note(**values)
 
 
 def _start_navigation(vehicle: Any) -> None:
@@ -70,11 +68,11 @@ SAFETY = [
     Command(
         "inject_fault", "make a component fail", (Argument("kind", "text"),),
         lambda sim, kind, **values: sim.faults.inject(kind, **values),
-        of="simulator", notes_itself=True, takes_more=True,
+        of="simulator", notes_itself=True, takes_more=True, changes_world=True,
     ),
     Command(
         "end_fault", "end a fault permanently", (Argument("name", "text"),), lambda sim, name: sim.faults.end(name),
-        of="simulator", notes_itself=True,
+        of="simulator", notes_itself=True, changes_world=True,
     ),
 ]  # fmt: skip
 STEERING = [
@@ -113,7 +111,7 @@ STEERING = [
             Argument("orientation_xyzw", "numbers", length=4, default=(0.0, 0.0, 0.0, 1.0)),
             Argument("velocity_body", "numbers", "m/s, rad/s", length=6, default=(0.0,) * 6),
         ),
-        is_piloted=False,
+        is_piloted=False, changes_world=True,
     ),
 ]  # fmt: skip
 INSTRUMENTS = [
@@ -142,22 +140,22 @@ INSTRUMENTS = [
     ),
     Command(
         "set_optics", "change the light", (), lambda sim, **changes: sim.set_optics(**changes),
-        of="simulator", notes_itself=True, takes_more=True,
+        of="simulator", notes_itself=True, takes_more=True, changes_world=True,
     ),
 ]  # fmt: skip
 PARAMETERS = [
     Command(
         "set_parameter", "set a parameter", (Argument("name", "text"), Argument("value", "any")), _set_parameter,
-        of="simulator", notes_itself=True,
+        of="simulator", notes_itself=True, changes_world=True,
     ),
     Command(
         "set_parameters", "set several parameters at once", (Argument("changes", "any"),),
-        lambda sim, changes: sim.parameters.update(changes), of="simulator", notes_itself=True,
+        lambda sim, changes: sim.parameters.update(changes), of="simulator", notes_itself=True, changes_world=True,
     ),
     Command(
         "reset_parameters", "restore the scenario's value of one parameter, of all below a name, or of all",
         (Argument("name", "text", default=None),), lambda sim, name=None: sim.parameters.reset(name),
-        of="simulator", notes_itself=True,
+        of="simulator", notes_itself=True, changes_world=True,
     ),
 ]  # fmt: skip
 ASHORE = [

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.channels.authority.steering import Steering
 from uwsim.channels.names import checked_namespace
 from uwsim.channels.source import Source
-from uwsim.channels.steering import Steering
 
 
 class Route(NamedTuple):

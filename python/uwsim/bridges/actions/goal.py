@@ -14,13 +14,14 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.base.commands import command_named
 from uwsim.bridges.actions.action import Action, Progress, Route
-from uwsim.channels import build
-from uwsim.channels.steering import REPLACED, require_link
+from uwsim.channels.authority.steering import require_link
+from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.missions import OwnVehicle, Steps, StoppedError, drive, goto, turn_to
 from uwsim.missions.moves import follow_leg
 from uwsim.navigation.control.protocols import Clock
+from uwsim.simulator.helm import Lease, Reason, Source
 
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # action_msgs/msg/GoalStatus
 FEEDBACK_S = 0.5
@@ -56,16 +57,19 @@ class Goal:
         self._hull: LiveVehicle = live.vehicles[self._name]
         if not self._hull.released:
             raise ValueError(f"vehicle '{self._name}' is at the station: call /{action.source.topic('undock')} first")
-        if self._hull.all_stopped:
-            raise ValueError(f"vehicle '{self._name}': all stop is set")
+        action.steering.helm.require_at_door(action.name, Source.FLIGHT)
         self._route: Route = action.route(goal)
         self._stop: _EndedError | None = None
+        self._lease: Lease | None = None
         self._leg = 0
         self._thread = threading.Thread(target=self._run, name=f"uwsim-{action.name}", daemon=True)
 
     def start(self) -> None:
-        """Begin the flight, which replaces any earlier command from a bridge to the vehicle."""
-        self.action.steering.begin_flight(self._replaced)
+        """Begin the flight, which replaces any earlier command from a bridge; it ends at once if others steer."""
+        try:
+            self._lease = self.action.steering.fly(self.action.name, self._lose)
+        except ValueError as error:
+            self._end(_EndedError(ABORTED, str(error)))
         self._thread.start()
 
     def cancel(self) -> None:
@@ -78,8 +82,8 @@ class Goal:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(CLOSE_S)
 
-    def _replaced(self) -> None:
-        self._end(_EndedError(ABORTED, REPLACED))
+    def _lose(self, reason: Reason) -> None:
+        self._end(_EndedError(ABORTED, self.action.steering.helm.refusal(Source.FLIGHT) or reason))
 
     def _end(self, reason: _EndedError) -> None:
         self._stop = self._stop or reason
@@ -102,15 +106,16 @@ class Goal:
 
     def _rest(self) -> None:
         """Bring the vehicle to rest, unless another command steers it by now."""
-        steering = self.action.steering
-        if steering.end_flight(self._replaced) and self._hull.released and not steering.rights.pilot():
-            with suppress(ValueError, RuntimeError):  # all stop is set, or the simulator does not run
-                steering.hold_velocity(self._live, np.zeros(6))
+        if self._lease is not None and self._lease.end() and self._hull.released:
+            with suppress(ValueError, RuntimeError):  # others steer by now, or the simulator does not run
+                self.action.steering.hold_velocity(self._live, np.zeros(6))
 
     def _fly(self, clock: Clock, began_s: float) -> None:
-        hull = _FlownVehicle(self._live, self.action, self._replaced)
+        self.check()
+        assert self._lease is not None
+        hull = _FlownVehicle(self._live, self.action, self._lease)
         vehicle = OwnVehicle(hull, clock, estimate=None if self.action.uses_truth else hull.estimate)
-        holds = hull.gate.holds
+        holds = hull.holds
         if holds is not None and holds.has_control:
             hull.command("hold")
         drive(self._steps(vehicle), _WatchedClock(clock, self, vehicle, began_s))
@@ -128,11 +133,8 @@ class Goal:
 
     def check(self) -> None:
         """Raise an exception with the reason if the flight must end now."""
-        pilot = self.action.steering.rights.pilot()
         if self._stop is not None:
             raise self._stop
-        if pilot:
-            raise _EndedError(ABORTED, f"{pilot} has the controls, at the operator's station")
         if not self._hull.released:
             raise _EndedError(ABORTED, f"vehicle '{self._name}' is at the station")
 
@@ -151,16 +153,16 @@ class Goal:
 
 
 class _FlownVehicle(LiveVehicle):
-    """A vehicle that accepts a flight's commands until another command replaces the flight."""
+    """A vehicle that accepts a flight's commands until the flight loses the helm."""
 
-    def __init__(self, live: LiveSimulator, action: Action, replaced: Callable[[], object]) -> None:
+    def __init__(self, live: LiveSimulator, action: Action, lease: Lease) -> None:
         super().__init__(live, action.source.of(live.simulator))
-        self._steering, self._replaced = action.steering, replaced
+        self._lease = lease
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command; see LiveVehicle. Raises RuntimeError once the flight has been replaced."""
+        """Issue a command; see LiveVehicle. Raises RuntimeError once the flight has lost the helm."""
         named = command_named(name).named(self.name, arguments)
-        return self._steering.in_flight(self._replaced, lambda: self._live.command(name, **named)).result()
+        return self._lease.give(lambda: self._live.command(name, **named)).result()
 
 
 class _WatchedClock:

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.bridges.actions.action import Action, Progress, Route
-from uwsim.channels import Table, build
-from uwsim.channels.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
-from uwsim.channels.estimate import has_estimate
+from uwsim.channels import Table
+from uwsim.channels.families.estimate import has_estimate
+from uwsim.channels.ros import build
+from uwsim.channels.ros.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
 from uwsim.channels.source import Source
 from uwsim.simulator.simulator import Simulator
 

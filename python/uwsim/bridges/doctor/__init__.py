@@ -1,6 +1,6 @@
 """`uwsim doctor`: diagnoses why uwsim and other programs cannot see each other, and suggests remedies."""
 
-from uwsim.bridges.doctor.examine import Plan, examine
+from uwsim.bridges.doctor.examine import examine
 from uwsim.bridges.doctor.finding import Finding, Verdict
 
-__all__ = ["Finding", "Plan", "Verdict", "examine"]
+__all__ = ["Finding", "Verdict", "examine"]

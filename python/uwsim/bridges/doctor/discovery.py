@@ -16,7 +16,7 @@ from uwsim.bridges.ros2.dds import Participant, RawReader
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.bridges.ros2.settings import SAFE_DOMAIN_MAX, Ros2Settings
-from uwsim.channels.cdr import Distro, store_of
+from uwsim.channels.ros.cdr import Distro, store_of
 
 LOOK_S = 0.05
 

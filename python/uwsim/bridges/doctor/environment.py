@@ -7,7 +7,7 @@ from typing import get_args
 
 from uwsim.bridges.doctor.finding import Finding
 from uwsim.bridges.ros2.settings import SAFE_DOMAIN_MAX, Ros2Settings
-from uwsim.channels.cdr import Distro
+from uwsim.channels.ros.cdr import Distro
 
 LOCALHOST_ADVICE = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST (Humble: ROS_LOCALHOST_ONLY=1) on the side of ROS"
 

@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 
 from uwsim.bridges.doctor.finding import Finding
+from uwsim.bridges.ros2.lossy_readers import ADVICE, default_buffer_bytes
 from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2Settings, unicast_port
 
 SIOCGIFFLAGS, SIOCGIFADDR = 0x8913, 0x8915
@@ -74,14 +75,13 @@ def multicast(name: str, address: str, flags: int) -> Finding:
 
 def buffers() -> Finding:
     """Return a finding about the default size of socket receive buffers."""
-    try:
-        default = int(Path("/proc/sys/net/core/rmem_default").read_text())
-    except (OSError, ValueError):
+    default = default_buffer_bytes()
+    if default is None:
         return Finding("socket buffers", "unknown", "note", "clouds and pictures need net.core.rmem_default of 2 MB")
     found = f"{default / 1e3:.0f} kB"
     if default >= BUFFER_GOOD:
         return Finding("socket buffers", found)
-    advice = "for clouds and pictures: sudo sysctl -w net.core.rmem_default=4194304 net.core.rmem_max=4194304"
+    advice = f"for clouds and pictures: {ADVICE}"
     return Finding("socket buffers", found, "note", advice)
 
 

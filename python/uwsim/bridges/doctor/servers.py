@@ -11,6 +11,7 @@ from websockets.exceptions import InvalidStatus, WebSocketException
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
+from uwsim.base.texts.json_text import json_object
 from uwsim.bridges.doctor.finding import Finding
 
 ANSWER_S = 2.0
@@ -44,7 +45,7 @@ def foxglove_port(port: int) -> Finding:
         return Finding(what, "free")
     try:
         with connect(f"ws://127.0.0.1:{port}", subprotocols=[FOXGLOVE], open_timeout=ANSWER_S, max_size=None) as socket:
-            name = json.loads(socket.recv(ANSWER_S)).get("name", "")
+            name = json_object(socket.recv(ANSWER_S), what).get("name", "")
     except (OSError, ValueError, WebSocketException) as error:
         if _is_locked(error):
             return Finding(what, LOCKED)
@@ -85,7 +86,7 @@ def _rosbridge_nodes(port: int) -> list[str] | None:
         with connect(f"ws://127.0.0.1:{port}", open_timeout=ANSWER_S, max_size=None) as bridge:
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "doctor"}))
             for _ in range(10):
-                answer = json.loads(bridge.recv(ANSWER_S))
+                answer = json_object(bridge.recv(ANSWER_S), f"port {port}")
                 if answer.get("op") == "service_response":
                     return [str(name) for name in answer.get("values", {}).get("nodes", [])]
     except (OSError, ValueError, AttributeError, WebSocketException) as error:

@@ -1,9 +1,12 @@
 """A bridge to the Foxglove app, which can display and control a live simulator: pip install 'uwsim[foxglove]'."""
 
-from uwsim.base.extras import need_extra
+from typing import TYPE_CHECKING
 
-need_extra("foxglove", "foxglove", "Foxglove")
+from uwsim.base.lazy import lazy
 
-from uwsim.bridges.foxglove.server import PORT, FoxgloveServer  # noqa: E402
+if TYPE_CHECKING:
+    from uwsim.bridges.foxglove.options import PORT
+    from uwsim.bridges.foxglove.server import FoxgloveServer
 
 __all__ = ["PORT", "FoxgloveServer"]
+__getattr__ = lazy(__name__, {"PORT": "options", "FoxgloveServer": "server"})

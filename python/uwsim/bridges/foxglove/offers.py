@@ -12,9 +12,9 @@ from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Offer
 from uwsim.bridges.foxglove.shows import Show
 from uwsim.channels import Channel
-from uwsim.channels.cdr import schema
-from uwsim.channels.feed import Reading
-from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
+from uwsim.channels.delivery.feed import Reading
+from uwsim.channels.delivery.outgoing import Job, Line, Outgoing, queue_of
+from uwsim.channels.ros.cdr import schema
 
 Sinks = tuple[tuple[Outbox, int], ...]
 """Subscribed clients' outboxes, each with the number that the client chose for its subscription."""
@@ -52,7 +52,7 @@ class Offers:
                 self._shows[name].begin(lambda time_ns, data: outbox.put((number, time_ns, data), builds_up=True))
             elif not before:
                 self._bridge.listen(name)
-            elif self._channels[name].latched:
+            elif self._channels[name].delivery.latched:
                 self._outgoing.offer(Line(name, 1), partial(self._catch_up, name, outbox, number))
         except Exception:
             self.unsubscribe(offer_id, outbox)

@@ -107,7 +107,7 @@ class Outbox:
             self._messages.put(size, message)
         self._wake()
 
-    def tell_time(self, time_ns: int) -> None:
+    def send_time(self, time_ns: int) -> None:
         """Queue the simulated time, replacing any time already queued."""
         self._time_ns = time_ns
         self._wake()

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from uwsim.bridges.foxglove.scenes import Positions
 from uwsim.channels import Channel
-from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.own_types import TELEMETRY
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.ros.own_types import TELEMETRY
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 

@@ -14,6 +14,8 @@ from typing import Any
 
 import orjson
 
+from uwsim.base.texts.json_text import json_object
+
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 CAPABILITIES = ("clientPublish", "services", "time")
 OF_PARAMETERS = ("parameters", "parametersSubscribe")  # further capabilities of a live simulator
@@ -136,13 +138,7 @@ def read_binary(frame: bytes) -> Publication | Call:
 
 def read_json(data: str | bytes) -> dict[str, Any]:
     """Parse a JSON object. Empty data is parsed as an empty object. Raises ValueError."""
-    try:
-        found = orjson.loads(data or b"{}")
-    except ValueError as error:
-        raise ValueError(f"{data[:60]!r}: must be JSON ({error})") from None
-    if not isinstance(found, dict):
-        raise ValueError(f"{data[:60]!r}: must be an object in JSON")
-    return found
+    return json_object(data or b"{}", f"{data[:60]!r}")
 
 
 def _text(op: str, **values: Any) -> str:

@@ -9,8 +9,8 @@ from foxglove.messages import Color, SceneEntity, SceneEntityDeletion, SceneEnti
 from numpy.typing import NDArray
 
 from uwsim.bridges.foxglove.primitives import by_height, cubes, line, mesh
-from uwsim.channels.feed import Reading
-from uwsim.channels.map_changes import EDGE, OCCUPIED
+from uwsim.channels.delivery.feed import Reading
+from uwsim.channels.families.map_changes import EDGE, OCCUPIED
 from uwsim.scenario import Scenario, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh

@@ -13,9 +13,10 @@ from websockets.typing import Subprotocol
 
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.connection import HeardConnection
-from uwsim.bridges.conversation import Allowance, Rates
+from uwsim.bridges.conversation import Rates, Share
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.offers import Offers
+from uwsim.bridges.foxglove.options import PORT
 from uwsim.bridges.foxglove.outbox import Outbox, Room
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.bridges.foxglove.session import Session
@@ -23,14 +24,13 @@ from uwsim.bridges.foxglove.shows import shows_of
 from uwsim.bridges.listener import Address, Listener, post
 from uwsim.bridges.live_parameters import Parameters
 from uwsim.channels import Channel, Service
-from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.message_cost import Meter
-from uwsim.channels.messages import from_bytes, from_plain
-from uwsim.channels.outgoing import Outgoing
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.delivery.outgoing import Outgoing
+from uwsim.channels.ros.message_cost import Meter
+from uwsim.channels.ros.messages import from_bytes, from_plain
 from uwsim.channels.table import checked_origin
 from uwsim.live import LiveSimulator
 
-PORT = 8765  # the app's default
 CLIENTS_MAX = 32
 FRAME_BYTES_MAX = 1 << 18
 COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits on a JSON command: its memory, and the number of messages in it
@@ -81,7 +81,7 @@ class FoxgloveServer(Bridge):
             self.log,
             places=CLIENTS_MAX,
             rates=RATES,
-            share=Allowance(WORK_SHARE),
+            share=Share(WORK_SHARE),
             open_session=self._open_session,
             subprotocols=[Subprotocol(name) for name in protocol.SUBPROTOCOLS],
             max_size=FRAME_BYTES_MAX,
@@ -98,8 +98,8 @@ class FoxgloveServer(Bridge):
         self._loop: asyncio.AbstractEventLoop | None = None
         try:
             self._listener.start()
-            self.keep_up()
-            self._end_clock = self.feed.tell_time(TIME_S, self._tell_time)
+            self.start_updates()
+            self._end_clock = self.feed.listen_time(TIME_S, self._send_time)
             if live is not None:
                 self._parameters = Parameters(live, lambda name, arguments: self._notice_parameters())
                 self._parameters.open()
@@ -164,6 +164,11 @@ class FoxgloveServer(Bridge):
         if all(one is not channel for one in named):
             self.abandon(channel)
 
+    def is_vital(self, call: Call) -> bool:
+        """Return whether a call is of a vital service, which other calls must not hinder."""
+        service = self._numbered.get(call.service_id)
+        return service is not None and service.is_vital
+
     def answer(self, call: Call, reply: Callable[[str | bytes], None]) -> None:
         """Call a service; `reply` is called later. Raises ValueError."""
         service = self._numbered.get(call.service_id)
@@ -191,11 +196,11 @@ class FoxgloveServer(Bridge):
     def _notice_parameters(self) -> None:
         """Have each session report changes, from the simulator's thread."""
         if self._loop is not None:
-            post(self._loop, self._tell_parameters)
+            post(self._loop, self._send_parameters)
 
-    def _tell_parameters(self) -> None:
+    def _send_parameters(self) -> None:
         for session in list(self._listener.sessions.values()):
-            session.tell_parameters()
+            session.send_parameters()
 
     # Setup of sessions:
 
@@ -217,7 +222,7 @@ class FoxgloveServer(Bridge):
             session.outbox.reply(frame)
         return session
 
-    def _tell_time(self, time_ns: int) -> None:
+    def _send_time(self, time_ns: int) -> None:
         """Send the time from the simulator's thread."""
         for session in list(self._listener.sessions.values()):
-            session.outbox.tell_time(time_ns)
+            session.outbox.send_time(time_ns)

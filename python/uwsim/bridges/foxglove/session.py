@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Protocol
 
 from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Call
-from uwsim.bridges.live_parameters import UNSET, described
+from uwsim.bridges.live_parameters import UNSET, Parameters, described
 from uwsim.channels import Channel
-
-if TYPE_CHECKING:
-    from uwsim.bridges.foxglove.server import FoxgloveServer
 
 LISTS_MAX = 1000  # entries in a list in one frame, and channels advertised by one client
 TEXT_BYTES_MAX = 1 << 17  # size limit of a JSON frame: the app's lists, including schemas, take about 10 kB
@@ -27,10 +24,45 @@ NAME_MAX = 200
 logger = logging.getLogger("uwsim.foxglove")
 
 
+class Served(Protocol):
+    """The part of FoxgloveServer that a session uses."""
+
+    inputs: dict[str, Channel]
+
+    @property
+    def parameters(self) -> Parameters:
+        """The simulator's parameters."""
+
+    @property
+    def command_topics(self) -> str:
+        """The command topics, as text."""
+
+    def subscribe(self, session: Session, offer_id: int) -> None:
+        """Start sending a topic's messages."""
+
+    def unsubscribe(self, session: Session, offer_id: int) -> None:
+        """Stop sending a topic's messages."""
+
+    def command(self, channel: Channel, encoding: str, data: bytes) -> None:
+        """Apply a command."""
+
+    def relinquish(self, channel: Channel) -> None:
+        """Note that a session has stopped advertising commands."""
+
+    def is_vital(self, call: Call) -> bool:
+        """Return whether a call is of a vital service, which other calls must not hinder."""
+
+    def answer(self, call: Call, reply: Callable[[str | bytes], None]) -> None:
+        """Call a service."""
+
+    def set_parameters(self, changes: Mapping[str, Any], done: Callable[[str | None], object]) -> None:
+        """Set parameters."""
+
+
 class Session:
     """A session with one client. subscriptions: the client's subscription numbers, by topic number."""
 
-    def __init__(self, server: FoxgloveServer, outbox: Outbox) -> None:
+    def __init__(self, server: Served, outbox: Outbox) -> None:
         self._server = server
         self.outbox = outbox
         self.subscriptions: dict[int, int] = {}
@@ -57,7 +89,7 @@ class Session:
                     raise ValueError(f"frame: {len(frame)} characters: must be {TEXT_BYTES_MAX} at most")
                 self._perform(protocol.read_json(frame))
             else:
-                self._take(protocol.read_binary(frame))
+                self._receive(protocol.read_binary(frame))
         except (ValueError, RuntimeError) as error:
             self.complain(str(error))
         except Exception:
@@ -98,7 +130,7 @@ class Session:
         for text in mistakes[:MISTAKES_SHOWN]:
             self.complain(text)
 
-    def _take(self, received: protocol.Publication | Call) -> None:
+    def _receive(self, received: protocol.Publication | Call) -> None:
         if isinstance(received, Call):
             self._call(received)
             return
@@ -164,7 +196,7 @@ class Session:
             _check_size(call.data)
             if call.encoding != "json":
                 raise ValueError(f"encoding = '{call.encoding}': must be json")
-            if self._open_calls >= CALLS_MAX:
+            if self._open_calls >= CALLS_MAX * (2 if self._server.is_vital(call) else 1):
                 raise ValueError(f"{CALLS_MAX} calls are still unanswered, the maximum")
             self._server.answer(call, reply)
             self._open_calls += 1
@@ -202,7 +234,7 @@ class Session:
         names = _names(operation)
         self._watched = {name: value for name, value in self._watched.items() if names and name not in names}
 
-    def tell_parameters(self) -> None:
+    def send_parameters(self) -> None:
         """Send the parameters that the client subscribes to and that have changed."""
         if not self._watched:
             return

@@ -10,8 +10,8 @@ from foxglove.messages import SceneUpdate
 from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, received_places, true_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
-from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.outgoing import Job, Line, Outgoing
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.delivery.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
 
 WAITING = 64  # updates per queue; none should be dropped, since each builds on the previous ones
@@ -120,7 +120,7 @@ class MapShow(Show):
     def begin(self, newcomer: Send) -> None:
         """Send all blocks now, and later those that have changed."""
         if self._leave is None:
-            self._leave = self._feed.listen(self._channel, self._take)
+            self._leave = self._feed.listen(self._channel, self._receive)
         else:
             self._offer(self._blocks.whole, self._time_ns, newcomer)
 
@@ -130,7 +130,7 @@ class MapShow(Show):
             self._leave()
             self._leave = None
 
-    def _take(self, reading: Reading) -> None:
+    def _receive(self, reading: Reading) -> None:
         self._time_ns = reading.time_ns
         self._offer(lambda: self._blocks.changed(reading), reading.time_ns)
 

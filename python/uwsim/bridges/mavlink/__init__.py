@@ -1,6 +1,12 @@
 """Connects a simulated vehicle to ground stations and scripts through MAVLink 2, as ArduSub does."""
 
-from uwsim.bridges.mavlink.endpoint import Endpoint
-from uwsim.bridges.mavlink.vehicle import MavlinkVehicle
+from typing import TYPE_CHECKING
+
+from uwsim.base.lazy import lazy
+
+if TYPE_CHECKING:
+    from uwsim.bridges.mavlink.endpoint import Endpoint
+    from uwsim.bridges.mavlink.vehicle import MavlinkVehicle
 
 __all__ = ["Endpoint", "MavlinkVehicle"]
+__getattr__ = lazy(__name__, {"Endpoint": "endpoint", "MavlinkVehicle": "vehicle"})

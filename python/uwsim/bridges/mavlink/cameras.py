@@ -10,7 +10,7 @@ from typing import Any
 from uwsim.bridges.mavlink.component import DONE, FAILED, Commands, Component, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.video import BITRATE_KBIT_S, VideoStream, own_first
-from uwsim.channels.pictures import RATE_HZ
+from uwsim.channels.delivery.pictures import RATE_HZ
 
 FIRST_COMPONENT, COMPONENTS = 100, 6  # MAV_COMP_ID_CAMERA to CAMERA6
 CAMERA_TYPE, NO_AUTOPILOT, ACTIVE = 30, 8, 4  # MAV_TYPE, MAV_AUTOPILOT, MAV_STATE
@@ -18,15 +18,19 @@ CAPTURES_VIDEO_STREAM = 256  # CAMERA_CAP_FLAGS
 VIDEO_MODE, STORAGE_NOT_SUPPORTED = 1, 3
 RTP_UDP, H264, RUNNING = 1, 1, 1
 STREAM = 1
+REQUEST_STORAGE = 525  # MAV_CMD
 REQUESTS = {
-    521: (259, False),
-    522: (260, False),
-    525: (261, False),
-    527: (262, False),
-    2504: (269, True),
-    2505: (270, True),
+    521: (259, 1),
+    522: (260, 1),
+    525: (261, 2),
+    527: (262, 1),
+    2504: (269, 0),
+    2505: (270, 0),
 }
-"""Older commands that request one message: the message's ID, and whether the first parameter is a stream's number."""
+"""Older commands that request one message: the message's ID, and which parameter is a switch.
+
+0: none, since the first parameter is the number of a stream. The others are answered even if their switch is off.
+"""
 
 
 class CameraComponent:
@@ -36,8 +40,8 @@ class CameraComponent:
         self._craft, self._name, self._gimbal, self._video = craft, name, gimbal, video
         self.component, self._mav = component, component.mav
         requests: dict[int, Obey] = {command: partial(self._send, command) for command in REQUESTS}
-        switches: dict[int, Obey] = {2502: lambda given: self._stream(True), 2503: lambda given: self._stream(False)}
-        self.commands = Commands(component, {**requests, **(switches if video else {})}, [self.answer], craft.say)
+        switches: dict[int, Obey] = {2502: partial(self._stream, True), 2503: partial(self._stream, False)}
+        self.commands = Commands(component, {**requests, **(switches if video else {})}, [self.answer], craft.send_text)
 
     def heartbeat(self) -> Any:
         """Return HEARTBEAT."""
@@ -45,14 +49,19 @@ class CameraComponent:
 
     def _send(self, command: int, given: Given) -> int:
         """Answer one of the older commands in REQUESTS with the message that it requests."""
-        message, names_stream = REQUESTS[command]
-        found = self.answer(message, given.values[0] if names_stream else 0.0)
+        message, switch = REQUESTS[command]
+        if command == REQUEST_STORAGE:
+            given.integer(1, 0, 1)  # 0 stands for all, 1 for the first
+        if switch:
+            given.switch(switch)
+        found = self.answer(message, 0.0 if switch else given.integer(1, 0, STREAM))
         if not found:
             return FAILED
         given.replies.extend(found)
         return DONE
 
-    def _stream(self, on: bool) -> int:
+    def _stream(self, on: bool, given: Given) -> int:
+        given.integer(1, 0, STREAM)
         assert self._video is not None
         self._video.is_paused = not on
         return DONE

@@ -14,7 +14,7 @@ DONE, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
 REQUEST_MESSAGE = 512  # MAV_CMD
 COUNTED_PEERS_MAX = 100
 
-Say = Callable[[str], None]
+SendText = Callable[[str], None]
 """Queues a text message for all ground stations."""
 
 
@@ -41,12 +41,18 @@ class Component:
             del self._sent[next(iter(self._sent))]
 
 
+class DeniedError(ValueError):
+    """Raised for a command with an invalid parameter."""
+
+
 @dataclass
 class Given:
     """A command from a ground station.
 
-    values: its seven parameters. sender: the sender's system and component. frame: the MAV_FRAME of a COMMAND_INT,
-    whose fifth and sixth parameters are integers. replies: messages to send to the sender after the acknowledgement.
+    values: its seven parameters, any of which may be NaN or infinite; read them by the methods, which check them. A
+    parameter that no part reads is reserved or has no effect here. sender: the sender's system and component. frame:
+    the MAV_FRAME of a COMMAND_INT, whose fifth and sixth parameters are integers. replies: messages to send to the
+    sender after the acknowledgement.
     """
 
     number: int
@@ -55,16 +61,40 @@ class Given:
     frame: int | None = None
     replies: list[Any] = field(default_factory=list)
 
-    def integer(self, index: int) -> int:
-        """Return the parameter with an index, from 1, as an integer. Raises ValueError if it is not a finite number."""
+    def real(self, index: int, *, may_be_nan: bool = False) -> float:
+        """Return the parameter with an index, from 1, which must be finite. Raises DeniedError.
+
+        may_be_nan: whether NaN has a meaning, such as "unchanged".
+        """
         value = self.values[index - 1]
-        if not math.isfinite(value):
-            raise ValueError(f"command {self.number}: param{index} = {value}: must be a number")
+        if not (math.isfinite(value) or (may_be_nan and math.isnan(value))):
+            raise self.denied(index, "a number")
+        return value
+
+    def integer(self, index: int, low: float = -math.inf, high: float = math.inf) -> int:
+        """Return the parameter with an index, from 1, which must be whole and in [low, high]. Raises DeniedError."""
+        value = self.real(index)
+        if not (value == math.floor(value) and low <= value <= high):
+            raise self.denied(index, "whole" if math.isinf(low) else f"a whole number in [{low:g}, {high:g}]")
         return int(value)
+
+    def switch(self, index: int) -> bool:
+        """Return the parameter with an index, from 1, which must be exactly 0 (off) or 1 (on). Raises DeniedError."""
+        if self.values[index - 1] not in (0, 1):
+            raise self.denied(index, "0 or 1")
+        return self.values[index - 1] == 1
+
+    def denied(self, index: int, rule: str) -> DeniedError:
+        """Return the error for a parameter, from 1, that breaks a rule."""
+        return DeniedError(f"command {self.number}: param{index} = {self.values[index - 1]:g}: must be {rule}")
 
 
 Obey = Callable[[Given], int]
-"""Executes a command; returns a MAV_RESULT. Raises ValueError or RuntimeError with the reason for a failure."""
+"""Executes a command; returns a MAV_RESULT.
+
+Checks all parameters before it changes anything: raises DeniedError for an invalid one. Raises ValueError or
+RuntimeError with the reason for a failure.
+"""
 Answers = Callable[[int, float], Iterable[Any] | None]
 """Returns the messages for an ID and the second parameter of a request, or None for an unknown ID."""
 
@@ -75,8 +105,10 @@ class Commands:
     obeys: the commands, by MAV_CMD. answers: functions that provide the messages sent on request.
     """
 
-    def __init__(self, component: Component, obeys: Mapping[int, Obey], answers: Iterable[Answers], say: Say) -> None:
-        self._component, self._say = component, say
+    def __init__(
+        self, component: Component, obeys: Mapping[int, Obey], answers: Iterable[Answers], send_text: SendText
+    ) -> None:
+        self._component, self._send_text = component, send_text
         self._answers = list(answers)
         self._obeys = {REQUEST_MESSAGE: self._request, **obeys}
 
@@ -105,8 +137,8 @@ class Commands:
         try:
             result = UNSUPPORTED if obey is None else obey(given)
         except (ValueError, RuntimeError) as error:
-            self._say(str(error))
-            result = FAILED
+            self._send_text(str(error))
+            result = DENIED if isinstance(error, DeniedError) else FAILED
         ack = self._component.mav.command_ack_encode(given.number, result, 0, 0, *given.sender)
         self._component.send(ack, peer)
         for message in given.replies:
@@ -115,7 +147,7 @@ class Commands:
     def _request(self, given: Given) -> int:
         number = given.integer(1)
         for answer in self._answers:
-            found = answer(number, given.values[1])
+            found = answer(number, given.real(2, may_be_nan=True))
             if found is not None:
                 given.replies.extend(found)
                 return DONE

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
-from concurrent.futures import Future
+from collections.abc import Callable
+from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
 from typing import Any
 
 from uwsim.bridges.actions import Action
-from uwsim.bridges.mavlink.component import Say
+from uwsim.bridges.mavlink.component import SendText
 from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.telemetry import State
-from uwsim.channels.steering import log_error
+from uwsim.channels.authority.steering import log_error
 from uwsim.live import LiveSimulator
 
 COMMAND_S = 5.0
+LOOK_S = 0.005  # time between looks at the network while a command takes effect
 
 
 @dataclass
@@ -22,17 +25,20 @@ class Craft:
     """A vehicle of a live simulator.
 
     name: the vehicle's name. action: its action `fly_path`, or None if it has none. home: the location of the world's
-    origin. say: sends a text to the ground stations. output: the autopilot's messages to all stations, queued by any
-    thread. state: the latest reading.
+    origin. send_text: sends a text to the ground stations. output: the autopilot's messages to all stations, queued by
+    any thread. state: the latest reading. meanwhile: called while a command takes effect, to handle what is more
+    urgent. interruptions: how many stops and disarms there were; each ends the command that waits.
     """
 
     live: LiveSimulator
     name: str
     action: Action | None
     home: Home
-    say: Say
+    send_text: SendText
     output: deque[Any] = field(default_factory=lambda: deque(maxlen=1000))
     state: State | None = None
+    meanwhile: Callable[[], object] = lambda: None
+    interruptions: int = 0
 
     @property
     def vehicle(self) -> Any:
@@ -47,10 +53,21 @@ class Craft:
 
     def command(self, command: str, **arguments: Any) -> None:
         """Issue a command, and wait until it has taken effect. Raises ValueError or RuntimeError."""
-        try:
-            self.begin(command, **arguments).result(timeout=COMMAND_S)
-        except TimeoutError:
-            raise RuntimeError(f"{command}: had no effect within {COMMAND_S:g} s") from None
+        self.wait(self.begin(command, **arguments), command)
+
+    def wait(self, order: Future[Any], what: str, *, is_stop: bool = False) -> None:
+        """Wait for a command, and handle meanwhile what is more urgent. Raises ValueError or RuntimeError.
+
+        is_stop: whether the command is itself a stop, which no other one ends.
+        """
+        until_s, interruptions = time.monotonic() + COMMAND_S, self.interruptions
+        while not wait([order], LOOK_S).done:
+            if time.monotonic() > until_s:
+                raise RuntimeError(f"{what}: had no effect within {COMMAND_S:g} s")
+            self.meanwhile()
+        order.result()
+        if self.interruptions != interruptions and not is_stop:
+            raise RuntimeError(f"{what}: the vehicle was stopped or disarmed meanwhile")
 
     def send(self, command: str, **arguments: Any) -> None:
         """Issue a command without waiting. A failure is logged. Raises ValueError."""

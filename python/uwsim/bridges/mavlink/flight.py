@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -16,12 +18,14 @@ from uwsim.bridges.mavlink.component import DONE, UNSUPPORTED, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import NED_FROM_ENU, Vector, euler_rad
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.bridges.mavlink.missions import MissionStore, route_of
+from uwsim.bridges.mavlink.missions import FAR_M, SPEED_MAX_M_S, MissionStore, route_of
 from uwsim.bridges.mavlink.modes import AUTO, GUIDED, HOLDS_OF, MANUAL, NAMES, mode_of
+from uwsim.simulator.helm import Source
 
 LOCAL, LOCAL_OFFSET, BODY_OFFSET = 1, 7, 9  # MAV_FRAME
 GLOBAL_FRAMES = (0, 3, 5, 6, 11)
 POSITION_IGNORED, YAW_IGNORED = 0b111, 1 << 10
+RELATIVE_YAW = 2  # MAV_DO_REPOSITION_FLAGS
 DEGREES_E7 = 1e-7
 INFO = 6  # MAV_SEVERITY
 
@@ -38,6 +42,7 @@ class Flight:
         self._goal: Goal | None = None
         self._flies = MANUAL  # GUIDED or AUTO while the vehicle flies by itself
         self._target: Route | None = None
+        self._stop: Future[Any] | None = None
 
     @property
     def commands(self) -> Mapping[int, Obey]:
@@ -58,42 +63,64 @@ class Flight:
         return self.is_armed and self._flies == MANUAL
 
     def _on_mode(self, given: Given) -> int:
-        self.set_mode(given.integer(2))
+        given.integer(1, 0, 255)  # MAV_MODE_FLAG
+        self.set_mode(given.integer(2, 0, 2**32 - 1))
         return DONE
 
     def _on_start(self, given: Given) -> int:
+        last = max(len(self._mission.items) - 1, 0)
+        for index, whole in ((1, (0, 1)), (2, (0, last))):  # the item at 0 is the home position
+            if given.integer(index) not in whole:
+                raise given.denied(index, f"{' or '.join(map(str, dict.fromkeys(whole)))}: the whole mission is flown")
         self.set_mode(AUTO)
         return DONE
 
     def _on_arm(self, given: Given) -> int:
-        self.arm() if given.values[0] == 1 else self.disarm()
+        self.arm() if given.switch(1) else self.disarm()
         return DONE
 
     def _on_termination(self, given: Given) -> int:
+        on = given.switch(1)
         self.end()
         self.is_armed = False
-        self._craft.command("all_stop", on=given.values[0] >= 0.5)
+        begun, self._stop = self._stop if on else None, None
+        self._craft.wait(begun or self._craft.begin("all_stop", on=on), "all_stop", is_stop=on)
         return DONE
+
+    def stop_at_once(self) -> None:
+        """Set all stop without waiting. The command that does so waits for the effect, and reports any error."""
+        self._craft.interruptions += 1
+        if self._stop is None or self._stop.done():
+            with suppress(ValueError, RuntimeError):
+                self._stop = self._craft.begin("all_stop", on=True)
 
     def _on_reposition(self, given: Given) -> int:
         if given.frame not in GLOBAL_FRAMES:
             return UNSUPPORTED
-        *_, yaw, lat, lon, altitude_m = given.values
-        point = self._craft.home.world_m(DEGREES_E7 * lat, DEGREES_E7 * lon, altitude_m)
+        speed_m_s, yaw = given.real(1, may_be_nan=True), given.real(4, may_be_nan=True)
+        is_default = math.isnan(speed_m_s) or speed_m_s in (-1, 0)
+        if not (is_default or 0 < speed_m_s <= SPEED_MAX_M_S):
+            raise given.denied(1, f"a speed in (0, {SPEED_MAX_M_S:g}] m/s, or -1 for the default")
+        turns = math.isfinite(yaw) and yaw != 0
+        if given.integer(2, 0, 255) & RELATIVE_YAW and turns:
+            raise given.denied(2, "without the flag of a relative yaw (2)")
+        lat_deg, lon_deg = (DEGREES_E7 * given.real(index) for index in (5, 6))
+        point = self._craft.home.world_m(lat_deg, lon_deg, given.real(7))
         self._require_armed("target")
-        self._fly_to(point, math.pi / 2 - yaw if math.isfinite(yaw) and yaw else None)
+        self._fly_to(point, math.pi / 2 - yaw if turns else None, SPEED_M_S if is_default else speed_m_s)
         return DONE
 
     def arm(self) -> None:
         """Arm the vehicle, undocking it if necessary. Raises ValueError while all stop is set."""
         vehicle = self._craft.vehicle
-        vehicle.gate.require_no_stop("arm")
+        vehicle.helm.require("arm", Source.FAILSAFE)
         if not vehicle.released:
             self._craft.command("undock")
         self.is_armed = True
 
     def disarm(self) -> None:
         """Disarm: end the flight, the holds and the efforts."""
+        self._craft.interruptions += 1
         self.end()
         self.is_armed = False
         self._craft.command("hold")
@@ -125,7 +152,7 @@ class Flight:
             raise ValueError(f"{NAMES[mode]}: the vehicle has no estimate to fly by")
         self.end()
         if route is None:
-            holds = self._craft.vehicle.gate.holds
+            holds = self._craft.vehicle.holds
             possible = [] if holds is None else holds.possible
             self._craft.command("hold", **{hold: True for hold in ("heading", "depth", "position") if hold in possible})
         else:
@@ -141,9 +168,9 @@ class Flight:
     def _ended(self, goal: Goal, numbers: list[int], status: int, why: str) -> None:
         if status == SUCCEEDED:
             self._mission.report_reached(numbers)
-            self._craft.say("Mission complete" if numbers else "Target reached")
+            self._craft.send_text("Mission complete" if numbers else "Target reached")
         elif goal is self._goal:
-            self._craft.say(f"{NAMES[self._flies]} ended: {why}")
+            self._craft.send_text(f"{NAMES[self._flies]} ended: {why}")
 
     def end(self) -> None:
         """End the flight, if there is one."""
@@ -188,18 +215,18 @@ class Flight:
             raise ValueError("target: only positions are supported, not velocities or accelerations")
         self._fly_to(point, None if message.type_mask & YAW_IGNORED else math.pi / 2 - message.yaw)
 
-    def _fly_to(self, point: Vector, heading_rad: float | None) -> None:
-        if not (all(math.isfinite(part) and abs(part) < 1e5 for part in point) and point[2] <= 0):
+    def _fly_to(self, point: Vector, heading_rad: float | None, speed_m_s: float = SPEED_M_S) -> None:
+        if not (all(math.isfinite(part) and abs(part) < FAR_M for part in point) and point[2] <= 0):
             raise ValueError(
                 f"target = {[round(float(part), 2) for part in point]} m: must be near, and not above water"
             )
         if heading_rad is not None and not math.isfinite(heading_rad):
             raise ValueError("target: yaw: must be a number")
-        route = Route(point.reshape(1, 3), SPEED_M_S, heading_rad)
+        route = Route(point.reshape(1, 3), speed_m_s, heading_rad)
         known = self._target
         if (
             known is None
             or abs(known.points_world_m - route.points_world_m).max() > 1e-3
-            or known.heading_rad != heading_rad
+            or (known.heading_rad, known.speed_m_s) != (heading_rad, speed_m_s)
         ):
             self._begin(GUIDED, route)

@@ -21,8 +21,8 @@ STATUS_HZ = 0.2
 RATE_LASTS_S = 1.0
 STICK_RAD_S = math.radians(30)
 """The turn rate at full deflection or while a button is pressed: ArduSub's MNT1_RC_RATE."""
-MOUNT_RETRACT, MOUNT_NEUTRAL, MOUNT_TARGETING = 0, 1, 2  # MAV_MOUNT_MODE
-UNCHANGED, MINE, RELEASE = -1, -2, -3  # special IDs in DO_GIMBAL_MANAGER_CONFIGURE
+MOUNT_RETRACT, MOUNT_NEUTRAL, MOUNT_TARGETING, MOUNT_MODES = 0, 1, 2, 7  # MAV_MOUNT_MODE, and how many there are
+MINE, RELEASE = -2, -3  # special IDs in DO_GIMBAL_MANAGER_CONFIGURE
 
 
 class Gimbal:
@@ -54,7 +54,7 @@ class Gimbal:
         """The commands that this part executes, by MAV_CMD."""
         if not self.camera:
             return {}
-        return {204: lambda given: DONE, 205: self._on_mount, 1000: self._on_pitch_yaw, 1001: self._on_configure}
+        return {204: self._on_mount_mode, 205: self._on_mount, 1000: self._on_pitch_yaw, 1001: self._on_configure}
 
     @property
     def kinds(self) -> list[Kind]:
@@ -146,25 +146,30 @@ class Gimbal:
                 self._command(pitch, yaw)
             except ValueError as error:  # the station's pilot has taken the controls
                 self._rates_rad_s = (0.0, 0.0)
-                self._craft.say(str(error))
+                self._craft.send_text(str(error))
+
+    def _on_mount_mode(self, given: Given) -> int:
+        """Accept any of the modes, since each DO_MOUNT_CONTROL states its own, and no stabilisation."""
+        given.integer(1, 0, MOUNT_MODES - 1)
+        for index in (2, 3, 4):
+            given.switch(index)
+        return DONE
 
     def _on_mount(self, given: Given) -> int:
-        mode = given.values[6]
+        mode = given.integer(7, 0, MOUNT_MODES - 1)
         if mode in (MOUNT_RETRACT, MOUNT_NEUTRAL):
             self.centre()
             return DONE
         if mode != MOUNT_TARGETING:
             return UNSUPPORTED
-        pitch, yaw = (math.radians(given.values[k]) for k in (0, 2))
+        pitch, _, yaw = (math.radians(given.real(index)) for index in (1, 2, 3))
         self.turn_to(pitch, yaw if self._can_turn(self._yaw_limits_rad) else math.nan)
         return DONE
 
     def _on_pitch_yaw(self, given: Given) -> int:
-        pitch_deg, yaw_deg, pitch_deg_s, yaw_deg_s, _, _, device = given.values
-        if device not in (0, DEVICE):
-            return UNSUPPORTED
-        rates = math.radians(pitch_deg_s), math.radians(yaw_deg_s)
-        return self._set(given.sender, given.integer(5), (math.radians(pitch_deg), math.radians(yaw_deg)), rates)
+        given.integer(7, 0, DEVICE)
+        pitch, yaw, pitch_rate, yaw_rate = (math.radians(given.real(index, may_be_nan=True)) for index in (1, 2, 3, 4))
+        return self._set(given.sender, given.integer(5, 0, 2**32 - 1), (pitch, yaw), (pitch_rate, yaw_rate))
 
     def on_gimbal_manager_set_pitchyaw(self, peer: Peer, message: Any) -> None:
         """Turn to angles or at rates. The message is not acknowledged."""
@@ -179,7 +184,9 @@ class Gimbal:
             return
         w, x, y, z = message.q
         angles = math.nan, math.nan
-        if all(math.isfinite(part) for part in (w, x, y, z)):
+        if not all(math.isnan(part) for part in (w, x, y, z)):
+            if not abs(math.hypot(w, x, y, z) - 1) <= 0.01:
+                raise ValueError(f"gimbal: q = {list(message.q)}: must have the length 1, or be NaN")
             sine = max(-1.0, min(2 * (w * y - z * x), 1.0))
             angles = math.asin(sine), math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
         sender = message.get_srcSystem(), message.get_srcComponent()
@@ -189,8 +196,10 @@ class Gimbal:
         self, sender: tuple[int, int], flags: int, angles_rad: tuple[float, float], rates_rad_s: tuple[float, float]
     ) -> int:
         if self._owner not in ((0, 0), sender):
-            self._craft.say(f"gimbal: system {self._owner[0]} is in control")
+            self._craft.send_text(f"gimbal: system {self._owner[0]} is in control")
             return DENIED
+        if any(math.isinf(value) for value in (*angles_rad, *rates_rad_s)):
+            raise ValueError(f"gimbal: {[*angles_rad, *rates_rad_s]} rad, rad/s: must be numbers, or NaN")
         if flags & (YAW_LOCK | YAW_IN_EARTH):
             raise ValueError("gimbal: yaw: must be relative to the vehicle: no yaw lock, no earth frame")
         if flags & (RETRACT | NEUTRAL):
@@ -205,16 +214,15 @@ class Gimbal:
         return DONE
 
     def _on_configure(self, given: Given) -> int:
-        system, component = given.integer(1), given.integer(2)
+        system, component = given.integer(1, RELEASE, 255), given.integer(2, RELEASE, 255)
+        given.integer(7, 0, DEVICE)
         if system == MINE:
             self._owner = given.sender
         elif system == RELEASE:
             self._owner = (0, 0) if self._owner == given.sender else self._owner
         elif system >= 0:
-            if not (system <= 255 and 0 <= component <= 255):
-                raise ValueError(
-                    f"gimbal: control = {system}, {component}: must be a system and a component in [0, 255]"
-                )
+            if component < 0:
+                raise given.denied(2, "a component in [0, 255] with a system")
             self._owner = system, component
         given.replies.append(self.status())
         return DONE

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -19,6 +18,8 @@ from uwsim.bridges.mavlink.endpoint import Peer
 WAYPOINT, CHANGE_SPEED = 16, 178  # MAV_CMD
 ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; both altitudes are relative to the surface
 ITEMS_MAX = 1000
+SPEED_MAX_M_S, FAR_M = 10.0, 1e5
+"""Limits of speeds, and of distances from the world's origin."""
 AGAIN_S = 1.0  # interval at which a missing item is requested again
 GIVE_UP_S = 15.0  # time without an item after which an upload ends
 MISSION = 0  # MAV_MISSION_TYPE; fences and rally points are other types
@@ -51,13 +52,15 @@ def checked(item: Any) -> Any:
     if item.command not in (WAYPOINT, CHANGE_SPEED):
         raise RefusedItemError(UNSUPPORTED, f"{where}: command {item.command}: must be waypoint (16) or speed (178)")
     if item.command == CHANGE_SPEED:
-        if not 0 < item.param2 <= 10:
-            raise RefusedItemError(INVALID, f"{where}: speed = {item.param2:g} m/s: must be in (0, 10]")
+        if not 0 < item.param2 <= SPEED_MAX_M_S:
+            raise RefusedItemError(INVALID, f"{where}: speed = {item.param2:g} m/s: must be in (0, {SPEED_MAX_M_S:g}]")
         return item
     if item.frame not in ABOVE_SEA + ABOVE_HOME:
         raise RefusedItemError(UNSUPPORTED_FRAME, f"{where}: frame {item.frame}: must be a global one")
-    if not (math.isfinite(item.z) and item.z <= 0):
-        raise RefusedItemError(INVALID, f"{where}: altitude = {item.z:g} m: must not be above the surface, 0 m")
+    if not -FAR_M < item.z <= 0:
+        raise RefusedItemError(
+            INVALID, f"{where}: altitude = {item.z:g} m: must not be above the surface, 0 m, nor below {-FAR_M:g} m"
+        )
     return item
 
 
@@ -100,20 +103,24 @@ class MissionStore:
     messages of a flight's thread. Other methods must be called on one thread.
     """
 
-    def __init__(self, mav: Any, send: Callable[..., None], say: Callable[[str], None], output: deque[Any]) -> None:
-        self._mav, self._send, self._say, self._output = mav, send, say, output
+    def __init__(
+        self, mav: Any, send: Callable[..., None], send_text: Callable[[str], None], output: deque[Any]
+    ) -> None:
+        self._mav, self._send, self._send_text, self._output = mav, send, send_text, output
         self.items: list[Any] = []
         self._upload: _Upload | None = None
         self._ended: _Upload | None = None  # the last upload, whose acknowledgement may have been lost
 
-    def keep_going(self, now_s: float) -> None:
+    def retry(self, now_s: float) -> None:
         """Request the next item of an upload again if it has not arrived, or give up."""
         upload = self._upload
         if upload is None or now_s - upload.asked_s < AGAIN_S:
             return
         if now_s - upload.heard_s > GIVE_UP_S:
             self._upload = None
-            self._say(f"mission upload: item {len(upload.items)} did not arrive within {GIVE_UP_S:g} s: cancelled")
+            self._send_text(
+                f"mission upload: item {len(upload.items)} did not arrive within {GIVE_UP_S:g} s: cancelled"
+            )
             self._acknowledge(upload.peer, upload.asker, CANCELLED)
         else:
             self._request_item(upload)
@@ -162,7 +169,7 @@ class MissionStore:
         elif message.count > ITEMS_MAX:
             self._acknowledge(peer, _from(message), NO_SPACE)
         elif self._upload is not None and self._upload.peer != peer:
-            self._say("mission upload: refused while another ground station uploads")
+            self._send_text("mission upload: refused while another ground station uploads")
             self._acknowledge(peer, _from(message), DENIED)
         else:
             self._upload = _Upload(peer, _from(message), message.count, time.monotonic())
@@ -176,7 +183,7 @@ class MissionStore:
         """Accept an item with its position in degrees."""
         if not (abs(message.x) <= 180 and abs(message.y) <= 180):
             place = f"{message.x:g}, {message.y:g} deg"
-            self._say(f"mission item {message.seq}: latitude, longitude = {place}: must be in [-180, 180]")
+            self._send_text(f"mission item {message.seq}: latitude, longitude = {place}: must be in [-180, 180]")
             self._refuse(peer, INVALID)
             return
         message.x, message.y = round(1e7 * message.x), round(1e7 * message.y)
@@ -192,7 +199,7 @@ class MissionStore:
         try:
             upload.items.append(checked(message))
         except RefusedItemError as error:
-            self._say(str(error))
+            self._send_text(str(error))
             self._refuse(peer, error.result)
             return
         upload.heard_s = time.monotonic()

@@ -8,8 +8,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.live import LiveSimulator
 
 ID_CHARACTERS = 16
 AT_ONCE = 20
@@ -40,10 +40,18 @@ def ids_of(values: Mapping[str, Any], vehicles: Iterable[str]) -> dict[str, str]
 
 
 def as_value(number: float, present: Any) -> Any:
-    """Convert a received number to the type of the parameter's present value."""
+    """Convert a received number to the type of the parameter's present value. Raises ValueError if that rounds it."""
+    if not math.isfinite(number):
+        raise ValueError("must be a number")
     if isinstance(present, bool):
-        return number != 0
-    return round(number) if isinstance(present, int) else float(number)
+        if number not in (0, 1):
+            raise ValueError("must be 0 or 1")
+        return number == 1
+    if isinstance(present, int):
+        if number != math.floor(number):
+            raise ValueError("must be a whole number")
+        return int(number)
+    return float(number)
 
 
 class ParameterServer:
@@ -52,8 +60,9 @@ class ParameterServer:
     buttons: further parameters by ID, the functions of a joystick's buttons. Must be used on one thread.
     """
 
-    def __init__(self, live: LiveSimulator, mav: Any, send: Send, buttons: dict[str, int]) -> None:
-        self._live, self._mav, self._send, self._buttons = live, mav, send, buttons
+    def __init__(self, craft: Craft, mav: Any, send: Send, buttons: dict[str, int]) -> None:
+        live = craft.live
+        self._craft, self._live, self._mav, self._send, self._buttons = craft, live, mav, send, buttons
         self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in buttons}
         self._indices = {name: index for index, name in enumerate(self.ids)}
         self._due: deque[tuple[Peer, str]] = deque()
@@ -89,15 +98,17 @@ class ParameterServer:
         name = message.param_id
         if name not in self.ids:
             raise ValueError(f"parameter '{name}': unknown")
-        if not math.isfinite(message.param_value):
+        try:
+            value = as_value(message.param_value, self._present(name))
+        except ValueError as error:
             self._send(self._value(name))
-            raise ValueError(f"parameter '{name}' = {message.param_value}: must be a number")
-        value = as_value(message.param_value, self._present(name))
+            raise ValueError(f"parameter '{name}' = {message.param_value:g}: {error}") from None
         try:
             if name in self._buttons:
                 self._set_button(name, value)
             else:
-                self._live.command("set_parameter", name=self.ids[name], value=value).result(timeout=5.0)
+                order = self._live.command("set_parameter", name=self.ids[name], value=value)
+                self._craft.wait(order, f"parameter '{name}'")
         finally:
             self._send(self._value(name))
 

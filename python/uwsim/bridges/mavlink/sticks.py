@@ -29,7 +29,7 @@ class Sticks:
     """Converts sticks to efforts, and buttons and channels to changes of mode, camera tilt and lights.
 
     functions: the function of each button, as parameters BTN0_FUNCTION to BTN15_FUNCTION. apply: applies efforts
-    through a channel whose watchdog ends them if no more stick messages arrive; None if the vehicle cannot be steered.
+    through a channel, which ends them if no more stick messages arrive; None if the vehicle cannot be steered.
     """
 
     def __init__(

@@ -60,8 +60,8 @@ class Streams:
 
         Deny unknown IDs and excessive rates.
         """
-        number, interval_us = given.integer(1), given.integer(2)
-        if number not in self._kinds or interval_us < -1:
+        number, interval_us = given.integer(1), given.real(2)
+        if number not in self._kinds or (interval_us < 0 and interval_us != -1):
             return DENIED
         if interval_us == 0:
             rate_hz = float(self._kinds[number].rate_hz)

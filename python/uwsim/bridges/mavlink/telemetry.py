@@ -56,7 +56,7 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> State:
     vehicle = source.of(sim)
     mover = vehicle if truth else vehicle.estimate
     pose, velocity = mover.pose, mover.velocity
-    panel, holds = vehicle.telemetry(), vehicle.gate.holds
+    panel, holds = vehicle.telemetry(), vehicle.holds
     failsafe = vehicle.failsafe
     gimbal_rad, camera_tilt = _gimbal_of(vehicle)
     lamps = [lamp.on for lamp in vehicle.lamps.values()]

@@ -12,8 +12,9 @@ from typing import Any
 from uwsim.base.extras import need_extra
 from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
+from uwsim.bridges.mavlink.backlog import Backlog
 from uwsim.bridges.mavlink.cameras import camera_components
-from uwsim.bridges.mavlink.component import DONE, SYSTEM, Commands, Component, Given
+from uwsim.bridges.mavlink.component import DONE, FAILED, SYSTEM, Commands, Component, Given
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
@@ -28,7 +29,8 @@ from uwsim.bridges.mavlink.telemetry import KINDS, State, origin, place, read
 from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.video import VideoStream
 from uwsim.channels import Channel, Service
-from uwsim.channels.feed import Readings
+from uwsim.channels.channel import ended_by
+from uwsim.channels.delivery.feed import Readings
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 
 AUTOPILOT = 1
@@ -36,7 +38,8 @@ HOME = Home(33.810313, -118.393867)
 """The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
 HEARTBEAT_S = 1.0
 WAIT_S = 0.02
-PARSERS_MAX = 100
+SLICE_S = 0.02  # time for messages that are not urgent, after which the network is looked at again
+DEPTH_MAX = 4
 SUBMARINE, ARDUPILOT = 12, 3  # MAV_TYPE, MAV_AUTOPILOT
 ARMED, MANUAL_INPUT, STABILIZED, CUSTOM_MODE = 128, 64, 16, 1  # MAV_MODE_FLAG
 STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
@@ -80,27 +83,29 @@ class MavlinkVehicle(Bridge):
         super().__init__("mavlink", live, channels, services, feed)
         self._live, self._action, self._dialect = live, action, ardupilotmega
         self.vehicle = next(iter(live.vehicles)) if action is None else action.source.name
-        self._craft = craft = Craft(live, self.vehicle, action, home, self.say)
-        self._wire = Wire(endpoint)
+        self._craft = craft = Craft(live, self.vehicle, action, home, self.send_text)
+        self._wire = Wire(endpoint, self._parser)
         self.endpoint = self._wire.endpoint
         self._rare = RareLog(logging.getLogger("uwsim.mavlink"))
-        self._parsers: dict[Peer, Any] = {}
         self._events, self._texts, self._last_text = 0, 0, ""
         self._heartbeat_s = -math.inf
         self._readings: Subscription | None = None
         self._autopilot = autopilot = self._component(AUTOPILOT)
-        self._mission = MissionStore(autopilot.mav, autopilot.send, self.say, craft.output)
+        self._mission = MissionStore(autopilot.mav, autopilot.send, self.send_text, craft.output)
         self._flight = Flight(craft, self._mission)
         self._gimbal = Gimbal(craft, autopilot)
         self._streams = Streams(craft, autopilot, [*KINDS, *self._gimbal.kinds], self._read_at)
         sticks = Sticks(craft, self._flight, self._gimbal, self._efforts())
-        self._parameters = ParameterServer(live, autopilot.mav, autopilot.send, sticks.functions)
+        self._parameters = ParameterServer(craft, autopilot.mav, autopilot.send, sticks.functions)
         obeys = {520: self._on_capabilities, 410: self._on_home, **self._flight.commands, **self._streams.commands,
                  **self._gimbal.commands}  # fmt: skip
         answers = [self._answer, self._gimbal.answer, self._streams.answer]
-        self._commands = Commands(autopilot, obeys, answers, self.say)
+        self._commands = Commands(autopilot, obeys, answers, self.send_text)
         self._owners = [self._commands, self._flight, sticks, self._mission, self._parameters, self._streams,
                         self._gimbal, self]  # fmt: skip
+        self._backlog = Backlog(lambda message: self._flight.stop_at_once(), self._dropped)
+        self._depth = 0  # of commands that wait, each within the one before
+        craft.meanwhile = self._handle_urgent
         self._cameras = camera_components(craft, self._component, self._gimbal.camera, DEVICE, video)
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="uwsim-mavlink", daemon=True)
@@ -109,16 +114,18 @@ class MavlinkVehicle(Bridge):
         return Component(self._dialect, self._wire, number)
 
     def _efforts(self) -> Any:
-        """Return a function that applies stick efforts through a channel with a watchdog; None without an action."""
+        """Return a function that applies stick efforts through a channel that ends them; None without an action."""
         if self._action is None:
             return None
         steering, name = self._action.steering, self.vehicle
         idle = {"surge": 0.0, "sway": 0.0, "heave": 0.0, "roll": 0.0, "pitch": 0.0, "yaw": 0.0}
+
+        def apply(live: LiveSimulator, efforts: Any) -> object:
+            return steering.give(live, "set_effort", **efforts)
+
         channel = Channel(
-            "manual_control", "mavlink/MANUAL_CONTROL", "in", f"the sticks of '{name}'",
-            apply=lambda live, efforts: steering.give(live, "set_effort", **efforts),
-            abandoned=lambda live: steering.give(live, "set_effort", **idle), idle=idle, watch=steering.watch,
-            rights=steering.rights,
+            "manual_control", "mavlink/MANUAL_CONTROL", "in", f"the sticks of '{name}'", apply=apply,
+            authority=ended_by(idle, apply, steering),
         )  # fmt: skip
         return lambda efforts: self.apply(channel, efforts)
 
@@ -155,15 +162,15 @@ class MavlinkVehicle(Bridge):
             if not truth:
                 _ = self._live.vehicles[self.vehicle].estimate  # starts the navigation
             self._readings = self._live.every(
-                1 / rate_hz, lambda sim: read(sim, action.source, truth=truth), self._take_state
+                1 / rate_hz, lambda sim: read(sim, action.source, truth=truth), self._store_state
             )
 
-    def _take_state(self, state: State) -> None:
+    def _store_state(self, state: State) -> None:
         """Receive a reading on the simulator's thread."""
         self._craft.state = state
         self._craft.output.append(state)
 
-    def say(self, text: str) -> None:
+    def send_text(self, text: str) -> None:
         """Send a text, from any thread, in messages of up to 50 bytes."""
         data = text.encode()[:TEXT_MAX]
         self._texts = self._texts % 0xFFFF + 1
@@ -175,22 +182,58 @@ class MavlinkVehicle(Bridge):
     def _run(self) -> None:
         while not self._closing.is_set():
             try:
-                for peer, data in self._wire.receive(WAIT_S):
-                    for message in self._parsed(peer, data):
-                        self._handle(peer, message)
-                self._send_what_is_due()
+                self._attend(0.0 if self._backlog else WAIT_S)
+                until_s = time.monotonic() + SLICE_S
+                while time.monotonic() < until_s and (each := self._backlog.take()) is not None:
+                    self._handle(*each)
             except NotRunningError:
                 self._rare.warning("the simulator does not run")
             except Exception:
                 self.log.exception("MAVLink: a message failed")
 
-    def _parsed(self, peer: Peer, data: bytes) -> list[Any]:
-        if peer not in self._parsers:
-            self._parsers[peer] = self._dialect.MAVLink(None)
-            self._parsers[peer].robust_parsing = True
-            while len(self._parsers) > PARSERS_MAX:
-                del self._parsers[next(iter(self._parsers))]
-        return self._parsers[peer].parse_buffer(data) or []
+    def _attend(self, wait_s: float) -> None:
+        """Handle the stops that have arrived, then sticks, for a short time; send what is due; queue all others."""
+        self._receive(wait_s)
+        until_s = time.monotonic() + SLICE_S
+        while time.monotonic() < until_s and (each := self._backlog.take(only_urgent=True)) is not None:
+            self._handle(*each)
+            self._receive(0.0)
+        self._send_what_is_due()
+
+    def _receive(self, wait_s: float) -> None:
+        self._backlog.sort(each for each in self._wire.receive(wait_s) if self._concerns(each[1]))
+
+    def _handle_urgent(self) -> None:
+        """Handle what is more urgent than a command that waits for its effect."""
+        if self._depth == DEPTH_MAX:
+            self._receive(0.0)  # which sets all stop
+            self._send_what_is_due()
+            return
+        self._depth += 1
+        try:
+            self._attend(0.0)
+        finally:
+            self._depth -= 1
+
+    def _concerns(self, message: Any) -> bool:
+        """Return whether any part of the system handles a message."""
+        name = f"on_{message.get_type().lower()}"
+        return getattr(message, "target_system", getattr(message, "target", SYSTEM)) in (0, SYSTEM) and any(
+            hasattr(owner, name) for owner in self._owners
+        )
+
+    def _dropped(self, peer: Peer, message: Any) -> None:
+        """Report a message that is not handled."""
+        kind = message.get_type()
+        self._rare.warning(f"{kind}: not handled: stopped meanwhile, or too many messages of one station wait")
+        if kind in ("COMMAND_LONG", "COMMAND_INT"):
+            sender = message.get_srcSystem(), message.get_srcComponent()
+            self._autopilot.send(self._autopilot.mav.command_ack_encode(message.command, FAILED, 0, 0, *sender), peer)
+
+    def _parser(self) -> Any:
+        parser = self._dialect.MAVLink(None)
+        parser.robust_parsing = True
+        return parser
 
     def _send_what_is_due(self) -> None:
         now_s = time.monotonic()
@@ -207,19 +250,19 @@ class MavlinkVehicle(Bridge):
                 continue
             self._streams.send(item)
             self._gimbal.follow(item)
-            self._say_news(item)
+            self._report_news(item)
         self._parameters.send_some()
-        self._mission.keep_going(now_s)
+        self._mission.retry(now_s)
 
-    def _say_news(self, state: State) -> None:
+    def _report_news(self, state: State) -> None:
         """Report events, failsafes and lost holds as texts, once each."""
         events = self._live.simulator.events
         for event in list(events)[self._events :]:
-            self.say(f"{event.name} {' '.join(f'{k}={v}' for k, v in event.values.items())}")
+            self.send_text(f"{event.name} {' '.join(f'{k}={v}' for k, v in event.values.items())}")
         self._events = len(events)
         news = state.failsafe or state.hold_note
         if news and news != self._last_text:
-            self.say(news)
+            self.send_text(news)
         self._last_text = news
 
     def _heartbeat(self) -> Any:
@@ -234,10 +277,8 @@ class MavlinkVehicle(Bridge):
     # In
 
     def _handle(self, peer: Peer, message: Any) -> None:
-        """Pass a message to the part of the system that handles its type; messages for other systems are ignored."""
+        """Pass a message to the part of the system that handles its type."""
         name = f"on_{message.get_type().lower()}"
-        if getattr(message, "target_system", getattr(message, "target", SYSTEM)) not in (0, SYSTEM):
-            return
         component = getattr(message, "target_component", AUTOPILOT)
         try:
             for camera in self._cameras:
@@ -253,7 +294,7 @@ class MavlinkVehicle(Bridge):
             if owner is not None and component in (0, AUTOPILOT):
                 getattr(owner, name)(peer, message)
         except (ValueError, RuntimeError) as error:
-            self.say(str(error))
+            self.send_text(str(error))
             self.refuse(str(error))
 
     def _is_for_cameras(self, message: Any) -> bool:
@@ -279,6 +320,7 @@ class MavlinkVehicle(Bridge):
         return [makers[number]()] if number in makers else None
 
     def _on_capabilities(self, given: Given) -> int:
+        given.integer(1, 1, 1)
         given.replies.append(self._version())
         return DONE
 

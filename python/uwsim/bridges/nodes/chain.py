@@ -20,8 +20,8 @@ import numpy as np
 
 from uwsim.bridges.nodes.map_builder import MapBuilder
 from uwsim.bridges.nodes.node import Node
-from uwsim.channels.messages import default_message
-from uwsim.channels.scans import cloud
+from uwsim.channels.families.scans import cloud
+from uwsim.channels.ros.messages import default_message
 from uwsim.mapping import ranging
 
 Publish = Callable[[Any], None]
@@ -38,9 +38,9 @@ class Clock:
 
     def __init__(self, node: Node) -> None:
         self.stamp = default_message("builtin_interfaces/msg/Time")
-        node.subscribe("clock", "rosgraph_msgs/msg/Clock", self._take)
+        node.subscribe("clock", "rosgraph_msgs/msg/Clock", self._receive)
 
-    def _take(self, message: Any) -> None:
+    def _receive(self, message: Any) -> None:
         self.stamp = message.clock
 
 
@@ -49,9 +49,9 @@ class Model:
 
     def __init__(self, node: Node) -> None:
         self.number = MODEL
-        node.subscribe("modelTrigger", STRING, self._take)
+        node.subscribe("modelTrigger", STRING, self._receive)
 
-    def _take(self, message: Any) -> None:
+    def _receive(self, message: Any) -> None:
         self.number = int(message.data)
 
 
@@ -115,11 +115,11 @@ def tf_broadcaster(node: Node, out: Path, floats: str = FLOATS) -> None:
     """propPos, scanPos -> tf: odom -> base_footprint -> base_scan."""
     publish, clock = node.advertise("tf", TF), Clock(node)
 
-    def say(parent: str, child: str, pose: Any) -> None:
+    def send(parent: str, child: str, pose: Any) -> None:
         publish(to_transform(pose, clock.stamp, parent, child))
 
-    node.subscribe("propPos", POSE, partial(say, "odom", "base_footprint"))
-    node.subscribe("scanPos", POSE, partial(say, "base_footprint", "base_scan"))
+    node.subscribe("propPos", POSE, partial(send, "odom", "base_footprint"))
+    node.subscribe("scanPos", POSE, partial(send, "base_footprint", "base_scan"))
 
 
 def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
@@ -131,7 +131,7 @@ def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
         if builder.inserted:
             builder.write(out)
 
-    def take(add: Publish, message: Any) -> None:
+    def insert(add: Publish, message: Any) -> None:
         nonlocal due_s
         add(message)
         if builder.insert_ready():
@@ -144,8 +144,8 @@ def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
             progress(count)
 
     node.finish = save
-    node.subscribe("tf", TF, partial(take, builder.add_transforms))
-    node.subscribe("laserPointCloud", CLOUD, partial(take, builder.add_cloud))
+    node.subscribe("tf", TF, partial(insert, builder.add_transforms))
+    node.subscribe("laserPointCloud", CLOUD, partial(insert, builder.add_cloud))
 
 
 NODES: dict[str, Callable[[Node, Path, str], None]] = {

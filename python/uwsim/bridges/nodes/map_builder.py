@@ -17,6 +17,7 @@ CHAIN = (("odom", "base_footprint"), ("base_footprint", "base_scan"))
 REMEMBERED = 500  # transforms per frame: 10 s at 50 Hz
 WAITING = 200  # clouds
 REACH_M = 95.0
+BACK_NS = 1_000_000_000  # a larger step back in time is a restart of the simulation
 
 
 class MapBuilder:
@@ -38,7 +39,8 @@ class MapBuilder:
         for stamped in message.transforms:
             link = stamped.header.frame_id, stamped.child_frame_id
             if link in self._poses:
-                self._poses[link].append((_time_ns(stamped.header.stamp), _matrix(stamped.transform)))
+                self._forget_before(stamp_ns := _time_ns(stamped.header.stamp))
+                self._poses[link].append((stamp_ns, _matrix(stamped.transform)))
 
     def add_cloud(self, message: Any) -> None:
         """Queue a cloud."""
@@ -57,6 +59,13 @@ class MapBuilder:
             self.map.insert_scan(points_odom, odom_from_scan[:3, 3], REACH_M)
             self.inserted += 1
         return self.inserted - before
+
+    def _forget_before(self, stamp_ns: int) -> None:
+        """Discard transforms and waiting clouds if time has gone back, since they would place clouds of the new run."""
+        if any(poses and poses[-1][0] > stamp_ns + BACK_NS for poses in self._poses.values()):
+            for poses in self._poses.values():
+                poses.clear()
+            self._clouds.clear()
 
     def write(self, path: Path) -> None:
         """Write the map."""

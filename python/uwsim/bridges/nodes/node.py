@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, WebSocketException
 
-from uwsim.bridges.nodes.websocket import WebSocket
+from uwsim.bridges.nodes.websocket import WebSocket, why_not_connected
 from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.parse import parse
-from uwsim.channels.messages import from_plain, spelled
+from uwsim.channels.ros.messages import from_plain, spelled
 
 QUEUE = 1000  # the chain has few messages, none of which should be lost
 NESTING = 32
@@ -28,6 +28,7 @@ class Node:
     """
 
     def __init__(self, url: str, queue: int = QUEUE) -> None:
+        self.url = url
         self._connection = WebSocket(url)
         self.finish: Callable[[], None] = lambda: None
         self.complain: Callable[[str], object] = lambda text: None
@@ -35,16 +36,28 @@ class Node:
         self._calls = itertools.count(1)
         self._answers: dict[str, Callable[[dict[str, Any]], object]] = {}
         self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
+        self._introduction: list[dict[str, Any]] = []
+
+    def reconnect(self) -> None:
+        """Connect again, advertise and subscribe as before; calls without an answer are forgotten.
+
+        Raises OSError or WebSocketException.
+        """
+        self._connection.close()
+        self._answers.clear()
+        self._connection = WebSocket(self.url)
+        for operation in self._introduction:
+            self._send(operation)
 
     def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
         """Return a function that publishes messages of a given type on a topic."""
-        self._send({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": self._queue})
+        self._introduce({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": self._queue})
         return lambda message: self._connection.send(publication(message, topic, 1))
 
     def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None]) -> None:
         """Call a function with each message on a topic."""
         self._callbacks[topic] = kind, callback
-        self._send(
+        self._introduce(
             {
                 "op": "subscribe", "topic": topic, "type": spelled(kind, 1),
                 "compression": "cbor", "queue_length": self._queue,
@@ -69,7 +82,8 @@ class Node:
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
         """Run callbacks until a condition is met or the server closes the connection.
 
-        until: the condition, which is checked between messages.
+        until: the condition, which is checked between messages. Raises ConnectionClosed if a callback publishes on a
+        closed connection, and the callbacks' errors.
         """
         while not until():
             try:
@@ -80,9 +94,9 @@ class Node:
                 return
             operation = parse(frame, NESTING)
             op = operation.get("op")
-            if op == "publish" and operation["topic"] in self._callbacks:
-                kind, callback = self._callbacks[operation["topic"]]
-                callback(from_plain(kind, operation["msg"]))
+            if op == "publish" and (topic := str(operation.get("topic"))) in self._callbacks:
+                kind, callback = self._callbacks[topic]
+                callback(from_plain(kind, operation.get("msg", {})))
             elif op == "service_response":
                 answer = self._answers.pop(str(operation.get("id")), None)
                 if answer is not None:
@@ -94,6 +108,14 @@ class Node:
         """Disconnect."""
         self._connection.close()
 
+    def abort(self) -> None:
+        """End the connection without waiting; see WebSocket.abort."""
+        self._connection.abort()
+
+    def _introduce(self, operation: dict[str, Any]) -> None:
+        self._introduction.append(operation)
+        self._send(operation)
+
     def _send(self, operation: dict[str, Any]) -> None:
         self._connection.send(to_json(operation))
 
@@ -104,7 +126,7 @@ def connect_patiently(url: str, patience_s: float) -> Node:
     while True:
         try:
             return Node(url)
-        except OSError as error:
+        except (OSError, WebSocketException) as error:
             if time.monotonic() > deadline_s:
-                raise OSError(f"{url}: no rosbridge answers ({error})") from None
+                raise OSError(f"{url}: no rosbridge answers: {why_not_connected(error)}") from None
             time.sleep(0.2)

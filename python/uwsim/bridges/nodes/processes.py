@@ -5,37 +5,113 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import signal
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.synchronize import Event
 from pathlib import Path
 
+from websockets.exceptions import ConnectionClosed, WebSocketException
+
 from uwsim.bridges.nodes.chain import FLOATS, NODES
-from uwsim.bridges.nodes.node import connect_patiently
+from uwsim.bridges.nodes.node import Node, connect_patiently
+from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S
 from uwsim.bridges.rare_log import RareLog
 
 LOOK_S = 0.5
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
+@contextmanager
+def _handlers_restored() -> Iterator[None]:
+    """Restore the handlers of the signals that end nodes, for callers that go on."""
+    before = {number: signal.getsignal(number) for number in ENDING}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@_handlers_restored()
 def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> None:
-    """Run a node until the server closes the connection or a signal arrives. Raises OSError if there is no server.
+    """Run a node until a signal arrives, reconnecting whenever the connection is lost. The map is always written.
 
-    floats: the type of decodedDepth. Reports from the server, for example about refused messages, are logged.
+    floats: the type of decodedDepth. Reports from the server, for example about refused messages, are logged. Raises
+    OSError if there is no server at first, or if the map cannot be written.
     """
     node = connect_patiently(url, patience_s)
-    node.complain = RareLog(logging.getLogger(f"uwsim.{name}")).warning
+    log = logging.getLogger(f"uwsim.{name}")
+    rare = RareLog(log)
+    node.complain = lambda text: rare.warning(f"the server reports: {text}")
     stopping = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stopping.set())
-    NODES[name](node, out, floats)
-    node.settle()
-    ready()
-    node.spin(stopping.is_set)
-    node.finish()
+
+    def stop(*_: object) -> None:
+        stopping.set()
+        node.abort()  # so that no send to a slow server delays the end
+
+    for number in ENDING:
+        signal.signal(number, stop)
+    parent = multiprocessing.parent_process()
+
+    def is_over() -> bool:
+        return stopping.is_set() or (parent is not None and not parent.is_alive())
+
+    try:
+        NODES[name](node, out, floats)
+        node.settle()
+    except ConnectionClosed:
+        if not is_over():
+            raise OSError(f"{url}: the connection ended before the node was set up") from None
+    try:
+        ready()
+        while not is_over():
+            _spin(node, is_over, rare)
+            if not is_over():
+                log.warning("%s: the connection has ended; trying to connect again", url)
+                _save(node, rare)  # in case it never returns
+                _reconnect(node, is_over, stopping.wait)
+                if not is_over():
+                    log.warning("%s: connected again", url)
+    finally:
+        node.finish()
 
 
+def _save(node: Node, rare: RareLog) -> None:
+    try:
+        node.finish()
+    except OSError as error:
+        rare.warning(str(error))
+
+
+def _spin(node: Node, is_over: Callable[[], bool], rare: RareLog) -> None:
+    """Run callbacks until the end or until the connection is lost. An invalid message is logged and left out."""
+    while not is_over():
+        try:
+            return node.spin(is_over)
+        except ConnectionClosed:
+            return None
+        except (ValueError, OSError) as error:  # OSError: a map that could not be written meanwhile
+            rare.warning(str(error))
+    return None
+
+
+def _reconnect(node: Node, is_over: Callable[[], bool], wait: Callable[[float], object]) -> None:
+    """Try to connect until it works or the end, waiting longer after each failure."""
+    wait_s = FIRST_WAIT_S
+    while not is_over():
+        try:
+            return node.reconnect()
+        except (OSError, WebSocketException):
+            wait(wait_s)
+            wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
+    return None
+
+
+@_handlers_restored()
 def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> bool:
-    """Run all nodes until one exits or a signal arrives; return whether all succeeded.
+    """Run all nodes until one fails or a signal arrives; return whether all succeeded.
 
     Nodes start from the end of the chain, the string decoder last, so that no ping is lost. Raises OSError.
     """
@@ -43,7 +119,7 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], f
     context = multiprocessing.get_context("fork")
     processes = []
     try:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ENDING:
             signal.signal(number, signal.default_int_handler)
         for name in reversed(NODES):
             is_set_up = context.Event()
@@ -56,16 +132,23 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], f
         ready()
         while all(process.is_alive() for process in processes):
             processes[0].join(LOOK_S)
-        return not any(process.exitcode for process in processes)
     except KeyboardInterrupt:
-        return True
+        pass
     finally:
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)  # until the nodes have written what they have
         for process in processes:
             process.terminate()
+        for process in processes:
             process.join()
+    return not any(process.exitcode for process in processes)
 
 
 def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event, floats: str) -> None:
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ENDING:
         signal.signal(number, signal.SIG_DFL)  # until run_one installs its own
-    run_one(name, url, out, patience_s, is_set_up.set, floats)
+    try:
+        run_one(name, url, out, patience_s, is_set_up.set, floats)
+    except (OSError, ValueError) as error:
+        logging.getLogger(f"uwsim.{name}").error("%s", error)
+        sys.exit(1)

@@ -7,16 +7,19 @@ one wss handshake in 4,000 then hangs (CPython 3.11 on two busy cores). Here, a 
 from __future__ import annotations
 
 import asyncio
+import socket
 from collections.abc import Coroutine
 from concurrent.futures import Future
 from threading import Lock, Thread
 from typing import TypeVar
 
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosedOK
+from websockets.exceptions import ConnectionClosed, ConnectionClosedOK, InvalidHandshake
 
 CONNECT_S = 10.0
 CLOSE_S = 1.0
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.25, 10.0
+"""The shortest and the longest wait before another attempt to connect."""
 FRAME_BYTES = 64 << 20
 
 Result = TypeVar("Result")
@@ -27,6 +30,21 @@ def checked_url(url: str) -> str:
     if not url.startswith(("ws://", "wss://")):
         raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
     return url
+
+
+def why_not_connected(error: Exception) -> str:
+    """Return a short description of why a connection to a WebSocket server failed or ended."""
+    if isinstance(error, ConnectionRefusedError):
+        return "connection refused: no server listens there"
+    if isinstance(error, TimeoutError):
+        return "no response"
+    if isinstance(error, socket.gaierror):
+        return "unknown host"
+    if isinstance(error, InvalidHandshake):
+        return f"the server there refuses a WebSocket ({error})"
+    if isinstance(error, ConnectionClosed):
+        return "the connection has ended"
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 class WebSocket:
@@ -62,6 +80,11 @@ class WebSocket:
         if was_open:
             asyncio.run_coroutine_threadsafe(self._close(), self._loop).result()
             self._end()
+
+    def abort(self) -> None:
+        """End the connection without waiting: calls in progress raise ConnectionClosed. May be called by a signal."""
+        if self._loop.is_running():
+            self._loop.call_soon_threadsafe(self._connection.transport.abort)
 
     def _begin(self, work: Coroutine[object, object, Result]) -> Future[Result]:
         with self._lock:

@@ -13,7 +13,7 @@ from typing import Any, Self
 from websockets.exceptions import WebSocketException
 
 from uwsim.bridges.nodes.node import Node
-from uwsim.channels.message_types import resolve
+from uwsim.channels.ros.message_types import resolve
 
 ANSWER_S = 20.0  # time limit for a response or a first message
 STOP_S = 2.0
@@ -46,7 +46,7 @@ class RemoteConnection:
         self._thread.start()
         self.topics = self._offered()
 
-    def hear(self, topic: str, *, keep: bool = False) -> None:
+    def subscribe(self, topic: str, *, keep: bool = False) -> None:
         """Subscribe to a topic. keep: store the last KEPT messages instead of only the latest. Raises ValueError."""
         if topic in self._newest:
             return
@@ -56,11 +56,11 @@ class RemoteConnection:
         self._newest[topic] = None
         if keep:
             self._kept[topic] = deque(maxlen=KEPT)
-        self._node.subscribe(f"/{topic}", kind, lambda message: self._take(topic, message))
+        self._node.subscribe(f"/{topic}", kind, lambda message: self._receive(topic, message))
 
     def newest(self, topic: str) -> Any:
         """Return the latest message on a topic. The first call subscribes to the topic. Raises ValueError."""
-        self.hear(topic)
+        self.subscribe(topic)
         if self._newest[topic] is None:
             self.wait_for(lambda: self._newest[topic] is not None, ANSWER_S, f"no message on topic '{topic}'")
         return self._newest[topic]
@@ -139,7 +139,7 @@ class RemoteConnection:
                 self.lost = True
                 self.changed.notify_all()
 
-    def _take(self, topic: str, message: Any) -> None:
+    def _receive(self, topic: str, message: Any) -> None:
         with self.changed:
             self._newest[topic] = message
             if topic in self._kept:

@@ -19,7 +19,7 @@ from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import quaternion, seconds, vector
 from uwsim.bridges.remote.sonar import AIMED_RAD, FLOAT
 from uwsim.bridges.remote.tree import RemoteTree
-from uwsim.channels import build
+from uwsim.channels.ros import build
 from uwsim.instruments.cameras.frame import MOUNT_FROM_OPTICAL
 
 IMAGE = "/image_raw/compressed"
@@ -150,7 +150,7 @@ class RemoteCamera:
 
     def watch(self) -> RemoteCamera:
         """Subscribe before the first `capture`, since the first picture takes some simulated time to arrive."""
-        self._connection.hear(self._start + IMAGE)
+        self._connection.subscribe(self._start + IMAGE)
         return self
 
     def capture(self) -> RemotePicture:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import seconds
 from uwsim.bridges.remote.tree import apart_s, matrix_of
-from uwsim.channels import build
+from uwsim.channels.ros import build
 
 FLOAT = "std_msgs/msg/Float64"
 AIMED_RAD = 1e-4
@@ -54,7 +54,7 @@ class RemoteSonar:
     ) -> None:
         self._connection, self._prefix, self._topic = connection, prefix, topic
         self._odometry, self._origin_m = odometry, origin_m
-        connection.hear("tf", keep=True)
+        connection.subscribe("tf", keep=True)
         connection.newest("tf")
         connection.newest(topic)
         self._last: tuple[Any, RemotePing] | None = None

@@ -25,7 +25,7 @@ class RemoteTree:
 
         Raises ValueError or OSError.
         """
-        self._connection.hear("tf", keep=True)
+        self._connection.subscribe("tf", keep=True)
         fixed, moving = self._connection.newest("tf_static"), self._connection.newest("tf")
         moving = min(self._connection.kept("tf"), key=lambda message: apart_s(message, time_s), default=moving)
         parents = {each.child_frame_id: each for each in (*fixed.transforms, *moving.transforms)}

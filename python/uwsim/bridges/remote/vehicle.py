@@ -28,9 +28,9 @@ from uwsim.bridges.remote.instruments import (
 )
 from uwsim.bridges.remote.sonar import RemoteSonar
 from uwsim.bridges.remote.tree import RemoteTree
-from uwsim.channels.command_services import request_of
-from uwsim.channels.key import POSE, key_message
-from uwsim.channels.own_types import ALL_STOPPED
+from uwsim.channels.calls.command_services import request_of
+from uwsim.channels.families.key import POSE, key_message
+from uwsim.channels.ros.own_types import ALL_STOPPED
 
 LIGHT_SERVICE = "lights/"
 PROJECTED = "marine_acoustic_msgs/msg/ProjectedSonarImage"

@@ -8,13 +8,13 @@ import socket
 import struct
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from uwsim.bridges.admission import Door
+from uwsim.bridges.places import HALF_OPEN_S, HalfOpen
 
 HEADER_BYTES_MAX = 1 << 16  # limit on a connection's header; with a message definition, it takes a few kB
-HEADER_S = 10.0  # time limit for each part of the header
-HEADERS_MAX = 64  # headers read at a time; further connections are closed
 LOOPBACK = "127.0.0.1"
 
 
@@ -36,6 +36,8 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
     door = Door((), os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or LOOPBACK)
 
     class GuardedHandler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
+        timeout = HALF_OPEN_S  # of each reading, so that silent connections end
+
         def do_POST(self) -> None:  # noqa: N802
             refusal = door.refusal(self.headers, names_matter=False)
             if refusal is None:
@@ -47,7 +49,7 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
 
 
 def _guard_tcpros(tcpros: Any) -> None:
-    """Limit a connection's header in bytes and in time, and read each header on a separate thread.
+    """Limit a connection's header in bytes and in time, and read each header on a separate thread; see HalfOpen.
 
     rospy reads a header before it accepts the next client, so a client that sends nothing would block all others. The
     first characters of an HTTP request, interpreted as the header length, would mean 1 GB.
@@ -56,32 +58,42 @@ def _guard_tcpros(tcpros: Any) -> None:
 
     def read_short(sock: Any, buffer: Any, buff_size: int) -> Any:
         timeout_s = sock.gettimeout()
-        sock.settimeout(HEADER_S)
+        sock.settimeout(HALF_OPEN_S)
         begin = sock.recv(4, socket.MSG_PEEK)
         (size,) = struct.unpack("<I", begin.ljust(4, b"\0"))
         if size > HEADER_BYTES_MAX:
             raise refused(f"a header of {size} bytes: must be {HEADER_BYTES_MAX} at most")
         found = read(sock, buffer, buff_size)
+        half_open.discard(sock)
         sock.settimeout(timeout_s)
         return found
 
-    waiting = threading.BoundedSemaphore(HEADERS_MAX)
+    half_open: HalfOpen[socket.socket] = HalfOpen(_end)
 
     class ThreadedServer(tcpros.TCPServer):  # type: ignore[misc]
         def __init__(self, inbound_handler: Callable[[Any, Any], object], port: int = 0) -> None:
             def handle(sock: Any, address: Any) -> None:
+                limit = threading.Timer(HALF_OPEN_S, half_open.sweep)  # also ends a header that comes in drops
+                limit.daemon = True
+                limit.start()
                 try:
                     inbound_handler(sock, address)
                 finally:
-                    waiting.release()
+                    half_open.discard(sock)
+                    limit.cancel()
 
             def begin(sock: Any, address: Any) -> None:
-                if waiting.acquire(blocking=False):
-                    threading.Thread(target=handle, args=(sock, address), name="uwsim-tcpros", daemon=True).start()
-                else:
-                    sock.close()
+                half_open.add(sock)
+                threading.Thread(target=handle, args=(sock, address), name="uwsim-tcpros", daemon=True).start()
 
             super().__init__(begin, port)
 
     tcpros.read_ros_handshake_header = read_short
     tcpros.TCPServer = ThreadedServer
+
+
+def _end(sock: socket.socket) -> None:
+    """Close a connection whose header is being read, which ends the reading."""
+    with suppress(OSError):
+        sock.shutdown(socket.SHUT_RDWR)
+    sock.close()

@@ -12,10 +12,10 @@ from uwsim.bridges.ros1.raw_types import raw_type, read_message
 from uwsim.bridges.ros1.rospy_module import load_rospy, require_master
 from uwsim.bridges.ros1.services import offer_service
 from uwsim.channels import Channel, Service
-from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.messages import to_bytes
-from uwsim.channels.names import node_name
-from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.delivery.outgoing import Job, Line, Outgoing, queue_of
+from uwsim.channels.names import NODE, checked_namespace
+from uwsim.channels.ros.messages import to_bytes
 from uwsim.live import LiveSimulator
 
 CLOCK = "clock"
@@ -23,7 +23,7 @@ DEPTH = 10  # messages queued for a slow subscriber; beyond that, the oldest are
 
 
 class Ros1Node(Bridge):
-    """The node /uwsim, whose topics are a live simulator's channels. Its services use std_srvs or JSON topics.
+    """The node uwsim, whose topics are a live simulator's channels. Its services use std_srvs or JSON topics.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
@@ -32,8 +32,8 @@ class Ros1Node(Bridge):
 
     A channel is read only while a node subscribes to it. Messages are encoded and published on a separate thread. Since
     rospy keeps a queue for each subscriber, no subscriber delays others or the steps. rospy allows one node per
-    process. namespace: part of the node's name, which must be unique. live: None if the feed plays a recording, which
-    accepts no commands. Raises ValueError without rospy or a master.
+    process. namespace: that of the node, whose full name must be unique. live: None if the feed plays a recording,
+    which accepts no commands. Raises ValueError without rospy or a master.
     """
 
     peer = "a ROS 1 node"
@@ -50,8 +50,10 @@ class Ros1Node(Bridge):
         self._rospy = rospy = load_rospy()
         self.master = require_master()
         super().__init__("ros1", live, channels, services, feed)
+        if namespace:  # which rospy otherwise reads from ROS_NAMESPACE, only when it is imported
+            rospy.names._set_caller_id(f"/{checked_namespace(namespace)}/unnamed")
         # Otherwise rospy would replace our logging, and, if use_sim_time is set, wait for our clock.
-        rospy.init_node(node_name(namespace), argv=[], disable_signals=True, disable_rostime=True)
+        rospy.init_node(NODE, argv=[], disable_signals=True, disable_rostime=True)
         if CLOCK in self.outputs:
             rospy.set_param("/use_sim_time", True)
         self._outgoing = Outgoing("uwsim-ros1")
@@ -60,7 +62,7 @@ class Ros1Node(Bridge):
         }
         self._publishers: dict[str, Any] = {}
         self._sequences: Counter[str] = Counter()
-        self.keep_up()
+        self.start_updates()
         for name in self.outputs:
             with self._lock:  # a waiting subscriber demands the channel immediately, on one of rospy's threads
                 self._publishers[name] = self._publisher(name)
@@ -83,11 +85,16 @@ class Ros1Node(Bridge):
                 self.demand(name, True)
 
             def peer_unsubscribe(demand, topic: str, peers: int) -> None:  # noqa: N805
-                if not peers and not channel.latched:  # rospy itself passes on the latest latched message
+                if not peers and not channel.delivery.latched:  # rospy itself passes on the latest latched message
                     self.demand(name, False)
 
         return self._rospy.Publisher(
-            f"/{name}", raw_type(channel.type), Demand(), latch=channel.latched, queue_size=DEPTH, tcp_nodelay=True
+            f"/{name}",
+            raw_type(channel.type),
+            Demand(),
+            latch=channel.delivery.latched,
+            queue_size=DEPTH,
+            tcp_nodelay=True,
         )
 
     def _subscriber(self, channel: Channel) -> Any:

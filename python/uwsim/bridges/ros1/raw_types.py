@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.channels.message_types import TIMES, fields, message_text, ros1_typestore, spelled
-from uwsim.channels.messages import from_plain
+from uwsim.channels.ros.message_types import TIMES, fields, message_text, ros1_typestore, spelled
+from uwsim.channels.ros.messages import from_plain
 
 
 @cache

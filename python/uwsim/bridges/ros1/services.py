@@ -8,6 +8,7 @@ import struct
 from functools import cache
 from typing import Any
 
+from uwsim.base.texts.json_text import json_object
 from uwsim.bridges.answers import outcome
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros1.raw_types import raw_type
@@ -42,11 +43,8 @@ def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
 
 def _request(data: bytes) -> dict[str, Any]:
     """Parse a request, sent as JSON in a std_msgs/String. Raises ValueError."""
-    text = data[4:].decode()
-    request = json.loads(text or "{}")
-    if not isinstance(request, dict):
-        raise ValueError(f"data = {text!r:.60}: must be an object in JSON")
-    return request
+    text = data[4:].decode(errors="replace")
+    return json_object(text or "{}", f"data = {text!r:.60}")
 
 
 @cache

@@ -14,10 +14,10 @@ import numpy as np
 
 from uwsim.bridges.actions import ACCEPTED, CANCELING, EXECUTING, SUCCEEDED, Action, Goal
 from uwsim.bridges.ros2.transport import Call
-from uwsim.channels import build
-from uwsim.channels.cdr import Distro, encode
-from uwsim.channels.messages import from_bytes
-from uwsim.channels.service_types import request_type, response_type
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import Distro, encode
+from uwsim.channels.ros.messages import from_bytes
+from uwsim.channels.ros.service_types import request_type, response_type
 from uwsim.live import LiveSimulator
 
 STATUS, CANCEL = "action_msgs/msg/GoalStatusArray", "action_msgs/srv/CancelGoal"
@@ -57,7 +57,7 @@ class _Kept:
 
 
 class ActionServer:
-    """Serves an action to ROS 2. publisher, offer: create topics and services. say: reports why a goal was rejected."""
+    """Serves an action to ROS 2. publisher, offer: create topics and services. report: why a goal was rejected."""
 
     def __init__(
         self,
@@ -66,9 +66,9 @@ class ActionServer:
         distro: Distro,
         publisher: Publisher,
         offer: Callable[[str, str, Callable[[Call], None]], None],
-        say: Callable[[str], object],
+        report: Callable[[str], object],
     ) -> None:
-        self._live, self._action, self._distro, self._say = live, action, distro, say
+        self._live, self._action, self._distro, self._report = live, action, distro, report
         self._lock = threading.RLock()
         self._goals: dict[bytes, _Kept] = {}
         own, kind = f"{action.name}/_action", action.type
@@ -97,7 +97,7 @@ class ActionServer:
                 kept.goal = Goal(self._live, self._action, request.goal, fed, ended)
                 self._goals[kept.identity] = kept
         except (ValueError, RuntimeError) as error:
-            self._say(f"/{self._action.name}: goal rejected: {error}")
+            self._report(f"/{self._action.name}: goal rejected: {error}")
             kept.goal = None
         stamp = build.time(kept.accepted_ns)
         self._answer(call, build.message(response_type(kind), accepted=kept.goal is not None, stamp=stamp))

@@ -203,6 +203,11 @@ class RawWriter:
         """Return the number of matching readers, and clear the event that reported a change."""
         return int(self._writer.get_publication_matched_status().current_count)
 
+    def has_best_effort_readers(self) -> bool:
+        """Return whether any matching reader does not request what it has missed."""
+        found = (self._writer.get_matched_subscription_data(each) for each in self._writer.get_matched_subscriptions())
+        return any(each is not None and Policy.Reliability.BestEffort in each.qos for each in found)
+
 
 class RawReader:
     """Reads CDR from one topic."""

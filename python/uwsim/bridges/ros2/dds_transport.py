@@ -16,7 +16,7 @@ from uwsim.bridges.ros2.rtps_endpoints import RtpsServer
 from uwsim.bridges.ros2.rtps_participant import RtpsParticipant
 from uwsim.bridges.ros2.settings import Ros2Settings
 from uwsim.bridges.ros2.transport import DEPTH
-from uwsim.channels.cdr import encode
+from uwsim.channels.ros.cdr import encode
 
 
 class DdsTransport:

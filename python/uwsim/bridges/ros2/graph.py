@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.channels.cdr import Distro, store_of
-from uwsim.channels.type_hash import type_hash
+from uwsim.channels.names import split_node
+from uwsim.channels.ros.cdr import Distro, store_of
+from uwsim.channels.ros.type_hash import type_hash
 
 ENTITIES = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 ENTITIES_TOPIC = "ros_discovery_info"
@@ -36,13 +37,16 @@ def endpoint_data(type_name: str, distro: Distro) -> bytes:
 def entities_info(
     distro: Distro, participant: bytes, node: str, readers: Sequence[bytes], writers: Sequence[bytes]
 ) -> Any:
-    """Return the message that announces a node and its endpoints, given their 16-byte DDS identifiers."""
+    """Return the message that announces a node and its endpoints, given their 16-byte DDS identifiers.
+
+    node: its full name, without the leading slash.
+    """
     types = store_of(distro).types
 
     def gid(guid: bytes) -> Any:
         return types["rmw_dds_common/msg/Gid"](np.frombuffer(guid.ljust(GID_LENGTH[distro], b"\0"), np.uint8))
 
     node_info = types["rmw_dds_common/msg/NodeEntitiesInfo"](
-        "/", node, [gid(guid) for guid in readers], [gid(guid) for guid in writers]
+        *split_node(node), [gid(guid) for guid in readers], [gid(guid) for guid in writers]
     )
     return types[ENTITIES](gid(participant), [node_info])

@@ -8,8 +8,8 @@ from typing import Any
 from cyclonedds.idl import IdlStruct, make_idl_struct
 from cyclonedds.idl import types as idl
 
-from uwsim.channels.cdr import Distro, store_of
-from uwsim.channels.message_types import Kind, kind_of
+from uwsim.channels.ros.cdr import Distro, store_of
+from uwsim.channels.ros.message_types import Kind, kind_of
 
 PRIMITIVES: dict[str, Any] = {
     "bool": bool, "byte": idl.uint8, "octet": idl.uint8, "char": idl.uint8, "string": str, "wstring": str,

@@ -12,6 +12,7 @@ from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros2.action_server import ActionServer
 from uwsim.bridges.ros2.graph import dds_name
+from uwsim.bridges.ros2.lossy_readers import LossyReaders
 from uwsim.bridges.ros2.parameter_events import EVENTS, EVENTS_DEPTH, EVENTS_TOPIC, ParameterEvents
 from uwsim.bridges.ros2.parameter_topic import parameter_channel
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
@@ -19,15 +20,15 @@ from uwsim.bridges.ros2.service_topics import service_channels
 from uwsim.bridges.ros2.settings import Ros2Settings, need_middleware
 from uwsim.bridges.ros2.transport import DEPTH, Call, Reader, Server, Transport, Writer
 from uwsim.channels import Channel, Service, require_live
-from uwsim.channels.action_types import ONLY_IN_JAZZY, load_action_types
-from uwsim.channels.cdr import encode, is_as_in_jazzy
-from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.messages import from_bytes
+from uwsim.channels.calls.rcl_parameters import rcl_parameter_services
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.delivery.outgoing import Job, Line, Outgoing, queue_of
 from uwsim.channels.names import channels_in, node_name
-from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
-from uwsim.channels.rcl_parameters import rcl_parameter_services
-from uwsim.channels.service_messages import request_values, response_message
-from uwsim.channels.service_types import SERVICE_TYPES, load_service_types, request_type
+from uwsim.channels.ros.action_types import ONLY_IN_JAZZY, load_action_types
+from uwsim.channels.ros.cdr import encode, is_as_in_jazzy
+from uwsim.channels.ros.messages import from_bytes
+from uwsim.channels.ros.service_messages import request_values, response_message
+from uwsim.channels.ros.service_types import SERVICE_TYPES, load_service_types, request_type
 from uwsim.live import LiveSimulator
 
 LOOK_S = 0.5  # interval at which idle threads check whether to stop
@@ -80,8 +81,8 @@ class Ros2Node(Bridge):
         self._reliable: list[Channel] = []
         if live is not None:
             load_service_types(self.settings.distro)
-            self._reliable = service_channels(services, self.call, self._say)
-            self._reliable += channels_in(namespace, [parameter_channel(self._say)])
+            self._reliable = service_channels(services, self.call, self._report)
+            self._reliable += channels_in(namespace, [parameter_channel(self._report)])
         self.channels = [*channels, *self._reliable]
         for channel in self.channels:
             dds_name(channel.name)
@@ -91,6 +92,7 @@ class Ros2Node(Bridge):
         self._sources: dict[Writer | Reader | Server, Channel] = {}
         self._calls: dict[Writer | Reader | Server, Callable[[Call], None]] = {}
         self._actions: list[ActionServer] = []
+        self._lossy = LossyReaders(partial(self._report, WARN))
         self._stopping = threading.Event()
         self._transport = transport_of(self.settings, self.name)
         self._outgoing = Outgoing("uwsim-ros2-write")
@@ -103,7 +105,7 @@ class Ros2Node(Bridge):
         if live is not None:
             self._serve(live, services)
             self._act(live, actions)
-        self.keep_up()
+        self.start_updates()
         self._transport.announce()
         self._thread = threading.Thread(target=self._listen, name="uwsim-ros2-read", daemon=True)
         self._thread.start()
@@ -136,8 +138,8 @@ class Ros2Node(Bridge):
     def _join(self, channel: Channel) -> None:
         source: Writer | Reader
         if channel.direction == "out":
-            depth = 1 if channel.latched else DEPTH
-            source = self._transport.writer(channel.name, channel.type, depth, latched=channel.latched)
+            depth = 1 if channel.delivery.latched else DEPTH
+            source = self._transport.writer(channel.name, channel.type, depth, latched=channel.delivery.latched)
             self._writers[channel.name] = source
             self._lines[channel.name] = Line(channel.name, queue_of(channel.type), channel.drops)
         else:
@@ -150,6 +152,8 @@ class Ros2Node(Bridge):
         for service in (*services, *rcl_parameter_services(self.name)):
             if service.type in SERVICE_TYPES:
                 self._offer(service.name, service.type, partial(self._call_service, service))
+            else:
+                self._report(WARN, f"/{service.name}: only by a topic: its type {service.type} is not defined")
         publish = self._publisher(EVENTS_TOPIC, EVENTS, EVENTS_DEPTH, latched=False)
         self._parameter_events = ParameterEvents(live, f"/{self.name}", publish)
         self._parameter_events.open()
@@ -160,7 +164,7 @@ class Ros2Node(Bridge):
             load_action_types(self.settings.distro)
         for action in actions:
             if self.settings.distro == "jazzy" or action.type not in ONLY_IN_JAZZY:
-                warn = partial(self._say, WARN)
+                warn = partial(self._report, WARN)
                 server = ActionServer(live, action, self.settings.distro, self._publisher, self._offer, warn)
                 self._actions.append(server)
 
@@ -184,7 +188,7 @@ class Ros2Node(Bridge):
                 if channel is None:
                     self._take_calls(source)
                 elif channel.direction == "out":
-                    self._notice_readers(channel, source.readers())  # type: ignore[union-attr]
+                    self._notice_readers(channel, source)  # type: ignore[arg-type]
                 else:
                     for data in source.take(DEPTH):  # type: ignore[union-attr]
                         self.receive(channel, data, from_bytes)  # type: ignore[arg-type]
@@ -214,11 +218,13 @@ class Ros2Node(Bridge):
         except Exception:  # on a thread whose futures nobody awaits
             self.log.exception("service '%s': the response could not be sent", service.name)
 
-    def _notice_readers(self, channel: Channel, count: int) -> None:
+    def _notice_readers(self, channel: Channel, writer: Writer) -> None:
         """Start or stop reading a channel. If its messages build on each other, late readers receive all messages."""
+        count = writer.readers()
+        self._lossy.note(channel.name, count > 0 and writer.has_best_effort_readers())
         was_read = self.is_read(channel.name)
         self.demand(channel.name, count > 0)
-        if count and was_read and channel.catch_up is not None:
+        if count and was_read and channel.delivery.catch_up is not None:
             newest = self.feed.newest(channel)
             if newest is not None:
                 self.take(newest)
@@ -226,17 +232,20 @@ class Ros2Node(Bridge):
     def take(self, reading: Reading) -> None:
         """Queue a reading on the simulator's thread."""
         name, distro = reading.channel.name, self.settings.distro
-        writer = self._writers[name]
         if is_as_in_jazzy(reading.channel.type, distro):
-            self._outgoing.offer(self._lines[name], lambda: writer.write(reading.cdr))
+            self._outgoing.offer(self._lines[name], lambda: self._write(name, reading.cdr))
         else:
-            self._outgoing.offer(self._lines[name], lambda: writer.write(encode(reading.message, distro)))
+            self._outgoing.offer(self._lines[name], lambda: self._write(name, encode(reading.message, distro)))
+
+    def _write(self, name: str, cdr: memoryview) -> bool:
+        self._lossy.check(name, len(cdr))
+        return self._writers[name].write(cdr)
 
     def refuse(self, reason: str) -> None:
         """Report a rejected command on /rosout."""
-        self._say(WARN, reason)
+        self._report(WARN, reason)
 
-    def _say(self, level: int, text: str) -> None:
+    def _report(self, level: int, text: str) -> None:
         """Report a message on /rosout and in our own log."""
         self.log.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
         message: Any = log_message(require_live(self.live).simulator.time_ns, self.name, level, text)

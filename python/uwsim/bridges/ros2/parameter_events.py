@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 from uwsim.bridges.live_parameters import Parameters
-from uwsim.channels import build
-from uwsim.channels.messages import from_plain
-from uwsim.channels.rcl_parameters import plain_value
+from uwsim.channels.calls.rcl_parameters import plain_value
+from uwsim.channels.ros import build
+from uwsim.channels.ros.messages import from_plain
 from uwsim.live import LiveSimulator
 
 EVENTS, EVENTS_TOPIC = "rcl_interfaces/msg/ParameterEvent", "parameter_events"

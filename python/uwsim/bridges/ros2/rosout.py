@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from uwsim.channels import build
+from uwsim.channels.ros import build
 
 LOG, LOG_TOPIC = "rcl_interfaces/msg/Log", "rosout"
 LOG_DEPTH = 100  # number of past messages received by a console that joins late

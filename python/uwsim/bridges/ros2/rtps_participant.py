@@ -23,7 +23,7 @@ from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name, endpoint_data
 from uwsim.bridges.ros2.rtps_endpoints import HELD_MAX, HOLD_S, History, Peer, Response, RtpsServer, Track
 from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2Settings, multicast_port, unicast_port
 from uwsim.bridges.ros2.transport import Call
-from uwsim.channels.service_types import request_type, response_type
+from uwsim.channels.ros.service_types import request_type, response_type
 
 Address = tuple[str, int]
 OURS, FAST_DDS, CYCLONE_DDS = b"\0\0", b"\x01\x0f", b"\x01\x10"  # vendors, section 9.3.1.3; ours is "unknown"
@@ -207,7 +207,7 @@ class RtpsParticipant:
         if isinstance(found, rtps.Missing):
             self._resend(prefix, peer, found)
         elif isinstance(found, rtps.Data):
-            self._take(prefix, peer, found)
+            self._receive_data(prefix, peer, found)
         elif reader := READER_OF.get(found.writer) or self._reader_for(peer, found):
             track = peer.tracks.setdefault(found.writer, Track())
             if isinstance(found, rtps.Gap):
@@ -225,7 +225,7 @@ class RtpsParticipant:
         server = peer.clients.get(found.writer)
         return None if server is None else server.reader
 
-    def _take(self, prefix: bytes, peer: Peer, found: rtps.Data) -> None:
+    def _receive_data(self, prefix: bytes, peer: Peer, found: rtps.Data) -> None:
         """Handle a sample, which is an announcement of an endpoint or a request."""
         server = peer.clients.get(found.writer)
         if found.writer not in READER_OF and server is None:

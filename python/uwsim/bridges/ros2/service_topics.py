@@ -11,24 +11,25 @@ from typing import Any
 
 import orjson
 
+from uwsim.base.texts.json_text import json_object
 from uwsim.bridges.answers import Answer
 from uwsim.bridges.ros2.rosout import INFO, WARN
 from uwsim.channels import Channel, Service
 from uwsim.live import LiveSimulator
 
-Say = Callable[[int, str], None]
+Report = Callable[[int, str], None]
 Request = dict[str, Any]
 Call = Callable[[Service, Request, Answer], None]
 EMPTY, BOOL, STRING = "std_msgs/msg/Empty", "std_msgs/msg/Bool", "std_msgs/msg/String"
 MESSAGE_OF = {"std_srvs/srv/Trigger": EMPTY, "std_srvs/srv/SetBool": BOOL}
 
 
-def service_channels(services: Sequence[Service], call: Call, say: Say) -> list[Channel]:
-    """Return channels whose messages call services through `call`; `say` reports the responses."""
-    return [_channel(service, call, say) for service in services]
+def service_channels(services: Sequence[Service], call: Call, report: Report) -> list[Channel]:
+    """Return channels whose messages call services through `call`; `report` reports the responses."""
+    return [_channel(service, call, report) for service in services]
 
 
-def _channel(service: Service, call: Call, say: Say) -> Channel:
+def _channel(service: Service, call: Call, report: Report) -> Channel:
     kind = MESSAGE_OF.get(service.type, STRING)
 
     def answer(succeeded: bool, values: Any) -> None:
@@ -36,7 +37,7 @@ def _channel(service: Service, call: Call, say: Say) -> Channel:
             level, text = INFO if values.get("success", True) else WARN, orjson.dumps(values, default=str).decode()
         else:
             level, text = WARN, values
-        say(level, f"/{service.name}: {text}")
+        report(level, f"/{service.name}: {text}")
 
     def apply(live: LiveSimulator, message: Any) -> None:
         call(service, _request(kind, message), answer)
@@ -50,10 +51,4 @@ def _request(kind: str, message: Any) -> Request:
         return {}
     if kind == BOOL:
         return {"data": bool(message.data)}
-    try:
-        request = orjson.loads(message.data or "{}")
-    except ValueError as error:
-        raise ValueError(f"data = {message.data!r:.60}: must be JSON ({error})") from None
-    if not isinstance(request, dict):
-        raise ValueError(f"data = {message.data!r:.60}: must be an object in JSON")
-    return request
+    return json_object(message.data or "{}", f"data = {message.data!r:.60}")

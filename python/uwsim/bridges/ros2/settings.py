@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from uwsim.base.extras import need_extra
-from uwsim.channels.cdr import Distro
+from uwsim.channels.ros.cdr import Distro
 
 Reach = Literal["localhost", "subnet"]
 Rmw = Literal["fastrtps", "cyclonedds", "zenoh"]

@@ -17,6 +17,9 @@ class Writer(Protocol):
     def readers(self) -> int:
         """Return the number of matching readers, and clear the event that reported a change."""
 
+    def has_best_effort_readers(self) -> bool:
+        """Return whether any matching reader loses what does not fit into its socket's buffer."""
+
 
 class Reader(Protocol):
     """Reads CDR from a topic."""

@@ -11,8 +11,9 @@ import struct
 from dataclasses import dataclass
 
 from uwsim.bridges.ros2.settings import Ros2Settings
-from uwsim.channels.cdr import store_of
-from uwsim.channels.type_hash import type_hash
+from uwsim.channels.names import split_node
+from uwsim.channels.ros.cdr import store_of
+from uwsim.channels.ros.type_hash import type_hash
 
 ATTACHMENT = struct.Struct("<qqB16s")
 """Sequence number, time [ns], length of the identifier, identifier; as in rmw_zenoh since 0.2."""
@@ -25,8 +26,8 @@ class Entity:
     """A node or one of its endpoints.
 
     kind: NN for a node, MP for a publisher, MS for a subscription, SS for a server, SC for a client. session: the
-    session's identifier. number: the entity's number in the node. name, type: the topic's or service's, without a
-    leading slash.
+    session's identifier. number: the entity's number in the node. node: its full name. name, type: the topic's or
+    service's, without a leading slash.
     """
 
     kind: str
@@ -48,7 +49,9 @@ class Entity:
     @property
     def token(self) -> str:
         """The entity's liveliness token."""
-        own = f"@ros2_lv/{self.settings.domain_id}/{self.session}/0/{self.number}/{self.kind}/%/%/{self.node}"
+        namespace, base = split_node(self.node)
+        node = f"{namespace.replace('/', '%')}/{base}"
+        own = f"@ros2_lv/{self.settings.domain_id}/{self.session}/0/{self.number}/{self.kind}/%/{node}"
         if not self.name:
             return own
         reliability = RELIABLE if self.reliable else BEST_EFFORT

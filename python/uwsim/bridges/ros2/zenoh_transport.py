@@ -177,6 +177,10 @@ class ZenohWriter:
             return False
         return True
 
+    def has_best_effort_readers(self) -> bool:
+        """Return False: Zenoh sends over TCP, which loses nothing."""
+        return False
+
 
 class ZenohReader:
     """Reads CDR from one topic."""

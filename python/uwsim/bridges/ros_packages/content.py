@@ -5,11 +5,11 @@ from __future__ import annotations
 from importlib.metadata import version
 
 from uwsim.bridges.ros_packages.rviz import rviz_configuration
-from uwsim.channels.action_types import ACTION_TYPES, load_action_types
-from uwsim.channels.cdr import schema
-from uwsim.channels.message_types import Ros, fields, ros1_typestore
-from uwsim.channels.own_types import OWN_TYPES
-from uwsim.channels.service_types import SERVICE_TYPES
+from uwsim.channels.ros.action_types import ACTION_TYPES, load_action_types
+from uwsim.channels.ros.cdr import schema
+from uwsim.channels.ros.message_types import Ros, fields, ros1_typestore
+from uwsim.channels.ros.own_types import OWN_TYPES
+from uwsim.channels.ros.service_types import SERVICE_TYPES
 
 MESSAGES, BRINGUP = "uwsim_msgs", "uwsim_bringup"
 OWN_SERVICES = [name for name in SERVICE_TYPES if name.startswith(f"{MESSAGES}/")]

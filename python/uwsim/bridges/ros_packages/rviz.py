@@ -7,7 +7,7 @@ from typing import Any
 
 from ruamel.yaml import YAML
 
-from uwsim.channels.message_types import Ros
+from uwsim.channels.ros.message_types import Ros
 
 FIXED_FRAME, VEHICLE_FRAME = "odom", "base_link"
 IMAGE = "/camera/front/image_raw"
@@ -23,7 +23,9 @@ def rviz_configuration(ros: Ros) -> str:
         return named | ({} if topic is None else {"Topic": topic if ros == 1 else _topic(topic)}) | settings
 
     configuration = {
-        "Panels": [{"Class": f"{panels}/{name}", "Name": name} for name in ("Displays", "Views", "Time")],
+        # Without a saved state of Qt, RViz stacks all panels at the left, where a wide one (Time) hides the view.
+        "Panels": [{"Class": f"{panels}/Displays", "Name": "Displays"}],
+        "Window Geometry": {"Width": 1400, "Height": 900, "X": 40, "Y": 40},
         "Visualization Manager": {
             "Class": "",
             "Global Options": {"Fixed Frame": FIXED_FRAME, "Background Color": "16; 36; 56", "Frame Rate": 30},

@@ -16,7 +16,7 @@ from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
-from uwsim.channels.message_types import shortened
+from uwsim.channels.ros.message_types import shortened
 
 SUCCEEDED, ABORTED = 4, 6  # action_msgs/msg/GoalStatus
 STATUSES = range(7)

@@ -12,7 +12,7 @@ from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
-from uwsim.channels.message_types import is_unicode, shortened
+from uwsim.channels.ros.message_types import is_unicode, shortened
 
 CALL_BYTES = 1000  # bytes taken by an open call, excluding its arguments
 

@@ -4,13 +4,13 @@ It advertises topics and services and subscribes to command topics, and does so 
 connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
 simulator's thread never waits, since readings pass through bounded queues, one per topic, that drop the oldest. If the
 server closes the connection because a message was too large, messages of that size or larger are no longer sent.
-Reports from the server, such as those about refused messages, are logged.
+What the server refuses, which it reports only in the ROS graph's log, is read there and logged.
 """
 
 from __future__ import annotations
 
 import asyncio
-import socket
+import secrets
 import threading
 from collections.abc import Iterable
 from functools import partial
@@ -21,36 +21,22 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.listener import post
-from uwsim.bridges.nodes.websocket import checked_url
+from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S, checked_url, why_not_connected
 from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse
+from uwsim.bridges.rosbridge.refusals import ROSOUT, Refusals
 from uwsim.channels import Channel, Service
-from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.messages import Ros, from_plain, spelled
-from uwsim.channels.outgoing import Line, Turns, queue_of
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.delivery.outgoing import Line, Turns, queue_of
+from uwsim.channels.ros.messages import Ros, from_plain, spelled
 from uwsim.live import LiveSimulator, NotRunningError
 
-FIRST_WAIT_S = 0.25
-LONGEST_WAIT_S = 10.0
 STOP_S = 5.0
+LOG_WAIT_S = 2.0  # for the first line of the ROS graph's log
+REFUSALS_S = 1.0  # without a further refusal, after which those collected are logged
 TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
-
-
-def why_not_connected(error: Exception) -> str:
-    """Return a short description of why a connection to a WebSocket server failed or ended."""
-    if isinstance(error, ConnectionRefusedError):
-        return "connection refused: no server listens there"
-    if isinstance(error, TimeoutError):
-        return "no response"
-    if isinstance(error, socket.gaierror):
-        return "unknown host"
-    if isinstance(error, InvalidHandshake):
-        return f"the server there refuses a WebSocket ({error})"
-    if isinstance(error, ConnectionClosed):
-        return "the connection has ended"
-    return " ".join(str(error).split()) or type(error).__name__
 
 
 class RosbridgeClient(Bridge):
@@ -88,11 +74,14 @@ class RosbridgeClient(Bridge):
         self._loop: asyncio.AbstractEventLoop | None = None
         self.connected = threading.Event()
         self.trouble = ""  # the reason for not being connected; "" while connected
+        self.refusals = ""  # what the server refuses of ours, in sentences
         self.connections = 0
         self.sent = 0
         self._largest_sent = 0  # size in bytes of the largest message sent on this connection
         self._refused_bytes: int | None = None  # messages of this size or larger are no longer sent
         self._left_out: set[str] = set()
+        self._refusals = Refusals(ros, "")
+        self._reads_log = asyncio.Event()
 
     def __repr__(self) -> str:
         return f"<RosbridgeClient of {self.url}>"
@@ -152,33 +141,67 @@ class RosbridgeClient(Bridge):
             wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
 
     async def _converse(self, connection: ClientConnection) -> None:
-        for operation in self._introduction():
-            await connection.send(to_json(operation))
-        self._read_channels()
-        self.connections += 1
-        self._largest_sent = 0
-        self.connected.set()
-        self.trouble = ""
-        self.log.info("%s: connected", self.url)
-        writer = asyncio.create_task(self._write(connection))
+        self._refusals = Refusals(self._ros, f"uwsim-{secrets.token_hex(4)}")
+        self._reads_log = asyncio.Event()
+        self._largest_sent, self.refusals = 0, ""
+        tasks = [asyncio.create_task(self._speak(connection)), asyncio.create_task(self._report_refusals())]
         try:
             async for frame in connection:
                 self._receive(frame, connection)
         finally:
             self.connected.clear()
-            writer.cancel()
+            for task in tasks:
+                task.cancel()
             for name in self.outputs:
                 self.leave(name)
             for channel in self.inputs.values():
                 self.abandon(channel)
             while self._waiting.take(wait=False) is not None:
                 pass
-            await asyncio.gather(writer, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _speak(self, connection: ClientConnection) -> None:
+        """Subscribe to the ROS graph's log, introduce the simulator, then send readings."""
+        for operation in self._refusals.greeting():
+            await connection.send(to_json(operation))
+        try:
+            async with asyncio.timeout(LOG_WAIT_S):
+                await self._reads_log.wait()
+        except TimeoutError:
+            self.log.warning("%s: /%s cannot be read: refusals by the server remain unknown", self.url, ROSOUT)
+        for operation in self._refusals.marked(self._introduction()):
+            await connection.send(to_json(operation))
+        self._read_channels()
+        self.connections += 1
+        self.connected.set()
+        self.trouble = ""
+        self.log.info("%s: connected", self.url)
+        await self._write(connection)
+
+    async def _report_refusals(self) -> None:
+        """Log refusals when no further one has followed for REFUSALS_S, and at the end of the connection."""
+        reported = seen = self._refusals.names
+        try:
+            while True:
+                await asyncio.sleep(REFUSALS_S)
+                if reported != seen == self._refusals.names:
+                    reported = seen
+                    self._log_refusals()
+                seen = self._refusals.names
+        finally:
+            if reported != self._refusals.names:
+                self._log_refusals()
+
+    def _log_refusals(self) -> None:
+        sentences = self._refusals.summary()
+        self.refusals = "; ".join(sentences)
+        for sentence in sentences:
+            self.log.warning("%s: %s", self.url, sentence)
 
     def _introduction(self) -> Iterable[dict[str, Any]]:
         for channel in self.outputs.values():
             kind = spelled(channel.type, self._ros)
-            yield {"op": "advertise", "topic": f"/{channel.name}", "type": kind, "latch": channel.latched}
+            yield {"op": "advertise", "topic": f"/{channel.name}", "type": kind, "latch": channel.delivery.latched}
         for channel in self.inputs.values():
             kind = spelled(channel.type, self._ros)
             yield {"op": "subscribe", "topic": f"/{channel.name}", "type": kind, "queue_length": 1}
@@ -207,6 +230,8 @@ class RosbridgeClient(Bridge):
 
     async def _send(self, reading: Reading, connection: ClientConnection) -> None:
         name = reading.channel.name
+        if f"/{name}" in self._refusals.names:  # each message would be an error in the ROS graph's log
+            return
         frame = publication(reading.message, f"/{name}", self._ros)
         size = len(frame)
         if self._refused_bytes is not None and size >= self._refused_bytes:
@@ -223,8 +248,11 @@ class RosbridgeClient(Bridge):
         try:
             operation = parse(frame, self._limits.nesting)
             if operation.get("op") == "publish":
-                channel = self.inputs.get(str(operation.get("topic")).lstrip("/"))
-                if channel is not None:
+                name = str(operation.get("topic")).lstrip("/")
+                channel = self.inputs.get(name)
+                if name == ROSOUT:
+                    self._read_log(operation.get("msg"))
+                elif channel is not None:
                     self.apply(channel, from_plain(channel.type, operation.get("msg", {})))
             elif operation.get("op") == "call_service":
                 self._serve(operation, connection)
@@ -232,6 +260,14 @@ class RosbridgeClient(Bridge):
                 self._rare.warning(f"{self.url} reports: {str(operation.get('msg'))[:500]}")
         except (ValueError, NotRunningError) as error:
             self.log.warning("%s: %s", self.url, error)
+
+    def _read_log(self, message: Any) -> None:
+        if not isinstance(message, dict):
+            return
+        if self._refusals.is_greeting(message):
+            self._reads_log.set()
+        elif (text := self._refusals.read(message)) is not None:
+            self._rare.warning(f"{self.url} reports: {text}")
 
     def _serve(self, operation: dict[str, Any], connection: ClientConnection) -> None:
         service, arguments = self.services.get(str(operation.get("service")).lstrip("/")), operation.get("args")

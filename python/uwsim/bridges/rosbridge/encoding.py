@@ -15,10 +15,10 @@ import orjson
 from PIL import Image
 
 from uwsim.bridges.conversation import Frame
-from uwsim.channels.base64_text import to_base64
-from uwsim.channels.message_cost import held_bytes
-from uwsim.channels.message_types import begins_with_header
-from uwsim.channels.messages import Ros, to_bytes, to_plain
+from uwsim.channels.ros.base64_text import to_base64
+from uwsim.channels.ros.message_cost import held_bytes
+from uwsim.channels.ros.message_types import begins_with_header
+from uwsim.channels.ros.messages import Ros, to_bytes, to_plain
 
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY

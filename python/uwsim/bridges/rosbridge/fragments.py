@@ -9,7 +9,7 @@ from typing import Any
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.channels.message_types import shortened
+from uwsim.channels.ros.message_types import shortened
 
 
 class Fragments:

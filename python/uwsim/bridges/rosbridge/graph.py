@@ -13,8 +13,8 @@ from typing import Any, Protocol
 
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.ledger import Account, Ledger
-from uwsim.channels.message_types import shortened
-from uwsim.channels.messages import resolve, spelled
+from uwsim.channels.ros.message_types import shortened
+from uwsim.channels.ros.messages import resolve, spelled
 
 LOGGER = logging.getLogger("uwsim.rosbridge")
 

@@ -12,6 +12,7 @@ from uwsim.bridges.answers import Lane, outcome
 from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Reply, Topic
+from uwsim.channels.calls.command_services import by_field
 from uwsim.channels.guest import CatchUp, Guest, GuestService, GuestTopic
 
 THREADS = 6
@@ -89,8 +90,10 @@ class GuestNode:
             self._newest.pop(name, None)
 
     def _serve(self, service: GuestService, arguments: Any, reply: Reply, caller: str) -> None:
+        if isinstance(arguments, list):
+            arguments = by_field(service.name, service.fields, arguments)
         if not isinstance(arguments, dict):
-            raise ValueError(f"service '{service.name}': args must be an object")
+            raise ValueError(f"service '{service.name}': args must be an object or a list")
         answer = partial(post, self._loop, reply)
         if not service.is_brief:
             self._lane.submit(partial(service.call, caller, arguments), answer)

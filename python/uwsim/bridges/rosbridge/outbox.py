@@ -16,7 +16,7 @@ from uwsim.bridges.rosbridge.encoding import Compression, Sample
 from uwsim.bridges.rosbridge.fragments import split
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.channels.messages import Ros
+from uwsim.channels.ros.messages import Ros
 
 DEFAULT_QUEUE = 10
 LARGE_QUEUE = 8

@@ -8,8 +8,8 @@ from typing import Any
 
 from uwsim.bridges.actions import SUCCEEDED, Action, Goal
 from uwsim.bridges.rosbridge.graph import ActionGoal
-from uwsim.channels.message_in import from_plain
-from uwsim.channels.message_out import to_plain
+from uwsim.channels.ros.message_in import from_plain
+from uwsim.channels.ros.message_out import to_plain
 from uwsim.live import LiveSimulator
 
 

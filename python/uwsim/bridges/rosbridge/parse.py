@@ -5,7 +5,6 @@ Excessive frames are refused before they take time or memory.
 
 from __future__ import annotations
 
-import json
 import math
 import secrets
 from collections.abc import Callable
@@ -14,11 +13,12 @@ from typing import Any
 import cbor2
 import orjson
 
+from uwsim.base.texts.json_text import json_value
 from uwsim.bridges.rosbridge.json_scan import JsonScan
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.weigh import walk_cbor, weigh
-from uwsim.channels.message_cost import Meter
-from uwsim.channels.messages import typed_array
+from uwsim.channels.ros.message_cost import Meter
+from uwsim.channels.ros.messages import typed_array
 
 SLOW_CHARACTERS = 200_000
 """The largest size of a frame with NaN or Infinity, which needs a decoder that is five times slower."""
@@ -96,10 +96,7 @@ def _from_json(text: str, *, remembers: bool = False, bounded: bool = True) -> A
             raise ValueError(
                 f"frame: {len(text)} bytes with NaN or Infinity: must be {SLOW_CHARACTERS} at most; null is NaN"
             )
-    try:
-        return json.loads(text)  # like roslibpy, Python's own json accepts NaN and Infinity, which are not part of JSON
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"frame: not JSON ({error})") from None
+    return json_value(text, "frame")
 
 
 def _in_pieces(text: str, *, bounded: bool) -> Any:

@@ -16,12 +16,16 @@ from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, plain_name
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.type_details import message_details, part_details
-from uwsim.channels.message_types import message_text, shortened
-from uwsim.channels.messages import Ros, resolve, spelled
+from uwsim.channels.calls.command_services import by_field
+from uwsim.channels.ros.message_types import message_text, shortened
+from uwsim.channels.ros.messages import Ros, resolve, spelled
+from uwsim.channels.ros.service_types import field_names
 
 OWNER = "/rosapi"
 MOST_TEXT = 1 << 20
 """The maximum total length of the definitions in one answer."""
+DISTROS: dict[Ros, str] = {1: "noetic", 2: "jazzy"}
+"""The distribution whose types and spelling are used, by the generation of ROS."""
 STANDARD = {  # std_srvs, used by the simulator's services
     "std_srvs/Empty": ("", ""),
     "std_srvs/SetBool": ("bool data\n", "bool success\nstring message\n"),
@@ -36,7 +40,7 @@ Query = tuple[str, str, Callable[[Args], Any]]
 
 def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callable[[], int]) -> None:
     """Offer the rosapi services in a graph. time_ns: returns the simulated time."""
-    queries = _graph_queries(graph, ros) | _parameter_queries(parameters) | _time_query(ros, time_ns)
+    queries = _graph_queries(graph, ros) | _parameter_queries(parameters) | _world_queries(ros, time_ns)
     queries |= _type_queries(ros, queries)
     graph.nodes[OWNER] = None
     for name, query in queries.items():
@@ -50,8 +54,10 @@ def _type_of(name: str) -> str:
 
 def _handler(name: str, query: Query) -> Handler:
     def handle(arguments: Any, reply: Reply, caller: str) -> None:
+        if isinstance(arguments, list):
+            arguments = by_field(f"rosapi/{name}", field_names(query[0]), arguments)
         if not isinstance(arguments, dict):
-            raise ValueError(f"{_type_of(name)}: args must be an object")
+            raise ValueError(f"{_type_of(name)}: args must be an object or a list")
         answer = query[2](arguments)
         if isinstance(answer, Future):  # the result of a command to the simulator
             loop = asyncio.get_running_loop()
@@ -118,6 +124,20 @@ def _graph_queries(graph: Graph, ros: Ros) -> dict[str, Query]:
     def subscribers(topic: Any) -> list[str]:
         return [] if topic is None else list(dict.fromkeys(owner for owner, _ in topic.sinks))
 
+    def interfaces(args: Args) -> Args:
+        types = {spelled(topic.type, ros) for topic in topics.values() if topic.type}
+        return {"interfaces": sorted(types | {service.type for service in services.values() if service.type})}
+
+    def providers(args: Args) -> Args:
+        wanted = _text(args, "service")  # rosapi's own takes the name of a type; its description speaks of a service
+        named = {f"/{service.name}" for service in services.values()}
+        found = [
+            service.owner for service in services.values()
+            if wanted in (f"/{service.name}", service.name)
+            or (wanted not in named and service.type.replace("/srv/", "/") == wanted.replace("/srv/", "/"))
+        ]  # fmt: skip
+        return {"providers": list(dict.fromkeys(found))}
+
     names = "string[] topics\nstring[] types\n"
     return {
         "topics": ("", names, typed_topics),
@@ -137,6 +157,8 @@ def _graph_queries(graph: Graph, ros: Ros) -> dict[str, Query]:
         "service_type": (
             "string service\n", "string type\n", lambda args: {"type": getattr(service_of(args), "type", "")}
         ),
+        "service_providers": ("string service\n", "string[] providers\n", providers),
+        "interfaces": ("", "string[] interfaces\n", interfaces),
         "service_node": (
             "string service\n", "string node\n", lambda args: {"node": getattr(service_of(args), "owner", "")}
         ),
@@ -200,13 +222,17 @@ def _parameter_queries(parameters: Parameters) -> dict[str, Query]:
     }
 
 
-def _time_query(ros: Ros, time_ns: Callable[[], int]) -> dict[str, Query]:
+def _world_queries(ros: Ros, time_ns: Callable[[], int]) -> dict[str, Query]:
     keys = ("secs", "nsecs") if ros == 1 else ("sec", "nanosec")
 
     def get_time(args: Args) -> Args:
         return {"time": dict(zip(keys, divmod(time_ns(), 10**9), strict=True))}
 
-    return {"get_time": ("", "builtin_interfaces/Time time\n", get_time)}
+    version = {"version": ros, "distro": DISTROS[ros]}
+    return {
+        "get_time": ("", "builtin_interfaces/Time time\n", get_time),
+        "get_ros_version": ("", "uint8 version\nstring distro\n", lambda args: version),
+    }
 
 
 def _type_queries(ros: Ros, queries: dict[str, Query]) -> dict[str, Query]:

@@ -14,7 +14,7 @@ from typing import Self
 
 from uwsim.bridges.actions import Action, actions_of
 from uwsim.bridges.connection import HeardConnection
-from uwsim.bridges.conversation import Allowance, Rates
+from uwsim.bridges.conversation import Rates, Share
 from uwsim.bridges.listener import STOP_S, Address, Listener, Site
 from uwsim.bridges.rosbridge.desk import Desk, Seat
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph
@@ -27,10 +27,10 @@ from uwsim.bridges.rosbridge.session import Session
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.bridges.rosbridge.tf_republisher import offer_tf
 from uwsim.channels import Channel, Service
-from uwsim.channels.feed import Readings
+from uwsim.channels.delivery.feed import Readings
 from uwsim.channels.guest import Guest
-from uwsim.channels.message_types import ros1_typestore
-from uwsim.channels.messages import Ros, typestore
+from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.channels.ros.messages import Ros, typestore
 from uwsim.channels.served import served_table
 from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
@@ -84,7 +84,7 @@ class RosbridgeServer:
         self._ros: Ros = ros
         self._limits = limits or Limits()
         self._guests = guests
-        self._share = Allowance(self._limits.work_share)
+        self._share = Share(self._limits.work_share)
         self._listener: Listener[Seat] = Listener(
             Address(host, port, origins, token, certfile, keyfile),
             LOGGER,

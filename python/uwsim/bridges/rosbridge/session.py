@@ -22,8 +22,8 @@ from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.bridges.rosbridge.parse import read
 from uwsim.bridges.rosbridge.topics import Made, Topics, stamp
-from uwsim.channels.message_types import is_unicode, shortened
-from uwsim.channels.messages import Ros, from_plain
+from uwsim.channels.ros.message_types import is_unicode, shortened
+from uwsim.channels.ros.messages import Ros, from_plain
 
 Perform = Callable[[dict[str, Any]], None]
 """Performs an operation."""

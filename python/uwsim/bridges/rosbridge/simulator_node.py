@@ -18,10 +18,10 @@ from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
 from uwsim.bridges.rosbridge.own_actions import OwnAction
 from uwsim.channels import Channel, Service, require_live
-from uwsim.channels.command_services import named_arguments
-from uwsim.channels.feed import Reading, Readings
+from uwsim.channels.calls.command_services import named_arguments
+from uwsim.channels.delivery.feed import Reading, Readings
+from uwsim.channels.delivery.outgoing import Line, Turns, queue_of
 from uwsim.channels.names import with_earlier_names
-from uwsim.channels.outgoing import Line, Turns, queue_of
 from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
@@ -70,7 +70,7 @@ class SimulatorNode(Bridge):
             handler = OwnAction(require_live(live), action, partial(post, loop))
             self._actions.append(handler)
             graph.advertise_action(self._name, action.name, action.type, handler)
-        self.keep_up()
+        self.start_updates()
 
     def close(self) -> bool:
         """Stop reading and leave the graph."""
@@ -86,7 +86,7 @@ class SimulatorNode(Bridge):
     def _join(self, channel: Channel) -> None:
         if channel.direction == "in":
             self._graph.subscribe(self._name, channel.name, channel.name, channel.type, partial(self._apply, channel))
-        elif self._graph.advertise(self._name, channel.name, channel.type, channel.latched).sinks:
+        elif self._graph.advertise(self._name, channel.name, channel.type, channel.delivery.latched).sinks:
             self.demand(channel.name, True)  # a client already subscribes to it
 
     def _notice_demand(self, name: str, is_wanted: bool) -> None:
@@ -99,7 +99,7 @@ class SimulatorNode(Bridge):
 
     def take(self, reading: Reading) -> None:
         """Queue a reading on the simulator's thread."""
-        catch_up = reading.channel.catch_up
+        catch_up = reading.channel.delivery.catch_up
         sample = Sample(reading.message, reading.time_ns) if catch_up is None else Growing(catch_up, reading.time_ns)
         self._arrived.put(self._lines[reading.channel.name], (reading, sample))
         if not self._drain_is_due:
@@ -112,7 +112,7 @@ class SimulatorNode(Bridge):
             turn = self._arrived.take(wait=False)
             assert turn is not None  # no other thread takes
             reading, sample = turn[1]
-            name, latch = reading.channel.name, reading.channel.latched
+            name, latch = reading.channel.name, reading.channel.delivery.latched
             topic = self._graph.topics.get(name)
             if self.is_closed or topic is None or not (topic.sinks or latch):
                 continue

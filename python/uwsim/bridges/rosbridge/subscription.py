@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
 
+from uwsim.base.arguments import is_number
 from uwsim.bridges.rosbridge.encoding import Compression
 from uwsim.bridges.rosbridge.fragments import read_fragment_size
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.outbox import Mailbox
-from uwsim.channels.message_types import NEWEST_ONLY, shortened
-from uwsim.channels.messages import Ros
+from uwsim.channels.ros.message_types import NEWEST_ONLY, shortened
+from uwsim.channels.ros.messages import Ros
 
 COMPRESSIONS: tuple[str, ...] = get_args(Compression)
 
@@ -38,9 +38,9 @@ def read_options(operation: dict[str, Any], limits: Limits) -> Options:
     throttle_ms = operation.get("throttle_rate") or 0
     length = operation.get("queue_length") or 0
     compression: Any = operation.get("compression") or "none"
-    if not _is_number(throttle_ms) or not 0 <= throttle_ms <= 1e9:
+    if not is_number(throttle_ms) or not 0 <= throttle_ms <= 1e9:
         raise ValueError(f"throttle_rate = {shortened(throttle_ms)} ms: must be in [0, 1e9]")
-    if not _is_number(length) or length < 0:
+    if not is_number(length) or length < 0:
         raise ValueError(f"queue_length = {shortened(length)}: must not be negative")
     if compression not in COMPRESSIONS:
         raise ValueError(f"compression = {shortened(compression)}: must be one of {', '.join(COMPRESSIONS)}")
@@ -49,10 +49,6 @@ def read_options(operation: dict[str, Any], limits: Limits) -> Options:
         raise ValueError(f"credit = {shortened(credit)}: must be in [1, {CREDIT_MAX}]")
     length = int(min(length, limits.queue_length))
     return Options(throttle_ms / 1000.0, length, compression, credit, read_fragment_size(operation))
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 @dataclass

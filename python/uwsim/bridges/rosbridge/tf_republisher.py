@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-import math
 import time
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,13 +16,17 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arguments import is_number
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply, Topic
-from uwsim.channels.message_types import shortened
-from uwsim.channels.messages import default_message, to_plain
+from uwsim.channels.calls.command_services import by_field
+from uwsim.channels.ros.message_types import shortened
+from uwsim.channels.ros.messages import default_message, to_plain
 
 OWNER = "/tf2_web_republisher"
 SERVICE = "republish_tfs"
+FIELDS = ("source_frames", "target_frame", "angular_thres", "trans_thres", "rate", "timeout")
+"""The fields of a request, in the order of tf2_web_republisher/RepublishTFs."""
 TOPICS = ("tf", "tf_static")
 ACTION = "tf2_web_republisher/msg/TFSubscriptionAction"
 ACTIVE = 1  # actionlib_msgs/GoalStatus
@@ -84,7 +87,7 @@ class TfRepublisher:
         graph.advertise_service(OWNER, SERVICE, "tf2_web_republisher/RepublishTFs", self._serve)
         node = OWNER.lstrip("/")
         self._feedback = graph.advertise(OWNER, f"{node}/feedback", f"{ACTION}Feedback")
-        graph.subscribe(OWNER, "goal", f"{node}/goal", f"{ACTION}Goal", self._take_goal)
+        graph.subscribe(OWNER, "goal", f"{node}/goal", f"{ACTION}Goal", self._accept_goal)
         graph.subscribe(OWNER, "cancel", f"{node}/cancel", "actionlib_msgs/msg/GoalID", self._cancel_goal)
 
     def close(self) -> None:
@@ -98,7 +101,7 @@ class TfRepublisher:
         request.topic = self._graph.advertise(OWNER, name, "tf2_web_republisher/msg/TFArray")
         reply(True, {"topic_name": f"/{name}"})
 
-    def _take_goal(self, sample: Sample) -> None:
+    def _accept_goal(self, sample: Sample) -> None:
         goal = to_plain(sample.message.goal)
         self._begin(_read_request(goal, self._feedback, sample.message.goal_id.id or f"goal {next(self._numbers)}"))
 
@@ -202,8 +205,10 @@ def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
 
 def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
     """Parse a request from call arguments or a goal. Raises ValueError."""
+    if isinstance(arguments, list):
+        arguments = by_field(SERVICE, FIELDS, arguments)
     if not isinstance(arguments, dict):
-        raise ValueError("args: must be an object")
+        raise ValueError("args: must be an object or a list")
     frames, target = arguments.get("source_frames"), arguments.get("target_frame")
     if not isinstance(frames, list) or not all(isinstance(frame, str) for frame in frames) or len(frames) > 100:
         raise ValueError("args.source_frames: must be a list of 100 frames at most")
@@ -231,7 +236,7 @@ def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
 
 def _number(values: dict[str, Any], key: str, default: float) -> float:
     value = values.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if not is_number(value):
         raise ValueError(f"args.{key} = {shortened(value)}: must be a number")
     return float(value)
 

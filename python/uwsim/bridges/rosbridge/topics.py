@@ -13,9 +13,9 @@ from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.bridges.rosbridge.subscription import CREDIT_MAX, Subscription, read_options
-from uwsim.channels import build
-from uwsim.channels.message_types import shortened
-from uwsim.channels.messages import Ros, resolve
+from uwsim.channels.ros import build
+from uwsim.channels.ros.message_types import shortened
+from uwsim.channels.ros.messages import Ros, resolve
 
 Operation = dict[str, Any]
 

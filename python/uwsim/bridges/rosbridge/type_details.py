@@ -6,8 +6,8 @@ from typing import Any
 
 from rosbags.typesys import get_types_from_msg
 
-from uwsim.channels.message_types import Kind, fields, kind_of, resolve, spelled, typestore
-from uwsim.channels.messages import Ros
+from uwsim.channels.ros.message_types import Kind, fields, kind_of, resolve, spelled, typestore
+from uwsim.channels.ros.messages import Ros
 
 EXAMPLES = {"string": "", "wstring": "", "bool": "False", "float32": "0.0", "float64": "0.0"}
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from uwsim.bridges.rosbridge.json_scan import JsonScan
 from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.channels.message_cost import NUMBER_BYTES, SLOT_BYTES, STRING_BYTES
+from uwsim.channels.ros.message_cost import NUMBER_BYTES, SLOT_BYTES, STRING_BYTES
 
 CONTAINER_BYTES = 184  # an object with up to five members, including its garbage collection overhead
 MEMBER_BYTES = 48  # each further member

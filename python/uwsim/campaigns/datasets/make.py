@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import time
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from uwsim.base.folder_lock import alone_in
+from uwsim.base.own_files import is_own
 from uwsim.campaigns.datasets.frame import FrameJob, folders, make_frame
 from uwsim.campaigns.datasets.spec import DatasetSpec
 from uwsim.campaigns.datasets.split import split_of_frames
 from uwsim.campaigns.datasets.studio import Studio, digest_of, require_effects, studio_of
 from uwsim.campaigns.datasets.tables import write_tables
 from uwsim.campaigns.datasets.track import Track, read_track, track_of
-from uwsim.campaigns.workers import Ledger, Workers, open_workers
+from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
 from uwsim.flight.folder import made_folder
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.read.validated import validated
 
 RETRIES = 2
-Show = Callable[[str], AbstractContextManager[object]]
-Tell = Callable[[int, int, int], None]
-"""Called with the number of finished frames, failed frames (always 0) and frames in total."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,28 +93,27 @@ def make_dataset(
             studio.viewpoint(0)  # raises ValueError if there is none
     into = made_folder(Path(out))
     with alone_in(into):
-        ledger = Ledger(into)
-        _require_fresh(ledger, into, spec, resume)
+        if not resume:
+            _require_no_pictures(into, spec)
         plan = _plan(spec, digest, track)
         made, wall_s = 0, 0.0
-        try:
-            ledger.resume(plan) if resume else ledger.begin(plan)
+        with Ledger.opened(into, plan, resume=resume, what="dataset", jobs="frames") as ledger:
             _make_folders(into, spec)
             missing = {
                 number: FrameJob(spec, digest, number, str(into.resolve()), _pose(track, number), threads)
                 for number in range(spec.n)
-                if number not in ledger.results
+                if ledger.lacks(number)
             }
-            tell(len(ledger.results), 0, spec.n)
             if missing:
                 with show("starting workers"):
                     crew = open_workers(workers, scheduler=scheduler)
+                begun_s = time.perf_counter()
                 with crew:
-                    made, wall_s = _make(
-                        crew, missing, ledger, stop_requested, lambda finished: tell(finished, 0, spec.n)
-                    )
-        finally:
-            ledger.close()
+                    made = sum(1 for _ in run_missing(
+                        crew, make_frame, missing, spec.n, ledger, retries=RETRIES, result_of=_result_of,
+                        stop_requested=stop_requested, tell=tell,
+                    ))  # fmt: skip
+                    wall_s = time.perf_counter() - begun_s
         files: tuple[Path, ...] = ()
         if len(ledger.results) == spec.n:
             with show("writing tables"):
@@ -127,19 +123,10 @@ def make_dataset(
         return Dataset(spec, into, len(ledger.results), files, made, wall_s)
 
 
-def _make(
-    crew: Workers, missing: Mapping[int, FrameJob], ledger: Ledger, stop_requested: Callable[[], bool],
-    tell_finished: Callable[[int], None],
-) -> tuple[int, float]:  # fmt: skip
-    """Render the missing frames and record each in the ledger; return their number and the wall time [s]."""
-    begun_s, made = time.perf_counter(), 0
-    for each in crew.finished(make_frame, missing, retries=RETRIES, stop_requested=stop_requested):
-        if each.result is None:
-            raise OSError(f"frame {each.job}: {each.why}; --resume continues")
-        ledger.add(each.job, each.result)
-        made += 1
-        tell_finished(len(ledger.results))
-    return made, time.perf_counter() - begun_s
+def _result_of(each: Finished) -> dict[str, Any]:
+    if each.result is None:
+        raise OSError(f"frame {each.job}: {each.why}; --resume continues")
+    return each.result
 
 
 def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:
@@ -168,15 +155,9 @@ def _pose(track: Track | None, number: int) -> tuple[float, ...] | None:
     return (float(track.times_s[number]), *position.tolist(), *orientation.tolist())
 
 
-def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) -> None:
-    if not resume and ledger.exists:
-        ledger.read()
-        rule = f"holds a dataset already, {len(ledger.results):,} frames of it finished: --resume, or another --out"
-        raise ValueError(f"--out {into}: {rule}")
-    if not resume and any(any((into / folder).glob("*")) for folder in _folder_names(spec)):
+def _require_no_pictures(into: Path, spec: DatasetSpec) -> None:
+    if not Ledger(into).exists and any(any((into / folder).glob("*")) for folder in _folder_names(spec)):
         raise ValueError(f"--out {into}: holds pictures already, of no dataset that is known: choose another")
-    if resume and not ledger.exists:
-        raise ValueError(f"--resume: there is no dataset to resume in '{into}'")
 
 
 def _make_folders(into: Path, spec: DatasetSpec) -> None:
@@ -184,7 +165,8 @@ def _make_folders(into: Path, spec: DatasetSpec) -> None:
     for name in _folder_names(spec):
         (into / name).mkdir(exist_ok=True)
         for left_over in (into / name).glob(".[0-9]*"):
-            left_over.unlink()
+            if is_own(left_over):
+                left_over.unlink()
 
 
 def _folder_names(spec: DatasetSpec) -> list[str]:
@@ -198,7 +180,7 @@ def _plan(spec: DatasetSpec, digest: str, track: Track | None) -> dict[str, Any]
         arrays = (track.times_s, track.positions_m, track.orientations_xyzw)
         poses = hashlib.blake2b(b"".join(array.tobytes() for array in arrays), digest_size=8).hexdigest()
     return {
-        "options": json.loads(spec.model_dump_json(exclude={"scenario"})),
+        "options": spec.model_dump(mode="json", exclude={"scenario"}),
         "track": poses,
         "scenario_digest": digest,
         "build": build_fingerprint(),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.base.npz import read_npz
+from uwsim.base.texts.csv_table import CsvTable, read_csv
 
 Floats = NDArray[np.float64]
 POSITIONS, ORIENTATIONS, TIMES, PATH = "position_world_m", "orientation_xyzw", "time_s", "path_world_m"
@@ -44,15 +42,15 @@ def read_track(path: str | Path) -> Track:
     path. Without times, poses are one second apart. Raises ValueError or OSError.
     """
     file = Path(path)
+    if file.suffix == ".csv":
+        return _from_csv(read_csv(file))
     try:
         data = file.read_bytes()
     except OSError as error:
         raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
     try:
-        if file.suffix == ".csv":
-            warn_if_cut_short(f"track '{path}'", data)
-        return _from_csv(data) if file.suffix == ".csv" else _from_npz(data)
-    except (ValueError, csv.Error) as error:
+        return _from_npz(data)
+    except ValueError as error:
         raise ValueError(f"track '{path}': {error}") from None
 
 
@@ -63,20 +61,16 @@ def track_of(samples: Any) -> Track:
     return _checked(samples[TIMES], positions, turns.as_quat())
 
 
-def _from_csv(data: bytes) -> Track:
-    rows = csv.DictReader(io.StringIO(data.decode("utf-8", errors="replace")))
+def _from_csv(table: CsvTable) -> Track:
     needed = (TIMES, "x_m", "y_m", "z_m", *ANGLES)
-    missing = [name for name in needed if name not in (rows.fieldnames or ())]
+    missing = [name for name in needed if name not in table.columns]
     if missing:
-        raise ValueError(f"has no column {missing[0]}: `uwsim run` writes such files, track-VEHICLE.csv")
-    columns: dict[str, list[float]] = {name: [] for name in needed}
-    for number, row in enumerate(rows, start=2):
-        for name in needed:
-            try:
-                columns[name].append(float(row[name]))
-            except (TypeError, ValueError):
-                raise ValueError(f"line {number}: {name} = {row[name]!r}: must be a number") from None
-    return track_of({name: np.array(values) for name, values in columns.items()})
+        raise ValueError(f"{table.name}: has no column {missing[0]}: `uwsim run` writes such files, track-VEHICLE.csv")
+    columns = {name: table.numbers(name) for name in needed}
+    try:
+        return track_of(columns)
+    except ValueError as error:
+        raise ValueError(f"{table.name}: {error}") from None
 
 
 def _from_npz(data: bytes) -> Track:

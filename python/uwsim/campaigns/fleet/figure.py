@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from uwsim.base.texts.json_text import read_json
 from uwsim.campaigns.fleet.store import scores_file
 from uwsim.campaigns.fleet.tiles import Tile
 from uwsim.figures.style import (
@@ -47,7 +47,7 @@ def draw_fleet(
         extent = (low[0], low[0] + columns * edge_m, low[1], low[1] + rows * edge_m)
         axes.imshow(heights, origin="lower", extent=extent, cmap=HEIGHTS, norm=limits, interpolation="nearest")
         add_colour_bar(figure, axes, limits, HEIGHTS, "z [m]")
-    scores = json.loads(scores_file(map_path.parent).read_text()) if "coverage" in figures else {}
+    scores = read_json(scores_file(map_path.parent)) if "coverage" in figures else {}
     for tile in tiles:
         outline = np.array([*tile.area_m, tile.area_m[0]])
         mapped = "metrics" in results[tile.number]

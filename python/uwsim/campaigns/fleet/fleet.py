@@ -5,8 +5,9 @@ from __future__ import annotations
 import heapq
 import time
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +17,18 @@ from uwsim.campaigns.fleet.score import scored
 from uwsim.campaigns.fleet.store import MAP, TILES, map_file, path_file
 from uwsim.campaigns.fleet.tile_job import DryTileError, TileJob, fly_tile
 from uwsim.campaigns.fleet.tiles import Grid, Tile, grid_over, tiles_of
-from uwsim.campaigns.workers import Ledger, Workers, open_workers
-from uwsim.flight.flyable_lanes import required_survey
+from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.flight.flyable_lanes import require_lanes_flown_by, required_survey
 from uwsim.flight.folder import made_folder
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.merge import merge_files
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scoring.score_json import write_json
+from uwsim.simulator.simulator import Simulator
 
 SUMMARY, FIGURE = "summary.json", "tiles.png"
 RETRIES = 2
-Show = Callable[[str], AbstractContextManager[object]]
-Tell = Callable[[int, int, int], None]
-"""Called with the number of finished tiles, failed tiles and tiles in total."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +49,12 @@ class Fleet:
     def failed(self) -> dict[int, str]:
         """The errors of tiles that could not be surveyed, keyed by tile number."""
         return {number: str(result["error"]) for number, result in self.results.items() if result["error"]}
+
+    @property
+    def ended_early(self) -> dict[int, str]:
+        """The reasons why the surveys of tiles ended before their last lane, keyed by tile number."""
+        flown = {number: result["metrics"] for number, result in self.results.items() if "metrics" in result}
+        return {number: str(of["ended_because"]) for number, of in flown.items() if of.get("ended_early")}
 
 
 def run_fleet(
@@ -94,24 +99,26 @@ def run_fleet(
     name = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
     jobs = {tile.number: TileJob(name, base.seed if seed is None else seed, tile, edge_m) for tile in tiles}
     with show("checking the tiles"):
-        _require_water(base, jobs)
+        _require_flyable(base, jobs)
     plan = {
         "scenario": scenario_fingerprint(base), "tile_m": tile_m, "voxel_m": edge_m,
         "seed": base.seed if seed is None else seed, "build": build_fingerprint(),
     }  # fmt: skip
     if retry_failed and not resume:
         raise ValueError("retry_failed: needs resume")
-    into = made_folder(Path(out))
+    into = made_folder(Path(out), (SUMMARY, FIGURE, MAP))
     with alone_in(into):
         (into / TILES).mkdir(exist_ok=True)
-        ledger = _ledger(into, plan, resume)
-        try:
+        with Ledger.opened(into, plan, resume=resume, what="fleet", jobs="tiles") as ledger:
             with show("starting workers"):
                 crew = open_workers(workers, scheduler=scheduler)
             with crew:
-                done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
-                missing = {number: job for number, job in jobs.items() if number not in done}
-                _fly(crew, missing, len(jobs), ledger, into, stop_requested, tell)
+                missing = {n: job for n, job in jobs.items() if ledger.lacks(n, retry_failed=retry_failed)}
+                for _ in run_missing(
+                    crew, fly_tile, missing, len(jobs), ledger, retries=RETRIES,
+                    result_of=partial(_result_of, into), stop_requested=stop_requested, tell=tell,
+                ):  # fmt: skip
+                    pass
                 if len(ledger.results) < len(tiles):
                     return Fleet(into, tiles, ledger.results, {}, interrupted=True)
                 figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
@@ -122,8 +129,6 @@ def run_fleet(
                     if scores is None:
                         return Fleet(into, tiles, ledger.results, figures, interrupted=True)
                     figures |= scores
-        finally:
-            ledger.close()
         write_json(into / SUMMARY, figures)
         with show("drawing the tiles"):
             from uwsim.campaigns.fleet.figure import draw_fleet  # imported here, since matplotlib takes a second
@@ -132,48 +137,27 @@ def run_fleet(
         return Fleet(into, tiles, ledger.results, figures)
 
 
-def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
-    """Build the scenario of the first tile that is not dry. Raises its error, or ScenarioError if all tiles are dry."""
+def _require_flyable(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
+    """Build the scenario of the first tile that is not dry. Raises its error.
+
+    Raises ScenarioError, too, if its vehicle cannot fly the survey's lanes, or if all tiles are dry.
+    """
     for job in jobs.values():
         try:
-            job.scenario_of_tile(base)
+            tile = job.scenario_of_tile(base)
         except DryTileError:
             continue
-        return
+        return require_lanes_flown_by(Simulator(tile, threads=1))
     raise ScenarioError("survey.area_m: there is no tile with water deep enough to fly in")
 
 
-def _ledger(into: Path, plan: dict[str, Any], resume: bool) -> Ledger:
-    ledger = Ledger(into)
-    if resume and not ledger.exists:
-        raise ValueError(f"--resume: there is no fleet to resume in '{into}'")
-    if not resume and ledger.exists:
-        ledger.read()
-        raise ValueError(f"--out {into}: holds {len(ledger.results):,} tiles already: use --resume, or another --out")
-    ledger.resume(plan) if resume else ledger.begin(plan)
-    return ledger
-
-
-def _fly(
-    crew: Workers,
-    missing: Mapping[int, TileJob],
-    count: int,
-    ledger: Ledger,
-    into: Path,
-    stop_requested: Callable[[], bool],
-    tell: Tell,
-) -> None:
-    finished = count - len(missing)
-    failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
-    tell(finished, failed, count)
-    for each in crew.finished(fly_tile, missing, retries=RETRIES, stop_requested=stop_requested):
-        result = dict(each.result or {"error": f"{each.why} ({each.trials} trials)", "dry": None})
-        for key, file in (("map", map_file), ("path", path_file)):
-            if key in result:
-                write_atomically(file(into, each.job), result.pop(key))
-        ledger.add(each.job, result)
-        finished, failed = finished + 1, failed + bool(result["error"])
-        tell(finished, failed, count)
+def _result_of(into: Path, each: Finished) -> dict[str, Any]:
+    """Write the tile's files and return the rest of its result."""
+    result = dict(each.result or {"error": each.error, "dry": None})
+    for key, file in (("map", map_file), ("path", path_file)):
+        if key in result:
+            write_atomically(file(into, each.job), result.pop(key))
+    return result
 
 
 def _flown_figures(
@@ -189,6 +173,7 @@ def _flown_figures(
         "tiles": len(tiles),
         "tiles_flown": len(flown),
         "tiles_dry": sum(bool(result["dry"]) for result in results.values()),
+        "tiles_ended_early": sum(bool(metrics.get("ended_early")) for metrics in flown),
         "tiles_failed": sum(bool(result["error"]) for result in results.values()),
         "area_left_out_m2": left_m2,
         **{key: sum(metrics[key] for metrics in flown) for key in ("pings", "echoes", "path_length_m", "collisions")},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from uwsim.base.folder_lock import require_free
@@ -13,16 +14,20 @@ from uwsim.scenario.dump import write_scenario
 WORST = "worst"
 SCENARIO, RECORDING = "scenario.yaml", "run.mcap"
 
+logger = logging.getLogger("uwsim.campaigns")
+
 
 def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
     """Repeat a run; write scenario.yaml, run.mcap, map and report to a folder. Raises the same errors as a flight.
 
     report: see fly.
     """
-    made_folder(folder)
+    made_folder(folder, (SCENARIO, RECORDING))
     require_free(folder)
-    (folder / RECORDING).unlink(missing_ok=True)
     scenario = folder / SCENARIO
+    if (folder / RECORDING).exists():
+        (folder / RECORDING).unlink()
+        logger.warning("%s: removed: the recording of an earlier flight", folder / RECORDING)
     write_scenario(scenario, job.varied_scenario())
     is_recordable = job.mission is not None or job.estimate == "truth"  # other surveys cannot be recorded
     fly(

@@ -30,7 +30,8 @@ def draw_distributions(path: Path, rows: Rows, metrics: Sequence[str]) -> None:
         values = values[np.isfinite(values)]
         axes.hist(values, bins=min(30, max(5, int(math.sqrt(len(values)) * 2))), color=BLUE)
         axes.axvline(float(np.median(values)), color=ACCENT, linewidth=1.5)
-        label_axes(axes, metric, f"median {np.median(values):.4g}", "runs")
+        of = "" if len(values) == len(rows) else f" of {len(values):,} of {len(rows):,} runs"
+        label_axes(axes, metric, f"median {np.median(values):.4g}{of}", "runs")
     save_figure(figure, path)
 
 

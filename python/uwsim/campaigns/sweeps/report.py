@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,11 +49,19 @@ def write_report(path: Path, name: str, spec: SweepSpec, rows: Rows, count: int,
         indices=sobol_indices_of(spec, rows, shown),
         require=[(metric, limits, missed[metric]) for metric, limits in spec.require.items()],
         worst=_worst(path.parent, spec, rows, again),
-        errors=Counter(str(row["error"]) for row in rows.failed).most_common(ERRORS_SHOWN),
-        first_of_error={str(row["error"]): row["run"] for row in reversed(rows.failed)},
+        failures=_reasons(rows.failed, "error"),
+        early_ends=_reasons(rows.ended_early, "ended_because"),
         setup=_setup(spec, rows, count),
     )
     write_atomically(path, page.encode())
+
+
+def _reasons(rows: Sequence[Mapping[str, Any]], column: str) -> list[tuple[str, int, int]]:
+    """Return the commonest reasons in a column, each with the number of its runs and the first of them."""
+    first = {str(row[column]): int(row["run"]) for row in reversed(rows)}
+    return [
+        (why, count, first[why]) for why, count in Counter(str(row[column]) for row in rows).most_common(ERRORS_SHOWN)
+    ]
 
 
 def _shown(spec: SweepSpec, rows: Rows) -> list[str]:
@@ -97,6 +105,10 @@ def _warnings(rows: Rows, count: int, missed: Mapping[str, int], spec: SweepSpec
         notes.append(f"{count - len(rows):,} of {count:,} runs are missing: uwsim sweep --resume flies them.")
     if rows.failed:
         notes.append(f"{len(rows.failed):,} runs failed; see below.")
+    if rows.ended_early:
+        notes.append(f"{len(rows.ended_early):,} runs ended early; see below.")
+    if spec.objective is not None and (without := rows.without(spec.objective.metric)):
+        notes.append(f"{without:,} runs have no {spec.objective.metric}: figures and ranking are of the others.")
     notes += [f"{n:,} runs violate the limits on {metric}." for metric, n in missed.items() if n]
     if spec.objective is None and spec.worst:
         notes.append("The sweep has no objective, so the worst runs cannot be determined.")
@@ -105,7 +117,11 @@ def _warnings(rows: Rows, count: int, missed: Mapping[str, int], spec: SweepSpec
 
 def _highlights(rows: Rows, count: int) -> list[tuple[str, str]]:
     walls, flights = rows.numbers("run_wall_s"), rows.numbers("flight_wall_s")
-    tiles = [(f"{len(rows):,} of {count:,}", "runs"), (f"{len(rows.failed):,}", "failed")]
+    tiles = [
+        (f"{len(rows):,} of {count:,}", "runs"),
+        (f"{len(rows.failed):,}", "failed"),
+        (f"{len(rows.ended_early):,}", "ended early"),
+    ]
     if np.isfinite(walls).any():
         tiles.append((duration_text(float(np.nansum(walls))), "total wall time of the workers"))
     if np.isfinite(walls - flights).any():

@@ -67,6 +67,15 @@ class Rows:
         """The rows of runs that failed."""
         return [row for row in self.rows if row["error"]]
 
+    @property
+    def ended_early(self) -> list[dict[str, Any]]:
+        """The rows of runs that did not fail, but were ended by anything but their mission or time limit."""
+        return [row for row in self.rows if not row["error"] and row.get("ended_early")]
+
+    def without(self, metric: str) -> int:
+        """Return the number of runs that did not fail, but have no value of a metric, such as after an early end."""
+        return sum(not row["error"] and row.get(metric) is None for row in self.rows)
+
     def numbers(self, column: str) -> NDArray[np.float64]:
         """Return a column (n,) as numbers, with NaN for rows without one, such as failed runs."""
         values = [row.get(column) for row in self.rows]

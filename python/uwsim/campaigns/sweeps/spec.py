@@ -9,10 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
+from uwsim.base.texts.yaml_document import YamlDocument
 from uwsim.flight.request import EstimateKind
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.fields import AssetFile, InRange, Model, Name, broken
 from uwsim.scenario.variation import Bound, Variation
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -15,11 +15,11 @@ from uwsim.base.folder_lock import alone_in
 from uwsim.campaigns.sweeps.again import WORST, fly_run_again
 from uwsim.campaigns.sweeps.check import FILES, Jobs, require_flyable, require_metrics
 from uwsim.campaigns.sweeps.design import Run, runs_of
-from uwsim.campaigns.sweeps.job import Job, fly_job
+from uwsim.campaigns.sweeps.job import fly_job
 from uwsim.campaigns.sweeps.rows import Rows
 from uwsim.campaigns.sweeps.spec import SweepSpec, read_sweep
 from uwsim.campaigns.sweeps.table import TABLE, write_table
-from uwsim.campaigns.workers import Ledger, Workers, open_workers
+from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
 from uwsim.flight.folder import made_folder
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
@@ -27,9 +27,6 @@ from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.variation import choices
 
 REPORT = "report.html"
-Show = Callable[[str], AbstractContextManager[object]]
-Tell = Callable[[int, int, int], None]
-"""Called with the number of finished runs, failed runs and runs in total."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +50,16 @@ class Sweep:
     def failed(self) -> int:
         """The number of runs that ended with an error."""
         return len(self.rows.failed)
+
+    @property
+    def ended_early(self) -> int:
+        """The number of runs that did not fail, but were ended by anything but their mission or time limit."""
+        return len(self.rows.ended_early)
+
+    @property
+    def without_objective(self) -> int:
+        """The number of runs that did not fail, but have no value of the sweep's objective."""
+        return 0 if self.spec.objective is None else self.rows.without(self.spec.objective.metric)
 
     @property
     def missed(self) -> dict[str, int]:
@@ -92,29 +99,22 @@ def run_sweep(
         plan = _plan(spec, jobs)
     if retry_failed and not resume:
         raise ValueError("retry_failed: needs resume")
-    into = made_folder(Path(out))
+    into = made_folder(Path(out), (TABLE, REPORT))
     with alone_in(into):
-        ledger = Ledger(into)
-        if not resume and ledger.exists:
-            ledger.read()
-            rule = f"holds a sweep already, {len(ledger.results):,} runs of it finished: --resume, or another --out"
-            raise ValueError(f"--out {into}: {rule}")
-        if resume and not ledger.exists:
-            raise ValueError(f"--resume: there is no sweep to resume in '{into}'")
         name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
-        try:
-            ledger.resume(plan) if resume else ledger.begin(plan)
+        with Ledger.opened(into, plan, resume=resume, what="sweep", jobs="runs") as ledger:
             are_known = _metrics_are_known(spec, read_from, ledger.results)
-            done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
-            missing = {run.number: jobs.of(run) for run in runs if run.number not in done}
+            lacking = [run for run in runs if ledger.lacks(run.number, retry_failed=retry_failed)]
+            missing = {run.number: jobs.of(run) for run in lacking}
             if missing:
                 with show("starting workers"):
                     crew = open_workers(workers, scheduler=scheduler)
                 with crew:
-                    for number, result in _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell):
+                    for number, result in run_missing(
+                        crew, fly_job, missing, len(runs), ledger, retries=spec.retries, result_of=_result_of,
+                        stop_requested=stop_requested, tell=tell,
+                    ):  # fmt: skip
                         are_known = are_known or _metrics_are_known(spec, read_from, {number: result})
-        finally:
-            ledger.close()
         sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
         with show("writing the table"):
             write_table(into / TABLE, sweep.rows, {"uwsim sweep": json.dumps(plan), "uwsim": version("uwsim")})
@@ -123,20 +123,8 @@ def run_sweep(
         return sweep
 
 
-def _fly(
-    crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
-    stop_requested: Callable[[], bool], tell: Tell,
-) -> Iterator[tuple[int, Mapping[str, Any]]]:  # fmt: skip
-    """Fly the missing runs, recording each in the ledger as it finishes; yield its number and result."""
-    finished = count - len(missing)
-    failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
-    tell(finished, failed, count)
-    for each in crew.finished(fly_job, missing, retries=retries, stop_requested=stop_requested):
-        result = each.result or {"metrics": {}, "error": f"{each.why} ({each.trials} trials)"}
-        ledger.add(each.job, {**result, "trials": each.trials})
-        finished, failed = finished + 1, failed + bool(result["error"])
-        tell(finished, failed, count)
-        yield each.job, result
+def _result_of(each: Finished) -> dict[str, Any]:
+    return {**(each.result or {"metrics": {}, "error": each.error}), "trials": each.trials}
 
 
 def _metrics_are_known(spec: SweepSpec, source: SourceFile, results: Mapping[int, Mapping[str, Any]]) -> bool:
@@ -186,8 +174,4 @@ def _plan(spec: SweepSpec, jobs: Jobs) -> dict[str, Any]:
                 files[job.mission] = str(job.mission_digest)
     decisive = spec.model_dump(mode="json", exclude={"name", "description", "objective", "require", "show", "worst"})
     text = json.dumps(decisive, sort_keys=True).encode()
-    return {
-        "sweep": hashlib.blake2b(text, digest_size=8).hexdigest(),
-        "files": files,
-        "build": build_fingerprint(),
-    }
+    return {"sweep": hashlib.blake2b(text, digest_size=8).hexdigest(), "files": files, "build": build_fingerprint()}

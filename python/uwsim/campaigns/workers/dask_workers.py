@@ -20,7 +20,7 @@ import dask
 import distributed
 
 from uwsim.base.folder_lock import LOCK, alone_in
-from uwsim.campaigns.workers.workers import Finished, Work
+from uwsim.campaigns.workers.work import Finished, Work
 from uwsim.scenario.fingerprint import build_fingerprint
 
 AHEAD = 2
@@ -45,10 +45,7 @@ class ClusterWorkers:
     """Workers on a Dask cluster. Each must have the same build of uwsim, and access to the files that jobs name."""
 
     def __init__(
-        self,
-        client: distributed.Client,
-        closers: contextlib.ExitStack,
-        own: distributed.LocalCluster | None = None,
+        self, client: distributed.Client, closers: contextlib.ExitStack, own: distributed.LocalCluster | None = None
     ) -> None:
         self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
+
+from uwsim.base.texts.json_text import json_value
+from uwsim.campaigns.workers.work import Finished, Tell, Work
+from uwsim.campaigns.workers.workers import Workers
 
 LEDGER = "ledger.jsonl"
 
@@ -22,11 +27,37 @@ class Ledger:
         self.path = folder / LEDGER
         self.results: dict[int, dict[str, Any]] = {}
         self._file: Any = None
+        self._whole = 0  # bytes read of whole lines
 
     @property
     def exists(self) -> bool:
         """Whether the folder contains a ledger."""
         return self.path.exists()
+
+    @classmethod
+    @contextmanager
+    def opened(cls, folder: Path, plan: Mapping[str, Any], *, resume: bool, what: str, jobs: str) -> Iterator[Self]:
+        """Begin or resume a ledger for the duration of the block.
+
+        what, jobs: names of the plan and of its jobs in messages, such as "sweep" and "runs". Raises ValueError if the
+        folder's ledger must be resumed, or there is none to resume; otherwise see `begin` and `resume`.
+        """
+        ledger = cls(folder)
+        if not resume and ledger.exists:
+            ledger.read()
+            rule = f"holds a {what} already, {len(ledger.results):,} {jobs} of it finished: --resume, or another --out"
+            raise ValueError(f"--out {folder}: {rule}")
+        if resume and not ledger.exists:
+            raise ValueError(f"--resume: there is no {what} to resume in '{folder}'")
+        try:
+            ledger.resume(plan) if resume else ledger.begin(plan)
+            yield ledger
+        finally:
+            ledger.close()
+
+    def lacks(self, job: int, *, retry_failed: bool = False) -> bool:
+        """Return whether a job must be run. retry_failed: also if it has failed."""
+        return job not in self.results or (retry_failed and bool(self.results[job]["error"]))
 
     def begin(self, plan: Mapping[str, Any]) -> None:
         """Start a new ledger. Raises OSError."""
@@ -40,16 +71,15 @@ class Ledger:
             if found.get(key) != value:
                 raise ValueError(f"--resume: '{self.path}': {key} is {value}: was begun with {found.get(key)}")
         self._open("ab")
+        self._file.truncate(self._whole)  # only now, since before, it may have been another program's file
 
     def read(self) -> dict[str, Any]:
-        """Read the results and return the plan; an incomplete last line is dropped. Raises ValueError or OSError."""
+        """Read the results and return the plan, without an incomplete last line. Raises ValueError or OSError."""
         content = self.path.read_bytes()
-        whole = content.rfind(b"\n") + 1
-        if whole < len(content):
-            os.truncate(self.path, whole)
-        lines = content[:whole].splitlines()
+        self._whole = content.rfind(b"\n") + 1
+        lines = content[: self._whole].splitlines()
         try:
-            plan, *results = [json.loads(line) for line in lines]
+            plan, *results = [json_value(line, f"line {k}") for k, line in enumerate(lines, start=1)]
             self.results = {int(result["job"]): result for result in results}
             return dict(plan["plan"])
         except (ValueError, KeyError, TypeError):
@@ -84,3 +114,22 @@ class Ledger:
         except OSError as error:
             os.ftruncate(self._file.fileno(), found.st_size)  # removes the partial line
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}; --resume continues") from error
+
+
+def run_missing(
+    crew: Workers, work: Work, missing: Mapping[int, Any], count: int, ledger: Ledger, *, retries: int,
+    result_of: Callable[[Finished], Mapping[str, Any]], stop_requested: Callable[[], bool], tell: Tell,
+) -> Iterator[tuple[int, Mapping[str, Any]]]:  # fmt: skip
+    """Run the missing jobs of `count`, and record each in the ledger as it finishes; yield its number and result.
+
+    result_of: returns what the ledger stores. retries, stop_requested: see Workers.finished.
+    """
+    finished = count - len(missing)
+    failed = sum(bool(result.get("error")) for number, result in ledger.results.items() if number not in missing)
+    tell(finished, failed, count)
+    for each in crew.finished(work, missing, retries=retries, stop_requested=stop_requested):
+        result = result_of(each)
+        ledger.add(each.job, result)
+        finished, failed = finished + 1, failed + bool(result.get("error"))
+        tell(finished, failed, count)
+        yield each.job, result

@@ -4,24 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Protocol, Self
 
 from uwsim.base.extras import need_extra
-
-Work = Callable[[Any], dict[str, Any]]
-"""A module-level function that runs a job and returns plain values; it must raise only transient errors."""
-
-
-@dataclass(frozen=True)
-class Finished:
-    """A finished job. result: None if every attempt failed or killed its worker. why: the reason for a None result."""
-
-    job: int
-    result: dict[str, Any] | None
-    trials: int = 1
-    why: str = ""
+from uwsim.campaigns.workers.work import Finished, Work
 
 
 class Workers(Protocol):

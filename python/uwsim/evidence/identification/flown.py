@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from shutil import rmtree
@@ -14,17 +15,20 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.batch import Batch
+from uwsim.evidence.identification import command_times
+from uwsim.evidence.identification.command_times import STEP_S
 from uwsim.evidence.identification.motion_log import MotionLog
-from uwsim.evidence.identification.unknowns import Unknown, parameters_at
+from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
 from uwsim.scenario import Scenario, VehicleModel
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 VEHICLE = "vehicle"
 DEPTH_M, BED_M = 400.0, 1000.0
-STEP_S = 0.005
 START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's initial state [m, rad, m/s, rad/s]
 OUTPUTS = 12
 DIFFERENCE = 1e-5
+MOST_ROWS, MOST_UNKNOWNS = 400_000, 3000  # which take 2 GB, and a minute for each solution
 BOX = (
     (1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6),
     (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4),
@@ -32,10 +36,44 @@ BOX = (
 """The triangles of a box, outward, with its corners in binary order."""
 
 
+@dataclass(frozen=True)
+class Part:
+    """A segment: its rows (r,), its first time, its number of steps, and the commands near it.
+
+    The motion is sampled after `ticks` (t,) steps; row k lies `share` (r,) between the samples low (r,) and high (r,).
+    columns: of z, those that affect the segment.
+    """
+
+    rows: Indices
+    start_s: float
+    steps: int
+    commands: command_times.Segment
+    ticks: Indices
+    low: Indices
+    high: Indices
+    share: Array
+    columns: Indices
+
+    @property
+    def shifts(self) -> int:
+        """The number of its commands whose times may shift."""
+        return len(self.commands.shifting)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Derivatives (r, 12, c) of the rows (r,) with respect to the columns (c,) of z: the unknowns, then the rest."""
+
+    rows: Indices
+    columns: Indices
+    slopes: Array
+
+
 class Flown:
     """Simulates a log for given values of the unknowns, in segments that each have their own initial state.
 
-    z has the unknowns, in standard deviations of their priors, then 12 entries for the start of each segment.
+    z has the unknowns, in standard deviations of their priors, then for each segment 12 entries for its start and one
+    for each of its commands whose time may shift.
     """
 
     def __init__(
@@ -46,23 +84,27 @@ class Flown:
         segment_s: float,
         density_kg_m3: float,
         threads: int | None = None,
+        most: int | None = None,
     ):
-        """segment_s: approximate length of a segment. density_kg_m3: density of the water."""
+        """segment_s: approximate length of a segment. density_kg_m3: density of the water. most: number of segments.
+
+        Of more segments than `most`, evenly spaced ones remain. Raises ValueError if the log is too long.
+        """
         self.found, self._log = found, log
-        every_s = min(max(float(np.median(np.diff(log.times_s))), STEP_S), 0.1)
-        self._steps = max(round(every_s / STEP_S), 1)
-        self._every_s = self._steps * STEP_S
-        duration_s = float(log.times_s[-1] - log.times_s[0])
-        self.segments = max(1, round(duration_s / segment_s))
-        length_s = duration_s / self.segments
-        self._starts_s = log.times_s[0] + length_s * np.arange(self.segments)
-        self._count = int(np.ceil(length_s / self._every_s)) + 1
-        own = np.minimum(((log.times_s - log.times_s[0]) / length_s).astype(int), self.segments - 1)
-        self._rows = [np.flatnonzero(own == k) for k in range(self.segments)]
+        self._parts = parts_of(log, len(found), segment_s, most)
+        self.size = len(found) + sum(OUTPUTS + part.shifts for part in self._parts)
+        if len(log.times_s) > MOST_ROWS:
+            raise ValueError(f"log: {len(log.times_s)} rows: must be at most {MOST_ROWS}: leave out some")
+        if self.size > MOST_UNKNOWNS:
+            span_s = log.times_s[-1] - log.times_s[0]
+            rule = f"must be at most {MOST_UNKNOWNS}: cut the log, or use longer segments"
+            raise ValueError(f"log: {span_s:.0f} s in segments of {segment_s:g} s have {self.size} unknowns: {rule}")
         self._origin_m = np.array([0.0, 0.0, -DEPTH_M]) - _first(log.position_m)
-        self.size = len(found) + OUTPUTS * self.segments
-        self._members = 1 + len(found) + OUTPUTS
-        self._last_z, self._last = np.empty(0), (np.empty(0), np.empty(0))
+        self._shifts = max(part.shifts for part in self._parts)
+        self._members = 1 + len(found) + OUTPUTS + self._shifts
+        self._delay = next((k for k, unknown in enumerate(found) if unknown.name == DELAY), None)
+        self._last_z = np.empty(0)
+        self._last: tuple[Array, list[Block]] = (np.empty(0), [])
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
         bare = _bare(model, folder)
@@ -77,12 +119,10 @@ class Flown:
             }
         )
         self._batch = Batch(scenario, n=self._members, threads=threads)
-        self._begin = [self._measured_start(rows) for rows in self._rows]
-        grid_s = self._starts_s[:, None] + self._every_s * np.arange(self._count)
-        self._efforts = np.array([log.efforts_at(row) for row in grid_s])  # (segments, count, 6)
+        self._begin = [self._measured_start(part.rows[0]) for part in self._parts]
 
-    def outputs(self, z: Array) -> tuple[Array, Array]:
-        """Return residuals (n, 12) against the log, NaN where it has none, and their derivatives (n, 12, size).
+    def outputs(self, z: Array) -> tuple[Array, list[Block]]:
+        """Return residuals (n, 12) against the log, NaN where it has none, and their derivatives by segment.
 
         Columns: position [m], attitude [rad], velocity [m/s], rate [rad/s]. The result for the last z is cached. Raises
         ValueError if a motion diverges.
@@ -91,61 +131,114 @@ class Flown:
             self._last, self._last_z = self._simulated(z), z.copy()
         return self._last
 
-    def _simulated(self, z: Array) -> tuple[Array, Array]:
+    def _simulated(self, z: Array) -> tuple[Array, list[Block]]:
         p = len(self.found)
         values = np.tile(z[:p], (self._members, 1))
         values[1 : p + 1] += DIFFERENCE * np.eye(p)
-        each = [parameters_at(self.found, row) for row in values]
-        self._batch.reset(parameters=each)
-        states = np.zeros((self._count, self.segments, self._members, 13))
-        for k in range(self.segments):  # thrusters continue from the previous segment's commands
-            start = z[p + OUTPUTS * k : p + OUTPUTS * (k + 1)]
-            placed = np.tile(self._placed(k, start), (self._members, 1))
-            placed[p + 1 :] = [self._placed(k, start + nudge) for nudge in DIFFERENCE * np.eye(OUTPUTS)]
+        self._batch.reset(parameters=[parameters_at(self.found, row) for row in values])
+        residuals, blocks = np.full((len(self._log.times_s), OUTPUTS), np.nan), []
+        for k, part in enumerate(self._parts):  # thrusters continue from the previous segment's commands
+            own = z[part.columns[p:]]
+            placed = np.tile(self._placed(k, own[:OUTPUTS]), (self._members, 1))
+            nudged = own[:OUTPUTS] + DIFFERENCE * np.eye(OUTPUTS)
+            placed[p + 1 : p + 1 + OUTPUTS] = [self._placed(k, start) for start in nudged]
             self._batch.place(placed[:, :3], placed[:, 3:7], placed[:, 7:])
-            for index in range(self._count):
+            residuals[part.rows], slopes = self._segment(part, z[:p], own[OUTPUTS:])
+            blocks.append(Block(part.rows, part.columns, slopes))
+        return residuals, blocks
+
+    def _segment(self, part: Part, z: Array, shifts: Array) -> tuple[Array, Array]:
+        """Return the residuals (r, 12) of a segment and their derivatives (r, 12, c).
+
+        Commands take effect at steps. Between two steps, the motion is interpolated linearly from one simulation with
+        the earlier step and one with the later step, whose difference is the derivative.
+        """
+        delay = 0.0 if self._delay is None else self.found[self._delay].at(float(z[self._delay])) / STEP_S
+        shift_ticks = shifts * part.commands.sd_s / STEP_S
+        off = self._misses(part, int(np.floor(delay)), np.floor(shift_ticks).astype(np.int64))
+        p, n = len(self.found), part.shifts
+        nudges = np.full(p + OUTPUTS + n, DIFFERENCE)
+        nudges[p + OUTPUTS :] = STEP_S / part.commands.sd_s
+        if self._delay is not None:
+            nudges[self._delay] = STEP_S / self.found[self._delay].spread
+        change = (off[:, 1 : 1 + len(nudges)] - off[:, :1]).transpose(0, 2, 1)
+        residual = off[:, 0] + change[..., p + OUTPUTS :] @ (shift_ticks % 1.0)
+        if self._delay is not None:
+            residual += change[..., self._delay] * (delay % 1.0)
+        return residual, np.nan_to_num(change / nudges)
+
+    def _misses(self, part: Part, delay_ticks: int, shift_ticks: NDArray[np.int64]) -> Array:
+        """Return the differences (r, members, 12) between the simulated and the measured motion."""
+        efforts = part.commands.efforts(delay_ticks, shift_ticks, part.steps)
+        variant = np.zeros(self._members, np.intp)
+        if self._delay is not None:
+            variant[1 + self._delay] = 1
+        first = 1 + len(self.found) + OUTPUTS
+        variant[first : first + part.shifts] = 2 + np.arange(part.shifts)
+        changed = np.flatnonzero((np.diff(efforts, axis=0) != 0).any(axis=(1, 2))) + 1
+        states = np.zeros((len(part.ticks), self._members, 13))
+        sample = 0
+        begins = np.unique([0, *changed, *part.ticks, part.steps])
+        for begin, end in zip(begins, [*begins[1:], None], strict=True):
+            if sample < len(part.ticks) and part.ticks[sample] == begin:
                 motion = self._batch.observe()
-                states[index, k] = np.hstack([motion.position_world_m, motion.orientation_xyzw, motion.velocity_body])
-                if index + 1 < self._count:
-                    self._batch.step(self._steps, np.tile(self._efforts[k, index], (self._members, 1)))
-        return self._compared(states)
+                states[sample] = np.hstack([motion.position_world_m, motion.orientation_xyzw, motion.velocity_body])
+                sample += 1
+            if end is not None:
+                self._batch.step(int(end - begin), efforts[begin, variant])
+        at, share = self._compared(part.rows, states[part.low]), part.share[:, None, None]
+        return at if (part.low == part.high).all() else at + share * (self._compared(part.rows, states[part.high]) - at)
 
-    def _compared(self, states: Array) -> tuple[Array, Array]:
-        p, log = len(self.found), self._log
-        n = len(log.times_s)
-        found, slopes = np.full((n, OUTPUTS), np.nan), np.zeros((n, OUTPUTS, self.size))
-        for k, rows in enumerate(self._rows):
-            at = (log.times_s[rows] - self._starts_s[k]) / self._every_s
-            low = np.clip(np.floor(at + 1e-9).astype(int), 0, self._count - 2)
-            share = np.clip(at - low, 0.0, 1.0)[:, None, None]
-            first, second = states[low, k], states[low + 1, k]
-            flip = np.sign(np.einsum("rmq,rmq->rm", first[..., 3:7], second[..., 3:7]))[..., None]
-            second = np.concatenate([second[..., :3], flip * second[..., 3:7], second[..., 7:]], axis=-1)
-            between = (1 - share) * first + share * second
-            turned = Rotation.from_quat(between[..., 3:7].reshape(-1, 4))
-            measured = Rotation.from_quat(np.repeat(log.orientation_xyzw[rows], self._members, axis=0))
-            off = (measured.inv() * turned).as_rotvec().reshape(len(rows), self._members, 3)
-            position = between[..., :3] - (log.position_m[rows] + self._origin_m)[:, None]
-            velocity = between[..., 7:] - log.velocity_body[rows][:, None]
-            residual = np.concatenate([position, off, velocity], axis=-1)  # (rows, members, 12)
-            found[rows] = residual[:, 0]
-            derivative = np.nan_to_num((residual[:, 1:] - residual[:, :1]) / DIFFERENCE).transpose(0, 2, 1)
-            slopes[rows, :, :p] = derivative[..., :p]
-            slopes[rows, :, p + OUTPUTS * k : p + OUTPUTS * (k + 1)] = derivative[..., p:]
-        return found, slopes
+    def _compared(self, rows: Indices, states: Array) -> Array:
+        """Return the differences (r, members, 12) of states (r, members, 13) from the measured rows."""
+        log = self._log
+        turned = Rotation.from_quat(states[..., 3:7].reshape(-1, 4))
+        measured = Rotation.from_quat(np.repeat(log.orientation_xyzw[rows], self._members, axis=0))
+        off = (measured.inv() * turned).as_rotvec().reshape(len(rows), self._members, 3)
+        position = states[..., :3] - (log.position_m[rows] + self._origin_m)[:, None]
+        return np.concatenate([position, off, states[..., 7:] - log.velocity_body[rows][:, None]], axis=-1)
 
-    def _measured_start(self, rows: NDArray[np.intp]) -> Array:
-        """Return the measured state (13,) at the start of a segment; 0 for velocities that were not measured."""
-        log, first = self._log, rows[0]
-        position_m = np.nan_to_num(log.position_m[first] + self._origin_m, nan=0.0)
-        if not np.isfinite(log.position_m[first]).all():
+    def _measured_start(self, row: np.intp) -> Array:
+        """Return the measured state (13,) in a row; 0 for velocities that were not measured."""
+        log = self._log
+        position_m = log.position_m[row] + self._origin_m
+        if not np.isfinite(position_m).all():
             position_m = np.array([0.0, 0.0, -DEPTH_M])
-        return np.concatenate([position_m, log.orientation_xyzw[first], np.nan_to_num(log.velocity_body[first])])
+        return np.concatenate([position_m, log.orientation_xyzw[row], np.nan_to_num(log.velocity_body[row])])
 
     def _placed(self, segment: int, start: Array) -> Array:
         state, shift = self._begin[segment], START_SPREADS * start
         attitude = (Rotation.from_quat(state[3:7]) * Rotation.from_rotvec(shift[3:6])).as_quat()
         return np.concatenate([state[:3] + shift[:3], attitude, state[7:] + shift[6:]])
+
+
+def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None) -> list[Part]:
+    """Return the segments of a log, each of which begins at a row; stretches without rows have none."""
+    times_s = log.times_s
+    count = max(1, round(float(times_s[-1] - times_s[0]) / segment_s))
+    length_s = float(times_s[-1] - times_s[0]) / count
+    own = np.minimum(((times_s - times_s[0]) / length_s).astype(np.int64), count - 1)
+    groups = np.split(np.arange(len(times_s)), np.flatnonzero(np.diff(own)) + 1)
+    if most is not None and len(groups) > most:
+        groups = [groups[k] for k in np.linspace(0, len(groups) - 1, most).round().astype(int)]
+    sds_s = np.broadcast_to(np.asarray(log.effort_sds_s, np.float64), log.effort_times_s.shape)
+    parts, column = [], unknowns
+    for k, rows in enumerate(groups):
+        start_s = float(times_s[rows[0]])
+        ticks = (times_s[rows] - start_s) / STEP_S
+        low = np.floor(ticks + 1e-3).astype(int)
+        share = np.maximum(ticks - low, 0.0)
+        share[share < 1e-3] = 0.0
+        samples, place = np.unique(np.concatenate([low, low + (share > 0)]), return_inverse=True)
+        after = groups[k + 1][0] if k + 1 < len(groups) and groups[k + 1][0] == rows[-1] + 1 else rows[-1]
+        steps = max(int(samples[-1]), min(round((times_s[after] - start_s) / STEP_S), int(samples[-1]) + 1000))
+        commands = command_times.segment_of(log.effort_times_s, log.efforts, sds_s, start_s, float(times_s[rows[-1]]))
+        own_columns = np.arange(column, column + OUTPUTS + len(commands.shifting))
+        column += len(own_columns)
+        columns = np.concatenate([np.arange(unknowns), own_columns])
+        halves = place[: len(low)], place[len(low) :]
+        parts.append(Part(rows, start_s, steps, commands, samples, *halves, share, columns))
+    return parts
 
 
 def _bare(model: VehicleModel, folder: Path) -> VehicleModel:

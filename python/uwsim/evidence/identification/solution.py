@@ -6,7 +6,8 @@ System Identification, ch. 7; Jategaonkar 2006, Flight Vehicle System Identifica
 The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
 observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
 matrix at the solution; they assume that the model is right and the noise white. Where residuals are correlated from
-sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation.
+sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation. The thrust
+lag and the delay have, in addition, the variance of a uniform distribution over one step: commands act at steps.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from scipy.stats import norm
 
 from uwsim.base.axes import AXES
 from uwsim.base.short_repr import ShortRepr
-from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Flown
+from uwsim.evidence.identification.command_times import STEP_S
+from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Block, Flown
 from uwsim.evidence.identification.motion_log import MotionLog
 from uwsim.evidence.identification.unknowns import Unknown, unknowns
 from uwsim.scenario import VehicleModel
@@ -36,10 +38,10 @@ BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
 ROUNDS = 3
-ROUGH, FINE = 1e-3, 1e-8
-"""Tolerances of the first solution and of the later ones, which start from it."""
-BRIEF_S = 4.0
-"""Length of the segments in the first solution, so short that no motion diverges, whatever the unknowns are."""
+ROUGH, FINE = 1e-3, 1e-6
+"""Relative tolerances of the cost, about 1e3: with a guessed noise and with the estimated one."""
+BRIEF_S, MOST_BRIEF = 4.0, 60
+"""Length of the segments in the first solution, so short that no motion diverges, and their number."""
 
 
 @dataclass(frozen=True)
@@ -99,21 +101,23 @@ def identify(
     flown = Flown(model, log, found, segment_s, density_kg_m3, threads)
     given = _given_noise(log)
     scale = np.where(np.isfinite(given), given, FIRST_NOISE)
-    brief = Flown(model, log, found, BRIEF_S, density_kg_m3, threads)
+    brief = Flown(model, log, found, BRIEF_S, density_kg_m3, threads, MOST_BRIEF)
     z = np.zeros(flown.size)
     z[: len(found)] = _solved(brief, np.zeros(brief.size), scale, ROUGH)[: len(found)]
-    for _ in range(ROUNDS):
-        z = _solved(flown, z, scale, FINE)
-        residuals, slopes = flown.outputs(z)
+    for k in range(ROUNDS):
+        is_guess = k == 0 and np.isnan(given).any()
+        z = _solved(flown, z, scale, ROUGH if is_guess else FINE)
+        residuals, blocks = flown.outputs(z)
         rms = _rms(residuals)
         before, scale = scale, np.where(np.isfinite(given), given, rms)
         if np.abs(np.log(scale / before)).max() < 0.02:
             break
     correlation = _lag_one(residuals)
     wide = scale * np.sqrt((1 + correlation) / (1 - correlation))
-    rows = np.isfinite(residuals)
-    weighted = (slopes / wide[:, None])[rows]
-    information = weighted.T @ weighted
+    information = np.zeros((flown.size, flown.size))
+    for block in blocks:
+        weighted = (block.slopes / wide[:, None])[np.isfinite(residuals[block.rows])]
+        information[np.ix_(block.columns, block.columns)] += weighted.T @ weighted
     covariance = np.linalg.inv(information + np.eye(flown.size))
     return Identified(
         _values(found, z, np.sqrt(np.diag(covariance))),
@@ -135,13 +139,13 @@ def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
         if key not in cache:
             cache.clear()
             try:
-                residuals, slopes = flown.outputs(at)
+                residuals, blocks = flown.outputs(at)
             except ValueError:
                 if not last:
                     raise
                 cache[key] = np.full_like(last[0][0], 1e6), last[0][1]  # the step was too long; the solver retracts it
                 return cache[key]
-            cache[key] = _compressed(residuals / scale, slopes / scale[:, None], at)
+            cache[key] = _compressed(residuals, blocks, scale, at, len(flown.found))
             last[:] = [cache[key]]
         return cache[key]
 
@@ -158,12 +162,27 @@ def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
     return np.asarray(found.x, np.float64)
 
 
-def _compressed(misfits: Array, slopes: Array, prior: Array) -> tuple[Array, Array]:
-    """Return fewer rows with the same sums of squares and products, by QR: the solver decomposes them again."""
-    rows = np.isfinite(misfits)
-    whole = np.vstack([np.column_stack([slopes[rows], misfits[rows]]), np.column_stack([np.eye(len(prior)), prior])])
-    triangle: Array = np.asarray(np.linalg.qr(whole, "r"), np.float64)
-    return triangle[:, -1], triangle[:, :-1]
+def _compressed(residuals: Array, blocks: list[Block], scale: Array, z: Array, p: int) -> tuple[Array, Array]:
+    """Return fewer rows with the same sums of squares and products, and the prior's, by QR: first of each segment.
+
+    p: the number of unknowns that concern all segments.
+    """
+    misfits, slopes, shared = [], [], [np.column_stack([np.eye(p), z[:p]])]
+    for block in blocks:
+        own = block.columns[p:]
+        rows = np.isfinite(residuals[block.rows])
+        each = (block.slopes / scale[:, None])[rows]
+        found = np.column_stack([each[:, p:], each[:, :p], (residuals[block.rows] / scale)[rows]])
+        prior = np.column_stack([np.eye(len(own)), np.zeros((len(own), p)), z[own]])
+        triangle: Array = np.asarray(np.linalg.qr(np.vstack([found, prior]), "r"), np.float64)
+        kept = np.zeros((len(own), len(z)))
+        kept[:, own], kept[:, :p] = triangle[: len(own), : len(own)], triangle[: len(own), len(own) : -1]
+        slopes.append(kept)
+        misfits.append(triangle[: len(own), -1])
+        shared.append(triangle[len(own) :, len(own) :])
+    triangle = np.asarray(np.linalg.qr(np.vstack(shared), "r"), np.float64)
+    slopes.append(np.pad(triangle[:, :-1], ((0, 0), (0, len(z) - p))))
+    return np.concatenate([*misfits, triangle[:, -1]]), np.vstack(slopes)
 
 
 def _given_noise(log: MotionLog) -> Array:
@@ -193,6 +212,8 @@ def _lag_one(residuals: Array) -> Array:
 def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
     values = {}
     for unknown, at, sd in zip(found, z, spread, strict=False):
+        if unknown.unit == "s":
+            sd = float(np.hypot(sd, STEP_S / np.sqrt(12.0) / unknown.slope(at)))
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
         values[unknown.name] = Value(unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd))
     return values

@@ -1,7 +1,8 @@
 """The unknowns of an identification, and their prior distributions.
 
-An unknown is a parameter of the vehicle file or the current. Its prior is normal around the file's value, in the
-logarithm for positive quantities (mass, added mass, drag, thrust, lag) and directly for positions and the current. The
+An unknown is a parameter of the vehicle file, the current, or the delay of the commands. Its prior is normal around the
+file's value, in the logarithm for positive quantities (mass, added mass, drag, thrust, lag) and directly for positions,
+the current and the delay. The
 spreads are broad on purpose: published sets for the same vehicle differ by this much (compare bluerov2_wu with
 bluerov2_tank).
 """
@@ -29,18 +30,21 @@ SPREADS = {  # prior standard deviations; of the logarithm for positive quantiti
     "thrust_gain": 0.15,
     "thrust_lag": 0.3,
     "current_m_s": 0.15,
+    "command_delay": 0.1,
 }
 """For positions: a share of the distance between the two centres, but at least LEAST_M."""
 LEAST_M = 0.002
+DELAY = "command_delay"
+"""The unknown by which all commands take effect later than logged; it is no parameter of the vehicle."""
 UNITS = {
     "mass_kg": "kg", "centre_of_mass_m": "m", "centre_of_buoyancy_m": "m", "thrust_gain": "", "thrust_lag": "s",
-    "current_m_s": "m/s",
+    "current_m_s": "m/s", "command_delay": "s",
 }  # fmt: skip
 AXIS_UNITS = {
     "added_mass": ("kg", "kg m2"),
     "linear_damping": ("N s/m", "N m s/rad"),
     "quadratic_damping": ("N s2/m2", "N m s2/rad2"),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,7 @@ def unknowns(
             add(key, of_each.pop(), True, *(f"{vehicle}.thrusters.{name}.{place}" for name in model.thrusters))
     for axis in "xy":
         add(f"current_m_s.{axis}", 0.0, False, f"water.current_world_m_s.{axis}")
+    add(DELAY, 0.0, False)
     names = {u.name for u in found}
     for name in known:
         if name not in names:

@@ -17,8 +17,8 @@ from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.terrain import build_terrain
+from uwsim.scenario.obstacles.ring import Ring
 from uwsim.scenario.read.textures import load_texture
-from uwsim.scenario.spec.obstacle import Ring
 from uwsim.simulator.simulator import Simulator
 
 MOVEMENTS = (("surge", "roll"), ("sway", "pitch"), ("heave", "yaw"))

@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.bridges.nodes.chain import decode, to_cloud, to_scan, to_transform
 from uwsim.bridges.nodes.map_builder import VOXEL_M, MapBuilder
-from uwsim.channels import build, channels
+from uwsim.channels import channels
+from uwsim.channels.ros import build
 from uwsim.channels.table import ORIGINS
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map

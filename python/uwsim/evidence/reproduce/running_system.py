@@ -15,6 +15,7 @@ from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
 
+from uwsim.base.texts.json_text import json_object
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.nodes.chain import INSERTED, NODES
 from uwsim.live import LiveSimulator
@@ -64,7 +65,7 @@ class Client:
         self.say("call_service", service=service, args=args, id=service)
         deadline_s = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline_s:
-            operation: dict[str, Any] = json.loads(self._connection.recv(PATIENCE_S))
+            operation: dict[str, Any] = json_object(self._connection.recv(PATIENCE_S), "the system")
             if operation["op"] == "service_response":
                 values: dict[str, Any] = operation["values"]
                 return values

@@ -12,17 +12,15 @@ from uwsim.figures.contact_sheet import contact_sheet
 from uwsim.figures.style import new_figure, save_figure
 from uwsim.instruments.cameras.image_file import write_image
 from uwsim.scenario import Scenario
+from uwsim.scenario.obstacles.mesh import MeshObstacle
+from uwsim.scenario.obstacles.pipeline import Pipeline
+from uwsim.scenario.obstacles.ring import Ring
 from uwsim.scenario.spec.camera import CameraMount
-from uwsim.scenario.spec.obstacle import MeshObstacle, Pipeline, Ring
 from uwsim.simulator.simulator import Simulator
 
 BEFORE_THE_GATE = (49.7, -135.5, -18.9), 13.8
 OVERVIEW = CameraMount(
-    position_m=(30.2, -58.85, 55.6),
-    yaw_pitch_roll_deg=(84.0, 40.0, 0.0),
-    width=1280,
-    height=720,
-    field_of_view_deg=80,
+    position_m=(30.2, -58.85, 55.6), yaw_pitch_roll_deg=(84.0, 40.0, 0.0), width=1280, height=720, field_of_view_deg=80
 )
 """A camera above the southern shore, in the frame of the station, which is aligned with the world's."""
 

@@ -11,7 +11,7 @@ from matplotlib.transforms import Bbox
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, place
 from uwsim.evidence.validate.sonar_instrument import half_detected_m
-from uwsim.evidence.validate.sonar_table import COVERAGE_CELLS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
+from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
 from uwsim.figures.sonar_fan import sonar_fan
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
 from uwsim.instruments.sonars.depth_map import DepthMap, difference, ranges_m
@@ -58,34 +58,33 @@ def coverage(path: Path) -> Figure:
     """Draw Fig. 8, the coverage."""
     simulated: dict[Cell, float] = {cell: half_detected_m(cell) for cell in DEPTH_M}
     rows = [_beside("depth", cell, simulated[cell], DEPTH_M) for cell in DEPTH_M]
-    rows += [_beside("coverage", cell, cell.coverage().width_m, COVERAGE_M) for cell in COVERAGE_CELLS]
-    errors = [abs(row[-1]) for row in rows if row[-1] is not None]
+    rows += [_beside("coverage", cell, cell.coverage().width_m, COVERAGE_M) for cell in COVERAGE_M]
+    errors = [abs(row[-1]) for row in rows]
     _draw_table(rows, path)
     return Figure(
         8, "The coverage of the EM 2040",
         "Depth and coverage over rock in metres, ours / table: depths in physics mode, coverages by sonar equation.",
-        f"Theirs is the manufacturer's table; of its {len(COVERAGE_CELLS)} coverages, the {len(COVERAGE_M)} at 600 and "
-        "700 kHz are known here. The others stand without a value to compare with.",
+        f"Theirs is the manufacturer's table, with {len(DEPTH_M)} depths and {len(COVERAGE_M)} coverages. The assumed "
+        "source levels and bandwidths of ours are chosen to agree with the table as a whole; the second receiver's "
+        "gain follows from its tilt.",
         {"compared": len(errors), "largest_error_percent": max(errors)},
         ("column", "array", "kHz", "water", "receivers", "table [m]", "ours [m]", "error [%]"), rows,
     )  # fmt: skip
 
 
 def _beside(column: str, cell: Cell, ours_m: float, table: dict[Cell, float]) -> tuple[Any, ...]:
-    """Return a row with our value, the table's (None if unknown) and the difference in per cent."""
-    known_m = table.get(cell)
-    error = None if known_m is None else round(100.0 * (ours_m / known_m - 1.0), 1)
+    """Return a row with the table's value, ours and the difference in per cent."""
+    error = round(100.0 * (ours_m / table[cell] - 1.0), 1)
     head = column, cell.array, cell.frequency_khz, cell.water, cell.receivers
-    return *head, known_m, round(ours_m, 1), error
+    return *head, table[cell], round(ours_m, 1), error
 
 
 def _draw_table(rows: list[tuple[Any, ...]], path: Path) -> None:
-    """Draw the rows as a table by frequency: our value / the table's, or "?" if that is unknown."""
+    """Draw the rows as a table by frequency: our value / the table's."""
     lines: dict[tuple[Any, ...], dict[int, str]] = {}
     for column, array, khz, water, receivers, known_m, ours_m, _ in rows:
         name = column if column == "depth" else f"{column}, {'one receiver' if receivers == 1 else 'two receivers'}"
-        known = "?" if known_m is None else f"{known_m:g}"
-        lines.setdefault((array, name, f"cold {water}"), {})[khz] = f"{ours_m:.0f} / {known}"
+        lines.setdefault((array, name, f"cold {water}"), {})[khz] = f"{ours_m:.0f} / {known_m:g}"
     order = sorted(lines, key=lambda line: (line[0], line[1] != "depth", line[1], line[2] != "cold ocean"))
     figure = new_figure(11.0, 5.2)
     axes = figure.add_axes((0.01, 0.01, 0.98, 0.98))

@@ -6,10 +6,11 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.texts.yaml_document import YamlDocument
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import measured_scene
 from uwsim.evidence.scenario_check.surprises import surprises
-from uwsim.flight.flyable_lanes import flyable_plan, survey_plan
+from uwsim.flight.flyable_lanes import flyable_plan, require_lanes_flown_by, survey_plan
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.read.assets import find_yaml, shown_name
@@ -17,7 +18,7 @@ from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.remainder import Remainder
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import what_holds
-from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.simulator.simulator import Simulator
 
 STAND_INS: dict[str, Any] = {
@@ -53,9 +54,11 @@ def check_file(source: str | Path) -> CheckReport:
 
 
 def _survey_left_out(sim: Simulator) -> str | None:
+    """Return a sentence about the lanes that cannot be flown, if any. Raises ScenarioError if the survey cannot be."""
     survey = sim.scenario.survey
     if survey is None:
         return None
+    require_lanes_flown_by(sim)
     left_out = flyable_plan(sim, survey_plan(survey))[1]
     return None if left_out is None else f"{sim.scenario.source_file.line_prefix('survey', 'area_m')}{left_out}"
 

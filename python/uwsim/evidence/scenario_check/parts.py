@@ -20,7 +20,7 @@ from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import sensor_spec
 from uwsim.scenario.read.assets import find_yaml, shown_name
 from uwsim.scenario.read.validated import validated, what_holds
-from uwsim.scenario.read.yaml_document import read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.schema import FILES
 from uwsim.scenario.spec.actuator import ThrusterType
 from uwsim.scenario.spec.battery import BatterySetup, BatteryType

@@ -137,12 +137,7 @@ def measured_scene(sim: Simulator) -> Scene:
     station = scenario.station.position_m
     return Scene(
         name=scenario.name,
-        bed=Bed(
-            part.extent_m,
-            part.lowest_m,
-            float(part.heights_m.max()),
-            float((part.heights_m > 0.0).mean()),
-        ),
+        bed=Bed(part.extent_m, part.lowest_m, float(part.heights_m.max()), float((part.heights_m > 0.0).mean())),
         density_kg_m3=float(sim.world.water.density_at_kg_m3(0.0)),
         sight_m=sight_m(core_optics(scenario.optics).water.beam_attenuation),
         station_m=station,

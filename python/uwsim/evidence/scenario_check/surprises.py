@@ -10,6 +10,7 @@ from uwsim.evidence.scenario_check.scene import ObstacleScene, Scene, VehicleSce
 from uwsim.evidence.vehicle.surprises import vehicle_surprises
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scenario.build.scale import size_text
+from uwsim.scenario.build.short_waves import RISING_SHARE
 from uwsim.simulator.simulator import Simulator
 
 SIGHT_M = 3.0
@@ -20,8 +21,6 @@ BURIED, HIDDEN = 0.6, 0.999
 """Shares of an obstacle's surface below the bed beyond which a warning is given, and it is invisible."""
 TRIM_SHARE = 0.004
 """Net buoyancy, as a share of a vehicle's weight, beyond which a warning is given."""
-RISING_SHARE = 0.03
-"""Operators leave a vehicle slightly buoyant, up to this share."""
 FREE_M = 0.1
 LONG_TERRAINS, TALL_M, TINY_M = 1.5, 100.0, 0.05
 """Limits beyond which an obstacle may be in the wrong unit.
@@ -68,7 +67,7 @@ def _of_obstacle(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
 def _of_scale(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
     west, south, east, north = scene.bed.extent_m
     size, longest_m = size_text(np.array(obstacle.size_m)), max(obstacle.size_m)
-    question = "is its mesh in metres? see its scale" if obstacle.kind == "mesh" else "are its figures in metres?"
+    question = "is its mesh in metres? see its scale" if obstacle.kind == "mesh" else "are its sizes in metres?"
     if longest_m > LONG_TERRAINS * max(east - west, north - south) or obstacle.highest_m > TALL_M:
         yield f"is {size}, in a terrain of {east - west:g} x {north - south:g} m: {question}"
     elif longest_m < TINY_M:

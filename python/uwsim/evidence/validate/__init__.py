@@ -1,7 +1,7 @@
 """Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
-A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES. Suites in RECORDED also take the
-folder of recorded data, which is not part of uwsim.
+A suite is a module with a `run(out) -> list[Check]` function and an entry in `uwsim.evidence.suites`. Those in RECORDED
+also take the folder of recorded data, which is not part of uwsim.
 """
 
 from __future__ import annotations
@@ -13,24 +13,11 @@ from importlib import import_module
 from itertools import repeat
 from pathlib import Path
 
+from uwsim.evidence.suites import ON_REQUEST, RECORDED, SUITES
 from uwsim.evidence.validate.check import Check
 from uwsim.evidence.validate.engine import ENGINE
 
-SUITES = {
-    "dynamics": "uwsim.evidence.validate.dynamics",
-    "sonar": "uwsim.evidence.validate.sonar",
-    "imaging": "uwsim.evidence.validate.imaging",
-    "camera": "uwsim.evidence.validate.camera",
-    "link": "uwsim.evidence.validate.link",
-    "sound": "uwsim.evidence.validate.sound",
-    "control": "uwsim.evidence.validate.control",
-    "estimation": "uwsim.evidence.validate.estimation",
-    "reality": "uwsim.evidence.validate.reality",
-    "peers": "uwsim.evidence.validate.peers",
-}
-RECORDED = ("sound", "reality")
-ON_REQUEST = ("reality", "peers")
-"""Suites that need data or additional packages."""
+__all__ = ["ON_REQUEST", "RECORDED", "SUITES", "run_suite", "run_suites"]
 
 
 def run_suite(name: str, out: Path | None = None, data: Path | None = None, engine: str = "uwsim") -> list[Check]:

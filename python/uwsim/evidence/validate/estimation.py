@@ -1,9 +1,5 @@
 """The estimation suite: the filter's errors compared with its covariance, and its drift without DVL or USBL.
 
-Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has mean n
-(here n = 9: position, velocity, attitude), and N times its average is chi-square distributed with N n degrees of
-freedom (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with Applications to Tracking and Navigation", ch. 5.4).
-
 Drift at constant attitude from a covariance P (Groves 2013, ch. 5.7, without the earth's rotation): the position error
 is e_p + e_v t - R [f]x (e_attitude t^2 / 2 - e_rate t^3 / 6) - R e_force t^2 / 2, plus the integrals of white noise.
 """
@@ -16,22 +12,30 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
+from uwsim.evidence.validate.after_contact import contact_checks
 from uwsim.evidence.validate.check import Check, relative, within
-from uwsim.navigation.estimation import Navigator, Start
+from uwsim.evidence.validate.consistency import (
+    ERRORS,
+    LARGEST_EFFORTS,
+    LEG_S,
+    PARTS,
+    consistency_checks,
+    errors,
+    nees_of,
+    start_navigation,
+)
+from uwsim.evidence.validate.turning_flights import turning_checks
+from uwsim.evidence.validate.wave_flights import wave_checks
+from uwsim.figures.style import save_figure
+from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
 SEEDS = 50
-LEGS, LEG_S, LEGS_PER_LOOK = 36, 3.0, 3
-ERRORS = 9
-PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 9)}
-START_WORLD_M = (-30.0, -40.0, -12.0)
-POSITION_STD_M, VELOCITY_STD_M_S = 0.5, 0.05
+LEGS, LEGS_PER_LOOK = 36, 3
 DROP_OUT_AFTER_S, DROP_OUT_S = 60.0, 60.0
-LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
 
 
 def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
@@ -41,38 +45,10 @@ def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
     if out is not None:
         _draw(nees, drifts, out / "estimation.png")
-    from uwsim.evidence.validate.after_contact import contact_checks  # these import this module
-    from uwsim.evidence.validate.turning_flights import turning_checks
-
     return [
-        *consistency_checks(nees), *turning_checks(seeds), *drop_out_checks(drifts), *contact_checks(sim, seeds)
+        *consistency_checks(nees), *turning_checks(seeds), *wave_checks(seeds), *drop_out_checks(drifts),
+        *contact_checks(sim, seeds),
     ]  # fmt: skip
-
-
-def start_navigation(
-    sim: Simulator,
-    seed: int,
-    start_world_m: tuple[float, float, float] = START_WORLD_M,
-    velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0),
-) -> tuple[Navigator, np.random.Generator]:
-    """Begin a flight heading east, with navigation errors drawn from the initial covariance."""
-    sim.reset(seed=seed)
-    sim.rov.place(start_world_m, velocity_body=np.array([*velocity_m_s, 0.0, 0.0, 0.0]))
-    draws = np.random.default_rng(seed)
-    position = np.asarray(start_world_m) + POSITION_STD_M * draws.standard_normal(3)
-    velocity = np.asarray(velocity_m_s) + VELOCITY_STD_M_S * draws.standard_normal(3)
-    start = Start(tuple(position.tolist()), POSITION_STD_M, tuple(velocity.tolist()), VELOCITY_STD_M_S)
-    station, gravity = sim.scenario.station.position_m, sim.world.water.gravity_m_s2
-    return Navigator(sim.rov, start, station_world_m=station, gravity_m_s2=gravity), draws
-
-
-def errors(sim: Simulator, navigator: Navigator) -> Array:
-    """Return the errors (9,): position and velocity in world axes, attitude in body axes."""
-    pose, true = navigator.pose, sim.rov.pose
-    turn, true_turn = pose.world_from_body[:3, :3], true.world_from_body[:3, :3]
-    velocity = true_turn @ sim.rov.velocity.linear_body_m_s - turn @ navigator.velocity.linear_body_m_s
-    attitude = Rotation.from_matrix(turn.T @ true_turn).as_rotvec()
-    return np.concatenate([true.position_world_m - pose.position_world_m, velocity, attitude])
 
 
 def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:
@@ -84,27 +60,6 @@ def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:
         if leg % LEGS_PER_LOOK == LEGS_PER_LOOK - 1:
             error, covariance = errors(sim, navigator), navigator.covariance
             yield [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
-
-
-def nees_of(error: Array, covariance: Array, part: slice) -> float:
-    """Return the normalised estimation error squared for a part of the errors."""
-    return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
-
-
-def consistency_checks(nees: Array, how: str = "") -> list[Check]:
-    """Return the checks on NEES values, (flights, times, 1 + PARTS). how: a description of the flights."""
-    flights, looks = nees.shape[:2]
-    group = f"NEES of {flights} {how} flights" if how else f"NEES of {flights} flights"
-    mean = nees.mean(axis=0)
-    low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
-    inside = float(np.mean((mean[:, 0] > low) & (mean[:, 0] < high)))
-    checks = [within(group, f"share of {looks} times within the 95 % bounds", 1.0, inside, 1.0, 0.25)]
-    # Errors are correlated within a flight, so the bounds apply to a single time.
-    checks.append(within(group, "mean of all 9 errors", ERRORS, float(mean[:, 0].mean()), ERRORS, high / ERRORS - 1.0))
-    for k, name in enumerate(PARTS, 1):
-        most = chi2.ppf(0.975, flights * 3) / flights / 3.0 - 1.0
-        checks.append(within(group, f"mean of {name}", 3.0, float(mean[:, k].mean()), 3.0, float(most)))
-    return checks
 
 
 def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
@@ -179,5 +134,5 @@ def _draw(nees: Array, drifts: list[tuple[Array, Array, Array]], path: Path) -> 
         xlabel="horizontal error [m]", ylabel="share of flights", title=f"{DROP_OUT_S:.0f} s without DVL and USBL"
     )
     right.legend()
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path)
     plt.close(figure)

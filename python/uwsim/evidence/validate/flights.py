@@ -9,6 +9,7 @@ import numpy as np
 from uwsim.evidence.validate.engine import ENGINE
 from uwsim.evidence.validate.reference_solution import Array, Flight
 from uwsim.scenario import Scenario, VehicleModel
+from uwsim.scenario.spec.vehicle import Trim
 from uwsim.simulator.simulator import Simulator
 
 START_M = (0.0, 0.0, -400.0)
@@ -21,8 +22,10 @@ def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: fl
     return Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, step_s=step_s))
 
 
-def deep_scenario(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005) -> Scenario:
-    """Return the scenario of deep_water."""
+def deep_scenario(
+    model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005, trim: Trim | None = None
+) -> Scenario:
+    """Return the scenario of deep_water. trim: replaces the model's."""
     return Scenario.model_validate(
         {
             "name": "validation",
@@ -31,7 +34,7 @@ def deep_scenario(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s:
             "water": {"density_kg_m3": density_kg_m3},
             "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
             "station": {"position_m": [0, 0, 0]},
-            "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}}],
+            "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}, "trim": trim}],
         }
     )
 

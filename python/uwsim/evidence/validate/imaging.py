@@ -101,9 +101,9 @@ def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, verti
     """
     water = _core.Water()
     depth_m = -(BED_M + HEIGHT_M)
-    alpha_db_m = _core.absorption_db_km(
-        model.frequency_hz, water.temperature_deg_c(-depth_m), water.salinity_psu, depth_m
-    ) / 1e3  # fmt: skip
+    alpha_db_m = (
+        _core.absorption_db_km(model.frequency_hz, water.temperature_deg_c(-depth_m), water.salinity_psu, depth_m) / 1e3
+    )
     area_m2 = ranges_m * width_rad * model.bin_m * per_range
     lost_db = 40 * np.log10(ranges_m) + 2 * alpha_db_m * ranges_m
     bed_db = BED_DB if model.bottom_strength_db is None else model.bottom_strength_db

@@ -27,9 +27,7 @@ LOST = 0.4  # share of packets, acknowledgements included
 
 def run(out: Path | None = None) -> list[Check]:
     """Return the checks of the suite, which draws no curves."""
-    return [
-        *path_checks(), *level_checks(), *error_checks(), *network_checks(), *repeat_checks(), *delivery_checks()
-    ]  # fmt: skip
+    return [*path_checks(), *level_checks(), *error_checks(), *network_checks(), *repeat_checks(), *delivery_checks()]
 
 
 def path_checks() -> list[Check]:
@@ -49,17 +47,7 @@ def path_checks() -> list[Check]:
         checks.append(relative(group, f"arc over {far_m:g} m", arc_s, ray.time_s, 1e-6, "s"))
     down = _core.SoundSpeedProfile([0.0, 100.0], [1500.0, 1450.0])
     edge_m = 2.0 * math.sqrt(1500.0**2 - down.at(10.0) ** 2) / 0.5
-    return [
-        *checks,
-        relative(
-            "shadow zone",
-            "edge at 10 m depth, -0.5 1/s",
-            edge_m,
-            _shadow_edge_m(down),
-            1e-3,
-            "m",
-        ),
-    ]
+    return [*checks, relative("shadow zone", "edge at 10 m depth, -0.5 1/s", edge_m, _shadow_edge_m(down), 1e-3, "m")]
 
 
 def _shadow_edge_m(profile: _core.SoundSpeedProfile) -> float:
@@ -86,12 +74,12 @@ def level_checks() -> list[Check]:
     heard_in, nothing = _core.LinkWater(spec, water), _core.RayScene(_core.World())
     alpha = 1e-3 * _core.absorption_db_km(spec.modem.frequency_hz, 10.0, 35.0, 5000.0)
     for far_m in (100.0, 1000.0, 4000.0):
-        heard = heard_in.hear(nothing, (0.0, 0.0, -5000.0), (far_m, 0.0, -5000.0))
+        heard = heard_in.receive(nothing, (0.0, 0.0, -5000.0), (far_m, 0.0, -5000.0))
         level = spec.modem.source_level_db - 20.0 * math.log10(far_m) - alpha * far_m
         checks.append(within("received level", f"{far_m:g} m", level, heard.signal_db, 1.0, 0.1, "dB"))
     expected = _noise_db(spec)
     spec.modem.source_level_db = 60.0  # no echo arrives from the surface
-    quiet = _core.LinkWater(spec, water).hear(nothing, (0.0, 0.0, -5000.0), (100.0, 0.0, -5000.0)).noise_db
+    quiet = _core.LinkWater(spec, water).receive(nothing, (0.0, 0.0, -5000.0), (100.0, 0.0, -5000.0)).noise_db
     checks.append(within("noise in the band", f"{spec.modem.bandwidth_hz:g} Hz", expected, quiet, 1.0, 0.2, "dB"))
     normal = (1.9 * 1.1 - 1.0) / (1.9 * 1.1 + 1.0)
     loss = _core.bottom_loss_db(1.9, 1.1, 0.0, 0.5 * math.pi)
@@ -175,7 +163,9 @@ def delivery_checks() -> list[Check]:
     expected_m = float(np.interp(allowed_db, 20.0 * np.log10(ranges_m) + alpha * ranges_m, ranges_m))
     far_m = np.geomspace(0.5 * expected_m, 2.0 * expected_m, 400)
     lost = [
-        heard_in.hear(nothing, (0.0, 0.0, -5000.0), (r, 0.0, -5000.0)).packet_loss(spec.modem, spec.modem.packet_bytes)
+        heard_in.receive(nothing, (0.0, 0.0, -5000.0), (r, 0.0, -5000.0)).packet_loss(
+            spec.modem, spec.modem.packet_bytes
+        )
         for r in far_m
     ]
     got_m = float(np.interp(0.5, lost, far_m))

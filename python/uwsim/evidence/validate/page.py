@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from uwsim.base.atomic_file import write_atomically
 from uwsim.evidence.validate.check import Check
 
 PAGE = "index.md"
@@ -21,7 +22,7 @@ def write_page(folder: Path, found: dict[str, list[Check]]) -> None:
     parts = [_section(suite, checks) for suite, checks in found.items()]
     curves = [f"![{path.stem.replace('_', ' ')}]({path.name})" for path in sorted(folder.glob("*.png"))]
     ending = ["## Curves\n\n" + "\n\n".join(curves) + "\n"] if curves else []
-    (folder / PAGE).write_text(HEAD + "\n".join([*parts, *ending]))
+    write_atomically(folder / PAGE, (HEAD + "\n".join([*parts, *ending])).encode())
 
 
 def _section(suite: str, checks: list[Check]) -> str:

@@ -64,10 +64,10 @@ def bent_ping() -> tuple[_core.PhysicsPing, _core.AcousticMultibeam]:
     fan = _core.MultibeamModel(
         name="refraction", beams=121, field_of_view_rad=math.radians(120), range_max_m=400.0, frequency_hz=400e3
     )
-    spec, figures = _core.AcousticSpec(), _core.SonarFigures()
-    figures.source_level_db = 240.0
-    figures.beam_width_along_rad = figures.beam_width_across_rad = 0.005
-    spec.figures = figures
+    spec, parameters = _core.AcousticSpec(), _core.SonarParameters()
+    parameters.source_level_db = 240.0
+    parameters.beam_width_along_rad = parameters.beam_width_across_rad = 0.005
+    spec.parameters = parameters
     spec.false_detections = spec.range_noise = False
     spec.bending = True
     water = _core.Water()

@@ -1,21 +1,25 @@
 """The sonar suite: compares depths and coverages with the manufacturer's table, and physics mode with the formula.
 
-Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock, and
-the sonar has one receiver. Each instrument has one set of values per frequency; none are fitted to individual table
-cells. Refraction is checked against closed forms.
+Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock. Each
+instrument has one set of values per frequency, assumed or chosen to agree with the table as a whole, for one receiver
+and two. The gain of the second receiver follows from its tilt alone. Refraction is checked against closed forms.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from uwsim.evidence.validate.check import Check, relative
 from uwsim.evidence.validate.refraction import refraction_checks
 from uwsim.evidence.validate.sonar_curves import draw_detections, draw_smile, draw_table
 from uwsim.evidence.validate.sonar_instrument import half_detected_m, half_detected_swath_m
-from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, WATERS, Cell
+from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, DUAL_COVERAGE_M, WATERS, Cell
 
 TABLE_TOLERANCE = 0.1
+# Of the factor by which the second receiver widens the coverage. At 300 kHz the table has 1.13 to 1.15, twice the gain
+# at 200 and at 400 kHz, for which no cause is known; the simulated factor is about 1.06 at all three.
+GAIN_TOLERANCE = {200: 0.03, 300: 0.1, 400: 0.03}
 INSTRUMENT_TOLERANCE = 0.05
 SWATH_TOLERANCE = 0.08  # 0.2 dB at 700 kHz, at which vertical and outer beams differ by 1 dB
 BEYOND = 1.15  # factor on the depth of the widest swath, beyond which weak outer beams limit the swath, not the fan
@@ -33,10 +37,25 @@ def run(out: Path | None = None) -> list[Check]:
 
 
 def table_checks() -> list[Check]:
-    """Check each known depth and coverage in the manufacturer's table against the values in the instrument files."""
+    """Check each depth and coverage in the manufacturer's table against the values in the instrument files.
+
+    Also check by which factor the second receiver widens the coverage.
+    """
     depths = [_in_table("depth", cell, table_m, cell.depth_m()) for cell, table_m in DEPTH_M.items()]
-    coverages = [_in_table("coverage", cell, table_m, cell.coverage().width_m) for cell, table_m in COVERAGE_M.items()]
-    return [*depths, *coverages]
+    found_m = {cell: cell.coverage().width_m for cell in COVERAGE_M}
+    coverages = [
+        _in_table(f"coverage, {cell.receivers} RX", cell, table_m, found_m[cell])
+        for cell, table_m in COVERAGE_M.items()
+    ]
+    singles = {cell: replace(cell, receivers=1) for cell in DUAL_COVERAGE_M}
+    gains = [
+        relative(
+            f"{cell.array} coverage, 2 RX / 1 RX, {cell.water}", f"{cell.frequency_khz} kHz",
+            COVERAGE_M[cell] / COVERAGE_M[one], found_m[cell] / found_m[one], GAIN_TOLERANCE[cell.frequency_khz],
+        )
+        for cell, one in singles.items()
+    ]  # fmt: skip
+    return [*depths, *coverages, *gains]
 
 
 def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
@@ -55,14 +74,14 @@ def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
 
 
 def swath_checks() -> list[Check]:
-    """Check the swath where physics mode detects half of the beams against the formula, at one depth per frequency."""
+    """Check the swath where physics mode detects half of the beams against the formula, at one depth per cell."""
     checks = []
-    for cell in (cell for cell in DEPTH_M if cell.array == "em2040-04" and cell.water == "ocean"):
+    for cell in (cell for cell in COVERAGE_M if cell.array == "em2040-04" and cell.water == "ocean"):
         widest_m = cell.coverage().depth_m
         depth_m = min(BEYOND * widest_m, widest_m + TOWARDS_DEEPEST * (cell.depth_m() - widest_m))
         name = f"{cell.frequency_khz} kHz, {depth_m:.0f} m deep"
         simulated_m = half_detected_swath_m(cell, depth_m)
-        group = f"{cell.array} swath simulated, {cell.water}"
+        group = f"{cell.array} swath simulated, {cell.receivers} RX, {cell.water}"
         checks.append(relative(group, name, cell.swath_m(depth_m), simulated_m, SWATH_TOLERANCE, "m"))
     return checks
 

@@ -10,7 +10,15 @@ import numpy as np
 from uwsim import _core
 from uwsim.evidence.validate.refraction import BED_M, GRADIENT_1_S, bent_ping
 from uwsim.evidence.validate.sonar_instrument import detection_rate
-from uwsim.evidence.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell
+from uwsim.evidence.validate.sonar_table import (
+    ARRAYS,
+    DEPTH_M,
+    DUAL_COVERAGE_M,
+    FREQUENCIES_KHZ,
+    SINGLE_COVERAGE_M,
+    WATERS,
+    Cell,
+)
 from uwsim.figures.style import save_figure
 from uwsim.instruments.sonars.soundings import sound_points
 
@@ -20,28 +28,28 @@ def draw_table(simulated: dict[Cell, float], path: Path) -> None:
     figure, panels = plt.subplots(2, 2, figsize=(11, 9), layout="constrained", dpi=120, sharex=True, sharey="row")
     for column, array in enumerate(ARRAYS):
         for colour, water in zip(("tab:blue", "tab:green"), WATERS, strict=True):
-            cells = [Cell(array, khz, water) for khz in FREQUENCIES_KHZ]
-            for panel, known_m, formula_m in (
-                (panels[0, column], DEPTH_M, [cell.depth_m() for cell in cells]),
-                (panels[1, column], COVERAGE_M, [cell.coverage().width_m for cell in cells]),
+            for row, table_m, mark, line, name in (
+                (0, DEPTH_M, "o", "-", water),
+                (1, SINGLE_COVERAGE_M, "o", "-", f"{water}, one receiver"),
+                (1, DUAL_COVERAGE_M, "s", "--", f"{water}, two receivers"),
             ):
-                known = [cell for cell in cells if cell in known_m]
-                panel.plot(
-                    [cell.frequency_khz for cell in known], [known_m[cell] for cell in known],
-                    "o", ms=11, mfc="none", c=colour, label=f"table, {water}",
-                )  # fmt: skip
-                panel.plot(FREQUENCIES_KHZ, formula_m, "-", c=colour, label=f"formula, {water}")
-            panels[0, column].plot(
-                FREQUENCIES_KHZ, [simulated[cell] for cell in cells], "x", c=colour, label=f"simulated, {water}"
-            )
+                cells = [cell for cell in table_m if (cell.array, cell.water) == (array, water)]
+                khz = [cell.frequency_khz for cell in cells]
+                formula_m = [cell.depth_m() if row == 0 else cell.coverage().width_m for cell in cells]
+                panel, known_m = panels[row, column], [table_m[cell] for cell in cells]
+                panel.plot(khz, known_m, mark, ms=11, mfc="none", c=colour, label=f"table, {name}")
+                panel.plot(khz, formula_m, line, c=colour, label=f"formula, {name}")
+            simulated_m = [simulated[Cell(array, khz, water)] for khz in FREQUENCIES_KHZ]
+            panels[0, column].plot(FREQUENCIES_KHZ, simulated_m, "x", c=colour, label=f"simulated, {water}")
         panels[0, column].set(title=array, yscale="log")
         panels[1, column].set(xlabel="frequency [kHz]", yscale="log")
     panels[0, 0].set_ylabel("maximum depth [m]")
     panels[1, 0].set_ylabel("widest swath [m]")
     for panel in panels.flat:
         panel.grid(alpha=0.3, which="both")
-    panels[0, 1].legend(fontsize=8)
-    figure.suptitle("Over flat rock, one receiver, cold water, values as packaged")
+    for panel in panels[:, 1]:
+        panel.legend(fontsize=8)
+    figure.suptitle("Over flat rock, cold water, values as packaged")
     save_figure(figure, path)
     plt.close(figure)
 
@@ -68,10 +76,7 @@ def draw_smile(path: Path) -> None:
     even = _core.SoundSpeedProfile.even(sonar.profile.at(0.0))
     figure, panel = plt.subplots(figsize=(8, 4), layout="constrained", dpi=120)
     panel.axhline(-BED_M, c="k", lw=0.8, label="the bed")
-    for name, profile in (
-        ("sounded with the true profile", sonar.profile),
-        ("sounded with a constant speed", even),
-    ):
+    for name, profile in (("sounded with the true profile", sonar.profile), ("sounded with a constant speed", even)):
         points = sound_points(ping, profile)
         panel.plot(points[:, 1], points[:, 2], ".", ms=4, label=name)
     panel.set(

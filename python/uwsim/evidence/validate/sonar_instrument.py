@@ -13,6 +13,7 @@ from uwsim.evidence.validate.sonar_table import WATERS, Cell, acoustics
 
 PLACES, APART_M = 256, 15.0  # pings at different positions, since speckle repeats at the same position
 SWATH_PLACES, SWATH_APART_M = 1024, 5.0
+OUTERMOST_RAD = math.radians(75.0)  # of the beams looked at; two receivers see above the horizon, too
 LOOKING_DOWN_XYZW = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
 
 
@@ -32,7 +33,7 @@ def half_detected_m(cell: Cell) -> float:
 
 def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
     """Return the swath width at a depth, between the beams with a detection rate of one half."""
-    sonar = _sonar(cell, cell.fan.beams, 2 * cell.half_fan_rad)
+    sonar = _sonar(cell, cell.fan.beams, 2 * _half_rad(cell))
     rates = _rates(sonar, depth_m, SWATH_PLACES, SWATH_APART_M)
     return 2 * depth_m * _half_detected_tangent(np.tan(sonar_angles(cell)), rates)
 
@@ -55,8 +56,12 @@ def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.floa
 
 
 def sonar_angles(cell: Cell) -> NDArray[np.float64]:
-    """Return the beam angles from straight down."""
-    return np.linspace(-cell.half_fan_rad, cell.half_fan_rad, cell.fan.beams)
+    """Return the angles from straight down of as many beams as the fan has, up to 75 degrees."""
+    return np.linspace(-_half_rad(cell), _half_rad(cell), cell.fan.beams)
+
+
+def _half_rad(cell: Cell) -> float:
+    return min(cell.half_fan_rad, OUTERMOST_RAD)
 
 
 def flat_world(depth_m: float, half_m: float = 3000.0) -> _core.World:
@@ -76,6 +81,7 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
         field_of_view_rad=fan_rad,
         range_max_m=packaged.range_max_m,
         frequency_hz=packaged.frequency_hz,
+        receiver_tilt_rad=packaged.receiver_tilt_rad,
     )
     return _core.AcousticMultibeam(fan, spec, WATERS[cell.water].core_water())
 

@@ -2,9 +2,8 @@
 
 Over flat rock, a beam is detected while SL + PG + DI - NL minus the losses along its path exceeds the detector's
 threshold (_core.bottom_echo). The maximum depth is that of the vertical beam; the coverage is the widest swath at any
-depth. The table is Fig. 8 of the paper: 20 depths, and 32 coverages (COVERAGE_CELLS), with one and, at 200 to 400 kHz,
-also with two receivers. The depths and the 8 coverages at 600 and 700 kHz are known (COVERAGE_M). The 24 coverages at
-200 to 400 kHz are computed, but no value for comparison was found: the manufacturer's data sheet could not be obtained.
+depth. The table is Fig. 8 of the paper: 20 depths, and 32 coverages, with one and, at 200 to 400 kHz, also with two
+receivers.
 """
 
 from __future__ import annotations
@@ -27,7 +26,6 @@ FREQUENCIES_KHZ = (200, 300, 400, 600, 700)
 TEMPERATURE_DEG_C = 4.0
 ACIDITY_PH = 8.0
 DEEPEST_M = 4000.0
-DUAL_UP_TO_KHZ = 400
 
 
 @dataclass(frozen=True)
@@ -51,10 +49,7 @@ class ColdWater:
         return water
 
 
-WATERS = {
-    "ocean": ColdWater("ocean, 4 deg C, 35 psu, pH 8", 35.0),
-    "fresh": ColdWater("fresh, 4 deg C, 0 psu", 0.0),
-}
+WATERS = {"ocean": ColdWater("ocean, 4 deg C, 35 psu, pH 8", 35.0), "fresh": ColdWater("fresh, 4 deg C, 0 psu", 0.0)}
 
 
 @dataclass(frozen=True)
@@ -86,10 +81,10 @@ class Cell:
 
     def margin_db(self, depth_m: float, angle_rad: float = 0.0) -> float:
         """Return by how much a beam's echo exceeds the detector's threshold, at an angle from straight down."""
-        figures, water = acoustics(self.array, self.frequency_khz).figures, WATERS[self.water]
+        parameters, water = acoustics(self.array, self.frequency_khz).parameters, WATERS[self.water]
         absorption_db_m = 1e-3 * _mean_absorption_db_km(self.frequency_khz, self.water, depth_m)
         snr_db, _, needed_db = _core.bottom_echo(
-            figures, bottom_material(ROCK), depth_m / math.cos(angle_rad), angle_rad,
+            parameters, bottom_material(ROCK), depth_m / math.cos(angle_rad), angle_rad,
             abs(angle_rad - self.fan.receiver_tilt_rad), water.sound_speed_m_s, absorption_db_m,
         )  # fmt: skip
         return float(snr_db - needed_db)
@@ -136,11 +131,12 @@ def _mean_absorption_db_km(frequency_khz: int, water: str, depth_m: float) -> fl
     )
 
 
-def _cells(rows: dict[tuple[str, str], tuple[float, ...]], khz: tuple[int, ...]) -> dict[Cell, float]:
+def _cells(rows: dict[tuple[str, str], tuple[float, ...]], receivers: Literal[1, 2] = 1) -> dict[Cell, float]:
+    """Return the metres of a column of the table by cell; a row of three ends at 400 kHz."""
     return {
-        Cell(array, frequency, water): metres
+        Cell(array, frequency, water, receivers): metres
         for (array, water), row in rows.items()
-        for frequency, metres in zip(khz, row, strict=True)
+        for frequency, metres in zip(FREQUENCIES_KHZ, row, strict=False)
     }
 
 
@@ -151,25 +147,26 @@ DEPTH_M = _cells(
         ("em2040-04", "fresh"): (1360.0, 740.0, 430.0, 115.0, 60.0),
         ("em2040-07", "ocean"): (600.0, 465.0, 300.0, 85.0, 50.0),
         ("em2040-07", "fresh"): (1300.0, 700.0, 375.0, 105.0, 55.0),
-    },
-    FREQUENCIES_KHZ,
+    }
 )
-COVERAGE_M = _cells(
+SINGLE_COVERAGE_M = _cells(
     {
-        ("em2040-04", "ocean"): (130.0, 27.0),
-        ("em2040-04", "fresh"): (150.0, 30.0),
-        ("em2040-07", "ocean"): (120.0, 25.0),
-        ("em2040-07", "fresh"): (140.0, 28.0),
-    },
-    (600, 700),
+        ("em2040-04", "ocean"): (920.0, 670.0, 410.0, 130.0, 27.0),
+        ("em2040-04", "fresh"): (1990.0, 1100.0, 570.0, 150.0, 30.0),
+        ("em2040-07", "ocean"): (880.0, 640.0, 385.0, 120.0, 25.0),
+        ("em2040-07", "fresh"): (1870.0, 1050.0, 540.0, 140.0, 28.0),
+    }
 )
-COVERAGE_CELLS = [
-    Cell(array, khz, water, receivers)
-    for array in ARRAYS
-    for water in WATERS
-    for khz in FREQUENCIES_KHZ
-    for receivers in ((1, 2) if khz <= DUAL_UP_TO_KHZ else (1,))
-]  # fmt: skip
+DUAL_COVERAGE_M = _cells(
+    {
+        ("em2040-04", "ocean"): (980.0, 760.0, 430.0),
+        ("em2040-04", "fresh"): (2110.0, 1270.0, 610.0),
+        ("em2040-07", "ocean"): (930.0, 725.0, 410.0),
+        ("em2040-07", "fresh"): (2000.0, 1200.0, 570.0),
+    },
+    receivers=2,
+)
+COVERAGE_M = SINGLE_COVERAGE_M | DUAL_COVERAGE_M
 
 
 @lru_cache(maxsize=64)

@@ -6,7 +6,6 @@ is in `gsf/` of the data folder, which is not part of uwsim; without it, its che
 
 from __future__ import annotations
 
-import json
 import lzma
 import math
 import sys
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.texts.json_text import json_value
 from uwsim.evidence.validate import backscatter
 from uwsim.evidence.validate.check import Check, at_most, within
 from uwsim.evidence.validate.echo_soundings import Ping, read_soundings
@@ -61,7 +61,7 @@ def kept_cases() -> list[dict[str, Any]]:
 
     Each arrival is a row: time, level, launch angle [deg], phase [deg], bounces.
     """
-    return list(json.loads(lzma.decompress(KEPT.read_bytes())))
+    return list(json_value(lzma.decompress(KEPT.read_bytes()), str(KEPT)))
 
 
 def computed(case: dict[str, Any]) -> Arrivals:

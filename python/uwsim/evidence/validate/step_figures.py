@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -12,18 +14,20 @@ from uwsim.figures.style import save_figure
 COLUMNS = 3
 
 
-def draw_steps(responses: list[StepResponse], path: Path) -> None:
-    """Draw all of a vehicle's step responses."""
+def draw_steps(responses: list[StepResponse], path: Path, before: Sequence[StepResponse] = ()) -> None:
+    """Draw all of a vehicle's step responses. before: its responses to the same steps with other gains, if any."""
     rows = -(-len(responses) // COLUMNS)
     size = (4.0 * COLUMNS, 2.6 * rows)
     figure, panels = plt.subplots(rows, COLUMNS, figsize=size, layout="constrained", dpi=120, squeeze=False)
     for panel in panels.flat[len(responses) :]:
         panel.set_axis_off()
-    for panel, response in zip(panels.flat, responses, strict=False):
+    for panel, response, other in zip_longest(panels.flat[: len(responses)], responses, before):
         step = response.step
         panel.axhspan(step.size * (1 - SETTLED), step.size * (1 + SETTLED), color="0.85", label=f"within {SETTLED:.0%}")
         panel.axhline(step.size, color="0.4", lw=0.8)
-        panel.plot(response.times_s, step.size * response.values, lw=1.6)
+        if other is not None:
+            panel.plot(other.times_s, step.size * other.values, lw=1.2, ls="--", color="0.4", label="before")
+        panel.plot(response.times_s, step.size * response.values, lw=1.6, label=None if other is None else "after")
         panel.set(title=step.name, xlabel="time [s]", ylabel=f"[{step.unit}]")
         panel.grid(alpha=0.3)
         figures = (
@@ -31,6 +35,8 @@ def draw_steps(responses: list[StepResponse], path: Path) -> None:
             f"settling {response.settling_s:.1f} s\nsteady error {response.steady_error:.2%}"
         )
         panel.text(0.97, 0.08, figures, transform=panel.transAxes, ha="right", va="bottom", fontsize=8)
+    if before:
+        panels[0, 0].legend(fontsize=8, loc="center right")
     figure.suptitle(f"{responses[0].vehicle}: step responses")
     save_figure(figure, path)
     plt.close(figure)

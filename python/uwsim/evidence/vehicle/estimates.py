@@ -16,6 +16,8 @@ VISCOSITY_M2_S = 1.139e-6
 ACROSS = 1.1
 """Drag coefficient of a long cylinder across the flow below the drag crisis (Hoerner 1965, ch. III)."""
 SIDE_CELLS = 200
+FLAT = 0.97
+"""Cosine of the angle, 14 degrees, up to which a face across the flow counts as flat (assumed)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,13 +25,13 @@ class Estimates:
     """Estimates of a hull's added mass [kg, kg m2] and quadratic drag [N s2/m2, N m s2/rad2], (6,) each.
 
     lamb: added mass of the ellipsoid with the hull's volume and its ratios of moments of inertia, about its centre.
-    mesh: added mass of the mesh in ideal flow, about the body's origin; None if the mesh is too fine. streamlined: drag
-    ahead, without separation; NaN on the other axes. bluff: drag with separation, from the hull's silhouettes.
-    speed_m_s: speed at which the friction of `streamlined` is computed.
+    mesh: added mass of the mesh in ideal flow, about the body's origin. streamlined: drag ahead, without separation;
+    NaN on the other axes. bluff: drag with separation, from the hull's silhouettes. speed_m_s: speed at which the
+    friction of `streamlined` is computed.
     """
 
     lamb: Floats
-    mesh: Floats | None
+    mesh: Floats
     streamlined: Floats
     bluff: Floats
     speed_m_s: float
@@ -45,35 +47,64 @@ def estimates(
     """Return the estimates for a closed hull of outward-wound triangles, body frame.
 
     gyration_m: (3,) its radii of gyration as a solid, about its own centre.
+    """
+    volume_m3 = float(np.einsum("mi,mi->m", *_corners_and_crossed(vertices_m, triangles)).sum()) / 6.0
+    squares = np.square(gyration_m)
+    axes_m = np.sqrt(np.maximum(squares.sum() - 2.0 * squares, 1e-12))
+    axes_m *= np.cbrt(volume_m3 / (4.0 / 3.0 * np.pi * np.prod(axes_m)))
+    streamlined = np.full(6, np.nan)
+    drag = hull_drag(vertices_m, triangles, density_kg_m3, speed_m_s)
+    streamlined[0] = drag.streamlined
+    return Estimates(
+        added_mass_of_ellipsoid(axes_m, density_kg_m3),
+        np.diagonal(added_mass_of_mesh(vertices_m, triangles, density_kg_m3)).copy(),
+        streamlined,
+        drag.bluff,
+        speed_m_s,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class HullDrag:
+    """Estimates of a hull's quadratic drag: ahead without separation [N s2/m2], and with separation, (6,).
+
+    flat_share: the share of the frontal area where the bow is flat, and the flow therefore separates at its rim.
+    """
+
+    streamlined: float
+    bluff: Floats
+    flat_share: float
+
+
+def hull_drag(vertices_m: Floats, triangles: NDArray[np.integer], density_kg_m3: float, speed_m_s: float) -> HullDrag:
+    """Return the drag of a closed hull of outward-wound triangles about its origin, body frame.
+
     streamlined: C_D of the wetted surface = C_f (1 + 1.5 (d/l)^1.5 + 7 (d/l)^3) (Hoerner 1965, "Fluid-Dynamic Drag",
     ch. VI), with the friction line 0.075 / (log10 Re - 2)^2 (ITTC 1957); d is the diameter of a disc as large as the
     frontal area. bluff: ACROSS times the silhouette; for turning, strips of the silhouettes in the flow of the rotation
     (the cross-flow principle, Hoerner 1965, ch. III), which overestimates the drag of a hull that is round about the
     axis.
     """
-    corners = vertices_m[triangles]
-    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    wetted_m2 = 0.5 * float(np.linalg.norm(crossed, axis=1).sum())
-    volume_m3 = float(np.einsum("mi,mi->m", corners[:, 0], crossed).sum()) / 6.0
-    squares = np.square(gyration_m)
-    axes_m = np.sqrt(np.maximum(squares.sum() - 2.0 * squares, 1e-12))
-    axes_m *= np.cbrt(volume_m3 / (4.0 / 3.0 * np.pi * np.prod(axes_m)))
+    _, crossed = _corners_and_crossed(vertices_m, triangles)
+    doubled_m2 = np.linalg.norm(crossed, axis=1)
     shape = [_Silhouette(vertices_m, triangles, axis) for axis in range(3)]
-    mesh = added_mass_of_mesh(vertices_m, triangles, density_kg_m3)
-    streamlined = np.full(6, np.nan)
     length_m, diameter_m = float(np.ptp(vertices_m[:, 0])), float(np.sqrt(4.0 / np.pi * shape[0].area_m2))
     friction = 0.075 / (np.log10(max(speed_m_s, 1e-2) * length_m / VISCOSITY_M2_S) - 2.0) ** 2
     slender = diameter_m / length_m
-    streamlined[0] = 0.5 * density_kg_m3 * wetted_m2 * friction * (1.0 + 1.5 * slender**1.5 + 7.0 * slender**3)
+    wetted_m2 = 0.5 * float(doubled_m2.sum())
     arms = [sum(shape[j].third_moment_m5(i) for i, j in pairs) for pairs in ROTATIONS]
-    bluff = 0.5 * density_kg_m3 * ACROSS * np.array([*(side.area_m2 for side in shape), *arms])
-    return Estimates(
-        added_mass_of_ellipsoid(axes_m, density_kg_m3),
-        None if mesh is None else np.diagonal(mesh).copy(),
-        streamlined,
-        bluff,
-        speed_m_s,
+    flat_m2 = 0.5 * float(crossed[crossed[:, 0] > FLAT * doubled_m2, 0].sum())
+    return HullDrag(
+        0.5 * density_kg_m3 * wetted_m2 * friction * (1.0 + 1.5 * slender**1.5 + 7.0 * slender**3),
+        0.5 * density_kg_m3 * ACROSS * np.array([*(side.area_m2 for side in shape), *arms]),
+        min(1.0, flat_m2 / shape[0].area_m2),
     )
+
+
+def _corners_and_crossed(vertices_m: Floats, triangles: NDArray[np.integer]) -> tuple[Floats, Floats]:
+    """Return the first corner (m, 3) of each triangle, and its outward normal times twice its area."""
+    corners = vertices_m[triangles]
+    return corners[:, 0], np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 ROTATIONS = (((1, 2), (2, 1)), ((0, 2), (2, 0)), ((0, 1), (1, 0)))

@@ -11,6 +11,8 @@ from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
 from uwsim.evidence.vehicle.mounts import Mount, mounts
+from uwsim.evidence.vehicle.trials import StraightRun, straight_run
+from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
@@ -20,7 +22,7 @@ NO_LEVER_M = 1e-3
 """Distance between the centres of mass and buoyancy below which righting moments are negligible."""
 UNDER_WAY_M_S = 1.5
 """The speed at which course stability is assessed, typical of AUVs."""
-SWAY = 1
+SURGE, SWAY = 0, 1
 
 
 @dataclass(frozen=True)
@@ -30,10 +32,12 @@ class VehicleFigures:
     size_m: size of the hull's bounding box. righting_lever_m: height of the centre of buoyancy above the centre of mass
     in the body frame, which is also the metacentric height of a submerged body; negative if the vehicle turns over.
     righting_nm_rad: righting moment per radian from rest. nose_down_deg, roll_to_starboard_deg: attitude at rest, None
-    without a righting moment. gyration_m: radii of gyration about the body axes, without ballast and trim.
+    without a righting moment. inertia_kg_m2, gyration_m: moments of inertia and radii of gyration about the body axes,
+    without ballast and trim.
     hull_gyration_m: the same for the hull as a solid. reach_m: distance of the hull's farthest point from each axis.
     drives: axes with thrusters or fins. course_growth_1_s: growth rate of a yaw disturbance without control at
-    UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways.
+    UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways. straight: None if nothing
+    drives it ahead, or its motion diverges.
     """
 
     size_m: tuple[float, float, float]
@@ -48,11 +52,13 @@ class VehicleFigures:
     righting_nm_rad: float
     nose_down_deg: float | None
     roll_to_starboard_deg: float | None
+    inertia_kg_m2: tuple[float, float, float]
     gyration_m: tuple[float, float, float]
     hull_gyration_m: tuple[float, float, float]
     reach_m: tuple[float, float, float]
     drives: tuple[str, ...]
     course_growth_1_s: float | None
+    straight: StraightRun | None
     mounts: tuple[Mount, ...]
 
 
@@ -83,6 +89,7 @@ def vehicle_figures(
         righting_nm_rad=buoyancy_n * float(np.linalg.norm(lever_m)),
         nose_down_deg=nose_down_deg,
         roll_to_starboard_deg=roll_deg,
+        inertia_kg_m2=_three(body.inertia_kg_m2),
         gyration_m=_three(np.sqrt(body.inertia_kg_m2 / body.mass_kg)),
         hull_gyration_m=_three(np.sqrt(_solid_inertia(model, density_kg_m3) / body.mass_kg)),
         reach_m=_reach_m(vertices, body),
@@ -90,8 +97,18 @@ def vehicle_figures(
         course_growth_1_s=None
         if control.driven[SWAY]
         else course_growth_1_s(model_motion(model, trim or model.trim, density_kg_m3, UNDER_WAY_M_S)),
+        straight=_straight(model, density_kg_m3, trim) if control.driven[SURGE] else None,
         mounts=mounts(model),
     )
+
+
+def _straight(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun | None:
+    try:
+        return straight_run(model, density_kg_m3, trim)
+    except ScenarioError:
+        raise
+    except ValueError:
+        return None
 
 
 def rest_attitude_deg(lever_m: Floats) -> tuple[float | None, float | None]:

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.spec.imaging_kind import core_kind, imaging_kind
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 
@@ -88,7 +89,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
         if camera.follows == "body":
             yield "cameras", name, camera.position_m, _turned(camera.yaw_pitch_roll_deg, AHEAD), False
     for name, sonar in model.imaging_sonars.items():
-        looks = sonar.kind != "side_scan"  # a side-scan has a transducer on each side
+        looks = core_kind(imaging_kind(sonar.kind).model) != "side_scan"  # a side-scan has a transducer on each side
         ahead = _turned(sonar.yaw_pitch_roll_deg, AHEAD)
         yield "imaging_sonars", name, sonar.position_m, ahead if looks else blind, False
     if model.sonar is not None:

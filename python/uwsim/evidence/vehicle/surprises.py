@@ -8,9 +8,10 @@ import numpy as np
 
 from uwsim.evidence.vehicle.figures import NO_LEVER_M, VehicleFigures
 from uwsim.evidence.vehicle.mounts import Mount
+from uwsim.evidence.vehicle.trials import RUN_S, TILT_DEG, StraightRun
 from uwsim.scenario.build.scale import size_text
 
-TILT_DEG = 5.0
+REST_TILT_DEG = 5.0
 """Tilt at rest beyond which a warning is given."""
 AWAY_LENGTHS = 0.5
 """Distance of a mount from the hull's box, as a share of its longest side, beyond which a warning is given."""
@@ -30,7 +31,10 @@ Found = tuple[tuple[str | int, ...], str]
 
 def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
     """Yield keys in the vehicle file, each with a sentence about a likely oversight."""
-    yield from _of_attitude(figures)
+    at_rest = [*_of_attitude(figures)]
+    yield from at_rest
+    if not at_rest:
+        yield from _of_straight_run(figures)
     yield from _of_inertia(figures)
     yield from _of_steering(figures)
     for mount in figures.mounts:
@@ -55,13 +59,43 @@ def _of_attitude(figures: VehicleFigures) -> Iterator[Found]:
         )
     elif figures.nose_down_deg is not None and figures.roll_to_starboard_deg is not None:
         pitch, roll = figures.nose_down_deg, figures.roll_to_starboard_deg
-        if max(abs(pitch), abs(roll)) > TILT_DEG:
+        if max(abs(pitch), abs(roll)) > REST_TILT_DEG:
             x, y, _ = np.subtract(figures.centre_of_mass_m, figures.centre_of_buoyancy_m)
             yield (
                 ("centre_of_mass_m",),
                 f"left alone it rests {attitude_text(pitch, roll)}: its centre of mass is {x:+.3g} m ahead and "
                 f"{y:+.3g} m to port of its centre of buoyancy, {lever_m:.3g} m below",
             )
+
+
+def _of_straight_run(figures: VehicleFigures) -> Iterator[Found]:
+    run = figures.straight
+    if run is None:
+        if "surge" in figures.drives:
+            yield (), "at full surge without control its motion diverges: see its damping, mass and inertia"
+        return
+    if run.tilt_without_munk_deg is None:
+        return
+    what = f"after {RUN_S:g} s at full surge without control it is {straight_text(run)}"
+    if run.tilt_without_munk_deg > TILT_DEG:
+        yield ("thrusters",), f"{what}: does the thrust pass above or below its centre of mass and drag?"
+    else:
+        yield (
+            ("munk_share",),
+            f"{what}; without the Munk moment it would tilt by {run.tilt_without_munk_deg:.0f} deg. That moment grows "
+            "with the speed squared and the added mass in heave and sway beyond surge. Tail fins or a lower centre of "
+            "mass counter it; on an open frame munk_share is near 0",
+        )
+
+
+def straight_text(run: StraightRun) -> str:
+    """Return such as `level, at 1.60 m/s, turned 3 deg to port and 0.8 m deeper`."""
+    sides = "port" if run.heading_change_deg > 0 else "starboard"
+    depth = "higher" if run.climb_m > 0 else "deeper"
+    return (
+        f"{attitude_text(run.nose_down_deg, run.roll_to_starboard_deg)}, at {run.speed_m_s:.2f} m/s, turned "
+        f"{abs(run.heading_change_deg):.0f} deg to {sides} and {abs(run.climb_m):.1f} m {depth}"
+    )
 
 
 def attitude_text(nose_down_deg: float, roll_to_starboard_deg: float) -> str:
@@ -77,10 +111,13 @@ def attitude_text(nose_down_deg: float, roll_to_starboard_deg: float) -> str:
 
 def _of_inertia(figures: VehicleFigures) -> Iterator[Found]:
     low, high = GYRATION_SHARES
-    for axis, own, solid, reach in zip(
-        "xyz", figures.gyration_m, figures.hull_gyration_m, figures.reach_m, strict=True
+    for axis, inertia, own, solid, reach in zip(
+        "xyz", figures.inertia_kg_m2, figures.gyration_m, figures.hull_gyration_m, figures.reach_m, strict=True
     ):
-        what = f"its radius of gyration about {axis} is {own:.3g} m"
+        share = (own / solid) ** 2
+        times = f"{share:.3g} times" if share > 1.0 else f"1/{1.0 / share:.0f} of"
+        what = f"its inertia about {axis}, {inertia:.3g} kg m2, is {times} that of a solid body of its size and mass: "
+        what += f"its radius of gyration is {own:.3g} m"
         if own > reach:
             yield ("inertia_kg_m2",), f"{what}, but no point of its hull is farther than {reach:.3g} m from that axis"
         elif not low * solid <= own <= high * solid:

@@ -42,11 +42,10 @@ def tables(report: VehicleReport) -> Iterator[Table]:
 
 def _added_mass(report: VehicleReport) -> Table:
     found = report.estimates
-    mesh = np.full(6, np.nan) if found.mesh is None else found.mesh
-    each = zip(AXES, report.added_mass, found.lamb, mesh, strict=True)
+    each = zip(AXES, report.added_mass, found.lamb, found.mesh, strict=True)
     rows = tuple((axis, _n(file), _n(lamb), _n(own), _mark(file, own, lamb)) for axis, file, lamb, own in each)
     note = "Lamb: the ellipsoid with the hull's volume and ratios of inertia. Mesh: panels in ideal flow, about the "
-    note += "origin; " + ("an open frame has less." if found.mesh is not None else "too fine a mesh for panels.")
+    note += "origin; an open frame has less."
     return Table("Added mass [kg, kg m2]", ("axis", "file", "Lamb", "mesh", ""), rows, note)
 
 

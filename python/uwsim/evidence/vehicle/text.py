@@ -8,8 +8,9 @@ import numpy as np
 
 from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.evidence.vehicle.report import VehicleReport
-from uwsim.evidence.vehicle.surprises import attitude_text
+from uwsim.evidence.vehicle.surprises import attitude_text, straight_text
 from uwsim.evidence.vehicle.tables import Table, tables
+from uwsim.evidence.vehicle.trials import RUN_S
 from uwsim.scenario.build.control import floating_text
 from uwsim.scenario.build.scale import size_text
 
@@ -39,6 +40,8 @@ def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
     if growth is not None:
         steers += f"; its course under way {'dies out' if growth < 0.0 else 'grows'} at {abs(growth):.2g} /s"
     yield steers
+    if figures.straight is not None:
+        yield f"straight run, {RUN_S:g} s at full surge without control: {straight_text(figures.straight)}"
     farthest = max(figures.mounts, key=lambda mount: mount.away_m, default=None)
     if farthest is not None:
         where = "all in the box round its hull"

@@ -1,15 +1,19 @@
-"""Trials of a vehicle in deep, still water: its terminal speeds along and about each axis, and its turning circles."""
+"""Trials of a vehicle in deep, still water: a straight run, its terminal speeds on each axis, its turning circles."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import warnings
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.quaternions import heading_rad
 from uwsim.batch.batch import Batch
-from uwsim.scenario import Scenario
+from uwsim.evidence.validate.flights import deep_scenario
+from uwsim.scenario import Scenario, VehicleModel
+from uwsim.scenario.spec.vehicle import Trim
+from uwsim.simulator.simulator import Simulator
 
 Floats = NDArray[np.float64]
 TOWED_M, FREE_M = -100.0, -500.0
@@ -17,7 +21,28 @@ TOWED_M, FREE_M = -100.0, -500.0
 HOLD_S, LONGEST_S, SETTLED = 0.02, 90.0, 1e-3
 """A towed vehicle is straightened every HOLD_S. A trial ends when no speed has changed by SETTLED in a second."""
 CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
+RUN_S, RUN_LAST_S = 30.0, 10.0
+TILT_DEG = 15.0
+"""Tilt on a straight run beyond which a warning is given; propeller torques roll sound vehicles by up to 12 degrees."""
 STEADY = 0.05
+
+
+@dataclass(frozen=True)
+class StraightRun:
+    """RUN_S at full surge effort from rest, level, without control: the motion at its end.
+
+    speed_m_s: along the body's x. heading_change_deg: positive to port. climb_m: change of depth, positive upwards.
+    tilt_deg: largest angle between the body's z and the vertical in the last RUN_LAST_S, after the propellers' start.
+    tilt_without_munk_deg: the same with munk_share 0; None if the tilt is below TILT_DEG.
+    """
+
+    speed_m_s: float
+    nose_down_deg: float
+    roll_to_starboard_deg: float
+    heading_change_deg: float
+    climb_m: float
+    tilt_deg: float
+    tilt_without_munk_deg: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +63,43 @@ class TurningCircle:
     climb_m: float
     tilt_deg: float
     track_m: Floats
+
+
+def straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun:
+    """Return a vehicle's straight run. If it tilts, it runs again without Munk moment, to find out what tilts it.
+
+    Raises ValueError if its motion diverges.
+    """
+    found = _straight_run(model, density_kg_m3, trim)
+    if found.tilt_deg <= TILT_DEG:
+        return found
+    without = _straight_run(model.model_copy(update={"munk_share": 0.0}), density_kg_m3, trim)
+    return replace(found, tilt_without_munk_deg=without.tilt_deg)
+
+
+def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the check's own simulator gave them
+        sim = Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, trim=trim))
+    rov = sim.rov
+    rov.place((0.0, 0.0, FREE_M))
+    rov.set_effort(surge=1.0)
+    turns = [rov.pose.world_from_body[:3, :3]]
+    for _ in range(round(RUN_S / SAMPLE_S)):
+        sim.advance(SAMPLE_S)
+        turns.append(rov.pose.world_from_body[:3, :3])
+    attitudes = np.array(turns)
+    headings = np.unwrap(np.arctan2(attitudes[:, 1, 0], attitudes[:, 0, 0]))
+    ahead, aside, up = attitudes[-1, 2]
+    tilts = np.arccos(np.clip(attitudes[-round(RUN_LAST_S / SAMPLE_S) :, 2, 2], -1.0, 1.0))
+    return StraightRun(
+        speed_m_s=float(rov.velocity.linear_body_m_s[0]),
+        nose_down_deg=float(-np.degrees(np.arcsin(np.clip(ahead, -1.0, 1.0)))) + 0.0,
+        roll_to_starboard_deg=float(np.degrees(np.arctan2(aside, up))),
+        heading_change_deg=float(np.degrees(headings[-1] - headings[0])),
+        climb_m=float(rov.pose.position_world_m[2] - FREE_M),
+        tilt_deg=float(np.degrees(tilts.max())),
+    )
 
 
 def terminal_speeds(scenario: Scenario) -> Floats:

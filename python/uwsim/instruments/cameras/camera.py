@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.arguments import number
 from uwsim.base.quaternions import about_y, about_z, heading_rad, matrix, product
-from uwsim.base.sealed import Sealed
+from uwsim.base.sealed import Attached
 from uwsim.instruments.cameras.effects import EFFECTS, effects_on
 from uwsim.instruments.cameras.frame import CameraInfo, Frame
 from uwsim.instruments.cameras.lens import Lens
@@ -27,7 +26,7 @@ Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle's index, or a fixed pose as position (3,) and orientation x, y, z, w (4,)."""
 
 
-class Camera(Sealed):
+class Camera(Attached):
     """A camera on a vehicle or on the station.
 
     Its frame is x ahead, y left, z up; `info` holds the intrinsics of the optical frame. Capturing does not advance
@@ -176,6 +175,11 @@ class Camera(Sealed):
         self._head.aim(self._scene.time_ns, pan, tilt)
         self._scene.journal.note("aim_camera", camera=self._key, vehicle=self._owner, pan_rad=pan, tilt_rad=tilt)
 
+    def _twin(self) -> Camera:
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        return other
+
     def resized(self, width: int, height: int | None = None) -> Camera:
         """Return this camera with a different size in pixels; by default, the height preserves the aspect ratio.
 
@@ -187,7 +191,7 @@ class Camera(Sealed):
                 raise ValueError(f"camera '{self.name}': {name} = {pixels} pixels: must be in [1, {LARGEST_SIDE}]")
         height = height or max(1, round(width * self.mount.height / self.mount.width))
         mount = self.mount.model_copy(update={"width": width, "height": height})
-        other = copy(self)
+        other = self._twin()
         other._refit(mount)
         return other
 
@@ -216,7 +220,7 @@ class Camera(Sealed):
 
         With the effects "off", the point at depth Z in pixel (u, v) is at X = (u - cx) Z / fx, Y = (v - cy) Z / fy.
         """
-        other = copy(self)
+        other = self._twin()
         other._fit(self._lens.rectified)
         return other
 
@@ -227,7 +231,7 @@ class Camera(Sealed):
         is black. With geometry_rectified=True, the function returns depth, normals, labels and classes of the rectified
         camera instead.
         """
-        kept, snapshot = copy(self), self.snapshot()
+        kept, snapshot = self._twin(), self.snapshot()
         kept._scene = self._scene.kept()
 
         def capture(*, geometry_rectified: bool = False) -> Frame:

@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.journal import Journal
-from uwsim.base.sealed import Sealed
+from uwsim.base.sealed import Attached
 from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
 from uwsim.scenario.spec.camera import Lamps
 
 Floats = NDArray[np.float64]
 
 
-class Lamp(Sealed):
+class Lamp(Attached):
     """The lamps on one switch, such as rov.lamps["front"]. Their light is visible to every camera."""
 
     name: str

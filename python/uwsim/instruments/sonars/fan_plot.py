@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from uwsim import _core
+from uwsim.base.plain_figure import PlainFigure
 from uwsim.instruments.sonars.imaging.pixels import polar_pixels
 
 SIZE_IN = (6.0, 4.0)
@@ -23,7 +24,7 @@ def plot(ping: _core.Ping) -> Figure:
 
     For a ping with a water column, the figure shows the water column instead, with the detections as dots.
     """
-    figure = Figure(SIZE_IN, layout="constrained")
+    figure = PlainFigure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     heard = np.asarray(ping.valid)
     port_m = ping.ranges_m[heard] * np.sin(ping.angles_rad[heard])

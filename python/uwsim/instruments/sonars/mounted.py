@@ -8,7 +8,7 @@ from typing import Any, Protocol, cast
 from numpy.typing import ArrayLike
 
 from uwsim import _core
-from uwsim.base.sealed import Sealed
+from uwsim.base.sealed import Attached
 from uwsim.instruments.sonars import imaging
 from uwsim.instruments.sonars.imaging import (
     Acoustics,
@@ -21,6 +21,7 @@ from uwsim.instruments.sonars.imaging import (
     Waterfall,
 )
 from uwsim.instruments.sonars.surroundings import Surroundings
+from uwsim.scenario.spec.imaging_kind import imaging_kind
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
@@ -36,7 +37,7 @@ class Fleet(imaging.Place, Protocol):
         """Return the surroundings of a sonar on a vehicle."""
 
 
-class ImagingSonar(Sealed):
+class ImagingSonar(Attached):
     """An imaging sonar on a vehicle; its pings include the other vehicles.
 
     Pinging does not advance simulated time, and all pings at one time are equal. model: its parameters, an instance of
@@ -50,7 +51,7 @@ class ImagingSonar(Sealed):
         self._sim = sim
         self._vehicle = vehicle
         self._body_from_sonar = mount.body_from_sonar()
-        self._kind = imaging.KINDS[mount.kind]
+        self._kind = imaging_kind(mount.kind)
         self.name = name
         self.model = model
 
@@ -105,7 +106,7 @@ class ImagingSonar(Sealed):
 
 def checked_model(place: imaging.Place, mount: ImagingMount) -> Acoustics:
     """Return the model of a mounted sonar. Raises ValueError if it is invalid."""
-    model = imaging.KINDS[mount.kind].model(**mount.figures)
+    model: Acoustics = imaging_kind(mount.kind).model(**mount.figures)
     imaging.check(model, place)
     return model
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from types import MappingProxyType
-from typing import cast
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,21 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.arguments import number
 from uwsim.base.journal import Journal
-from uwsim.base.sealed import Sealed
+from uwsim.base.motion import Pose
+from uwsim.base.sealed import Attached
+from uwsim.mapping.ping_to_map import PingToMap
 
 
-class Sonar(Sealed):
+class ChainOf(Protocol):
+    """Returns the chain from a multibeam's pings to a map; see uwsim.scenario.build.ping_chain."""
+
+    def __call__(
+        self, model: _core.MultibeamModel, *, in_physics: bool, outlier_filter: bool | None, voxel_m: float | None
+    ) -> PingToMap:
+        """Return a chain without a filler."""
+
+
+class Sonar(Attached):
     """A multibeam sonar, whose head faces forward and can be tilted.
 
     mode: "geometry" (one exact ray per beam) or "physics" (echoes with errors; see _core.PhysicsPing).
@@ -34,6 +46,8 @@ class Sonar(Sealed):
         spec: _core.SonarSpec,
         journal: Journal,
         owner: str,
+        chain_of: ChainOf,
+        pose: Callable[[], Pose],
         *,
         water_column: bool = False,
     ) -> None:
@@ -43,6 +57,9 @@ class Sonar(Sealed):
         self._journal = journal
         self._owner = owner
         self._water_column = water_column
+        self._chain_of, self._pose = chain_of, pose
+        self._chain: PingToMap | None = None
+        self._mapped_as: tuple[bool | None, float | None] = None, None
         self.name = spec.name
         self.change(spec)
         self._last: tuple[tuple[int, bool], _core.Ping] | None = None
@@ -51,6 +68,25 @@ class Sonar(Sealed):
         """Replace the model or mode. Simulator.parameters calls this."""
         in_physics_mode = self._simulation.in_physics_mode(self._vehicle, self._index)
         self.__dict__ |= {"model": spec.model, "mode": "physics" if in_physics_mode else "geometry"}
+        self._chain = None
+
+    @property
+    def chain(self) -> PingToMap:
+        """The processing chain from this sonar's pings to a map, as specified by the scenario's survey.
+
+        Every map of its pings is made by this chain, or from topics whose echoes it has kept. It has no filler.
+        """
+        if self._chain is None:
+            outlier_filter, voxel_m = self._mapped_as
+            in_physics = self.mode == "physics"
+            self._chain = self._chain_of(
+                self.model, in_physics=in_physics, outlier_filter=outlier_filter, voxel_m=voxel_m
+            )
+        return self._chain
+
+    def map_as(self, outlier_filter: bool | None, voxel_m: float | None) -> None:
+        """Override the survey's outlier_filter and voxel_m in `chain`; None for the survey's own."""
+        self._mapped_as, self._chain = (outlier_filter, voxel_m), None
 
     def __repr__(self) -> str:
         span_deg = math.degrees(self.model.field_of_view_rad)
@@ -96,7 +132,7 @@ class Sonar(Sealed):
 
         Surfaces above the water return no echo. A head above the water or under the terrain receives no echoes: no beam
         is valid, and all ranges are inf. A head inside an obstacle receives echoes from its walls. In physics mode the
-        result is a _core.PhysicsPing, which has additional arrays.
+        result is a _core.PhysicsPing, which has additional arrays. `OccupancyMap.insert` maps it.
 
         water_column: in physics mode, whether the ping contains the level of every range sample of every beam, as
         `water_column` (beams, samples) and `water_column_ranges_m` (samples,); by default, the scenario's
@@ -106,7 +142,9 @@ class Sonar(Sealed):
         key = self._simulation.version, wanted
         last = self._last
         if last is None or last[0] != key:
-            self.__dict__["_last"] = last = key, self._new_ping(wanted)  # faster than __setattr__, which checks names
+            ping = self._new_ping(wanted)
+            vars(ping).update(chain=self.chain, world_from_body=self._pose().world_from_body)
+            self.__dict__["_last"] = last = key, ping  # faster than __setattr__, which checks names
         return last[1]
 
     def _new_ping(self, water_column: bool) -> _core.Ping:

@@ -73,11 +73,11 @@ class Coverage(Task):
 
     def observe(self, now: Motion, actions: Floats) -> Any:
         """Ping, and return state and map."""
-        self._look()
+        self._mark_seen()
         seen = np.where(self._seen[:, None], np.uint8(255), np.uint8(0))
         return {"state": super().observe(now, actions), "map": seen}
 
-    def _look(self) -> None:
+    def _mark_seen(self) -> None:
         """Mark the cells that contain an echo."""
         ping = self.batch.ping(self.vehicle)
         turn, place = ping.world_from_sonar[:, :2, :3], ping.world_from_sonar[:, None, :2, 3]

@@ -12,7 +12,7 @@ from uwsim.learning.fan import ALTITUDE, ranges_field, seen_by_fan
 from uwsim.learning.motion import Motion
 from uwsim.learning.task import PACKAGED, Floats, Start, Task, Verdict, spread
 from uwsim.learning.track import Track
-from uwsim.scenario.spec.obstacle import Pipeline
+from uwsim.scenario.obstacles.pipeline import Pipeline
 
 ALTITUDE_M = 3.0
 HALF_PAY_M = 1.0

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from uwsim.channels import Channel
-from uwsim.channels.cdr import encode
-from uwsim.channels.messages import from_bytes
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.ros.messages import from_bytes
 from uwsim.link.packing import panels, pings, poses, short_panel, thumbnails
 from uwsim.scenario.spec.modem import ModemModel
 
@@ -74,5 +74,6 @@ def packing_of(channel: Channel, modem: ModemModel) -> Packing | None:
     """
     if modem.kind != "modem":
         return WHOLE
-    short = PACKINGS.get(f"{channel.packing}_short") if modem.packet_bytes < SHORT_BYTES else None
-    return short or PACKINGS.get(channel.packing)
+    name = "" if channel.over_link is None else channel.over_link.packing
+    short = PACKINGS.get(f"{name}_short") if modem.packet_bytes < SHORT_BYTES else None
+    return short or PACKINGS.get(name)

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.commands import HOLDS
-from uwsim.channels import Channel, build
-from uwsim.channels.own_types import TELEMETRY
-from uwsim.channels.published import join
+from uwsim.channels import Channel
+from uwsim.channels.families.published import join
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import TELEMETRY
+from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
 STATE = struct.Struct("<HHhIHHHIB")
 STATE_QUANTA = (0.01, 0.001, 0.01, 0.01, 0.1, 0.1, 0.1, 0.1, 0.5)
@@ -55,7 +57,7 @@ FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collisio
 HEAD = struct.Struct("<q3i3i3H4b6hBH3B")
 FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
 DOES = ("", "hold", "surface", "return", "go_on")
-CAUSES = ("", "silence", "battery", "leak", "thruster", "sensor")
+CAUSES = ("", *FAILSAFE_CAUSES)
 INFINITE = ("distance_to_seabed",)
 """Fields whose missing value is infinity instead of nan."""
 

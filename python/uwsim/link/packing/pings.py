@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.channels import Channel, build
-from uwsim.channels.own_types import PLACED_PING
-from uwsim.channels.published import join
+from uwsim.channels import Channel
+from uwsim.channels.families.published import join
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import PLACED_PING
 from uwsim.link.packing import poses
 
 EVERY = 8

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.channels import Channel, build
+from uwsim.channels import Channel
+from uwsim.channels.ros import build
 
 POSE = struct.Struct("<3i4h")  # mm, and 1/32767 of a unit quaternion's components
 KEY = struct.Struct("<6bB")  # efforts in 1/127 of full effort; the function

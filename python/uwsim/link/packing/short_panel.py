@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from uwsim.channels import Channel, build
-from uwsim.channels.own_types import ALL_STOPPED, TELEMETRY
+from uwsim.channels import Channel
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.link.packing.panels import FLAGS, pack_failsafe, quantised, unpack_failsafe, value_of
 
 FIGURES = (

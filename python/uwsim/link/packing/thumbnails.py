@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.channels import Channel, build
+from uwsim.channels import Channel
+from uwsim.channels.ros import build
 
 WIDTH = 96
 QUALITY = 25

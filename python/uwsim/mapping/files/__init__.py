@@ -1,5 +1,6 @@
-"""File formats for maps (.bt, .ot), point clouds (.pcd, .ply, .las, .xyz) and depth grids (GeoTIFF)."""
+"""Files of maps (.bt, .ot), point clouds (.pcd, .ply, .las, .xyz) and depth grids (GeoTIFF)."""
 
-from uwsim.mapping.files.cloud_files import CLOUD_FORMATS, read_cloud, write_cloud
+from uwsim.mapping.files.cloud_files import read_cloud, write_cloud
+from uwsim.mapping.files.formats import CLOUD_FORMATS
 
 __all__ = ["CLOUD_FORMATS", "read_cloud", "write_cloud"]

@@ -9,8 +9,6 @@ PCD, PLY and XYZ preserve float32 points bit for bit; XYZ also preserves float64
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,37 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.cut_short import warn_if_cut_short
-from uwsim.mapping.files import las, pcd, ply, xyz
+from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat
 
 Points = NDArray[np.float64]
 
 MAX_HEADER = 65_536
 
 
-@dataclass(frozen=True)
-class _CloudFormat:
-    """A file format.
-
-    encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes. decode: the reverse; may raise any
-    exception. text_mark: the part of a header that declares the numbers to be text; None if all files are binary.
-    """
-
-    name: str
-    encode: Callable[[NDArray[np.floating]], bytes]
-    decode: Callable[[bytes], Points]
-    text_mark: bytes | None = None
-
-
-CLOUD_FORMATS = {
-    ".pcd": _CloudFormat("PCD", pcd.encode, pcd.decode, b"DATA ascii"),
-    ".ply": _CloudFormat("PLY", ply.encode, ply.decode, b"format ascii"),
-    ".las": _CloudFormat("LAS", las.encode, las.decode),
-    ".xyz": _CloudFormat("XYZ", xyz.encode, xyz.decode, b""),
-}
-
-
 def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
-    """Write points (n, 3) atomically, in the format given by the file suffix: .pcd, .ply, .las or .xyz.
+    """Write points (n, 3) atomically, in the format given by the file suffix, one of CLOUD_FORMATS.
 
     PCD and PLY hold float32, as PCL and most programs do. Raises ValueError, before writing anything, for another
     suffix or shape, or if there are no points or non-finite points; OSError if the file cannot be written.
@@ -74,17 +50,16 @@ def read_cloud(path: str | os.PathLike[str]) -> Points:
         points = cloud_format.decode(data)
     except Exception as error:  # a malformed file can make the libraries raise any exception
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise ValueError(f"'{source}': not a valid {cloud_format.name} file: {reason}") from None
+        raise ValueError(f"'{source}': not a valid {source.suffix[1:].upper()} file: {reason}") from None
     if cloud_format.text_mark is not None and cloud_format.text_mark in data[:MAX_HEADER]:
         warn_if_cut_short(f"'{source}'", data)
     return points[np.isfinite(points).all(axis=1)]
 
 
-def _format_of(path: Path) -> _CloudFormat:
-    cloud_format = CLOUD_FORMATS.get(path.suffix.lower())
-    if cloud_format is None:
+def _format_of(path: Path) -> CloudFormat:
+    if path.suffix.lower() not in CLOUD_FORMATS:
         raise ValueError(f"cloud path '{path}': must end in {', '.join(CLOUD_FORMATS)}")
-    return cloud_format
+    return CLOUD_FORMATS[path.suffix.lower()]
 
 
 def _finite_points(points_m: ArrayLike) -> NDArray[np.floating]:

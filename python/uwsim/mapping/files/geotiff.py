@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from affine import Affine
-from rasterio.crs import CRS
 from rasterio.io import MemoryFile
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.mapping.depth_grid import DepthGrid
+from uwsim.mapping.files.formats import GridFormat
+from uwsim.mapping.files.georeference import Georeference
 
 MIN_TILED_SIZE = 512
-
-
-@dataclass(frozen=True)
-class Georeference:
-    """The world's location on Earth: its origin in a coordinate system, and that system's units per simulated metre.
-
-    crs: None for a world without a location on Earth; files then use metres east and north of the world's origin.
-    """
-
-    crs: CRS | None = None
-    origin: tuple[float, float] = (0.0, 0.0)
-    units_per_m: float = 1.0
 
 
 def write_depth_tiff(path: Path, grid: DepthGrid, place: Georeference) -> None:
@@ -66,3 +54,6 @@ def write_depth_tiff(path: Path, grid: DepthGrid, place: Georeference) -> None:
                 file.update_tags(SIMULATED_METRES="depths are simulated metres; a unit of x and y is not one of them")
         content = bytes(memory.read())
     write_atomically(path, content)
+
+
+GEOTIFF = GridFormat(write_depth_tiff)

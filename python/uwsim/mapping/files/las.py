@@ -9,6 +9,8 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.mapping.files.formats import CloudFormat
+
 SCALE_M = 0.001
 NO_DATE = date(1970, 1, 1)  # a fixed date, so that the same points give the same bytes on any day
 
@@ -63,3 +65,6 @@ def _require_records(data: bytes) -> None:
     extended = struct.unpack_from("<I", data, 243)[0] if data[25] >= 4 and len(data) >= 247 else 0
     if header_size + 54 * records > points_at or points_at > len(data) or 60 * extended > len(data):
         raise ValueError(f"{len(data)} bytes do not hold the {records + extended} records of the header")
+
+
+LAS = CloudFormat(encode, decode)

@@ -7,25 +7,25 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.cloud_files import CLOUD_FORMATS, read_cloud
+from uwsim.mapping.files.cloud_files import read_cloud
+from uwsim.mapping.files.formats import CLOUD_FORMATS, MAP_FORMATS, Origin
 from uwsim.mapping.occupancy_map import OccupancyMap
 
-MAP_SUFFIXES = (".bt", ".ot")
-FIRST_LINES = {b"# Octomap OcTree binary file": "bt", b"# Octomap OcTree file": "ot"}
+FIRST_LINES = {b"# Octomap OcTree binary file": ".bt", b"# Octomap OcTree file": ".ot"}
 
-Origin = tuple[float, float, float]
 ZERO: Origin = (0.0, 0.0, 0.0)
 
 
 def open_map(path: Path, origin_world_m: Origin = ZERO) -> OccupancyMap:
     """Read a map. Raises OSError if the file cannot be read, ValueError if it is not a valid map."""
-    return OccupancyMap.read(path, origin_world_m)
+    suffix = path.suffix if path.suffix in MAP_FORMATS else ".bt"  # whose reader accepts any name
+    return MAP_FORMATS[suffix].read(path, origin_world_m)
 
 
 def map_format(path: Path) -> str:
-    """Return `bt` or `ot`, from the first line of a valid map file."""
+    """Return the key in MAP_FORMATS of a valid map file: OctoMap's by the first line, another by the suffix."""
     with path.open("rb") as file:
-        return FIRST_LINES.get(file.readline(64).strip(), "bt")
+        return FIRST_LINES.get(file.readline(64).strip(), path.suffix if path.suffix in MAP_FORMATS else ".bt")
 
 
 def open_points(path: Path, origin_world_m: Origin = ZERO) -> tuple[NDArray[np.float64], float | None]:

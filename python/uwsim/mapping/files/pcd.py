@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.float32 import to_float32
+from uwsim.mapping.files.formats import CloudFormat
 
 HEADER = """\
 # .PCD v0.7 - Point Cloud Data file format
@@ -154,3 +155,6 @@ def _decompressed(body: bytes, size: int) -> bytes:
 
 def _xyz(columns: list[NDArray[np.generic]]) -> NDArray[np.float64]:
     return np.stack([column.astype(np.float64) for column in columns], axis=1)
+
+
+PCD = CloudFormat(encode, decode, b"DATA ascii")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.float32 import to_float32
+from uwsim.mapping.files.formats import CloudFormat
 
 HEADER = """\
 ply
@@ -85,3 +86,6 @@ def _layout(properties: list[list[str]], order: str, name: str) -> np.dtype[np.v
         if len(line) != 3 or line[1] not in TYPES:
             raise ValueError(f"{' '.join(line)}: not a property that {name} may have in a cloud")
     return np.dtype([(line[2], f"{order or '<'}{TYPES[line[1]]}") for line in properties])
+
+
+PLY = CloudFormat(encode, decode, b"format ascii")

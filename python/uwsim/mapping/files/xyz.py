@@ -8,6 +8,8 @@ import warnings
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.mapping.files.formats import CloudFormat
+
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
     """Encode points as an XYZ file, using the shortest decimals that read back as the same numbers."""
@@ -21,3 +23,6 @@ def decode(data: bytes) -> NDArray[np.float64]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # numpy warns about an empty file
         return np.loadtxt(text, np.float64, usecols=(0, 1, 2), ndmin=2).reshape(-1, 3)
+
+
+XYZ = CloudFormat(encode, decode, b"")

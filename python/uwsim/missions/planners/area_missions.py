@@ -43,6 +43,3 @@ def boustrophedon(
 def _leave_station(vehicle: OwnVehicle) -> None:
     if not vehicle.released:
         vehicle.undock()
-
-
-AREA_MISSIONS = {"unknown_water": unknown_water, "frontier": frontier, "boustrophedon": boustrophedon}

@@ -1,7 +1,7 @@
 """Flight through waypoints on Dubins paths or splines, for smooth tracks and for vehicles that cannot turn on the spot.
 
 A Dubins path is the shortest path made of straight lines and arcs of one radius (Dubins, "On curves of minimal length
-with a constraint on average curvature", 1957), computed by OMPL. The spline is a cubic through all points, parametrised
+with a constraint on average curvature", 1957). The spline is a cubic through all points, parametrised
 by chord length, computed by SciPy; its curvature is not limited.
 """
 
@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from uwsim.base.arguments import require_positive
-from uwsim.base.extras import need_extra
+from uwsim.missions.dubins import dubins_points
 from uwsim.missions.moves import follow, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.wayfinder import Wayfinder
@@ -86,22 +86,17 @@ def dubins_path(
     the last along its chord. Height is interpolated linearly between points. Raises ValueError for invalid arguments.
     """
     points = _checked(points_m, radius_m=radius_m, step_m=step_m)
-    need_extra("ompl", "planning", "a Dubins path")
-    from ompl import base
-
-    space = base.DubinsStateSpace(radius_m)
-    states = [
-        _state(space, point, heading)
-        for point, heading in zip(points, _headings(points, start_heading_rad), strict=True)
+    places = [
+        (x, y, heading)
+        for (x, y), heading in zip(points[:, :2].tolist(), _headings(points, start_heading_rad), strict=True)
     ]
-    between = space.allocState()
-    path = [points[0]]
-    for (here, there), (a, b) in zip(pairwise(states), pairwise(points), strict=True):
-        count = max(1, math.ceil(float(space.distance(here, there)) / step_m))
-        for share in (np.arange(1, count + 1) / count).tolist():
-            space.interpolate(here, there, share, between)
-            path.append(np.array([between.getX(), between.getY(), *(a + share * (b - a))[2:]]))
-    return np.array(path)
+    path = [points[:1]]
+    for (here, there), (a, b) in zip(pairwise(places), pairwise(points), strict=True):
+        flat = dubins_points(here, there, radius_m, step_m)
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(flat, axis=0), axis=1))])
+        share = (along / along[-1])[1:, None]
+        path.append(np.hstack([flat[1:], (a + share * (b - a))[:, 2:]]))
+    return np.concatenate(path)
 
 
 def spline_path(points_m: Sequence[Sequence[float]] | Floats, step_m: float = 0.5) -> Floats:
@@ -124,13 +119,6 @@ def _headings(points: Floats, start_rad: float) -> list[float]:
         middle = middle if float(np.linalg.norm(middle)) > 1e-6 else np.array([-before[1], before[0]])
         headings.append(math.atan2(middle[1], middle[0]))
     return [*headings, math.atan2(chords[-1][1], chords[-1][0])]
-
-
-def _state(space: Any, point: Floats, heading_rad: float) -> Any:
-    state = space.allocState()
-    state.setXY(float(point[0]), float(point[1]))
-    state.setYaw(math.remainder(heading_rad, 2.0 * math.pi))
-    return state
 
 
 def _checked(points_m: Sequence[Sequence[float]] | Floats, **lengths_m: float) -> Floats:

@@ -44,6 +44,3 @@ def curves(vehicle: OwnVehicle, radius_m: float = 3.0) -> Steps[object]:
 def _leave_station(vehicle: OwnVehicle) -> None:
     if not vehicle.released:
         vehicle.undock()
-
-
-INSPECTION_MISSIONS = {"pipeline": pipeline, "gate": gate, "wall": wall, "curves": curves}

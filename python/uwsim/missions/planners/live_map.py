@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.ranging import place_deviation_m
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells
 from uwsim.navigation.control.protocols import PingLike
@@ -29,16 +30,29 @@ class LiveMap:
         self._tops: dict[Cell, float] = {}
 
     def add(self, ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
-        """Insert a ping into the map, unless the previous one was inserted less than period_s ago."""
+        """Insert a ping into the map, unless the previous one was inserted less than period_s ago.
+
+        echoes_world_m: all of the ping's echoes (n, 3), of which those that the survey filters are left out.
+        """
         now_s = self._vehicle.time_s
         if now_s < self._next_s:
             return
         self._next_s = now_s + self._period_s - 1e-6
         below_m = float(self._vehicle.sensors["altitude"].read())
         bed = np.asarray(self._vehicle.pose.position_world_m, np.float64) - (0.0, 0.0, below_m)
+        met = np.isfinite(np.asarray(ping.points_sonar_m)[:, 0])
+        kept = np.isfinite(self._kept_m(ping))[met]
         # as one scan, so that no ray of the ping marks the bed as free
-        points = np.vstack([echoes_world_m, bed]).astype(np.float32)
+        points = np.vstack([echoes_world_m[kept], bed]).astype(np.float32)
         self.map.insert_scan(points, ping.world_from_sonar[:3, 3], LONGEST_RAY_M)
+
+    def _kept_m(self, ping: PingLike) -> NDArray[np.float32]:
+        """Return a ping's ranges (beams,), with inf for echoes that the survey filters.
+
+        A remote sonar has no chain: its server has filtered the ranges already.
+        """
+        chain = getattr(self._vehicle.sonar, "chain", None)
+        return ping.ranges_m if chain is None else chain.kept_m(ping.ranges_m, place_deviation_m(ping))
 
     @property
     def tops_m(self) -> dict[Cell, float]:

@@ -11,22 +11,30 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
-from uwsim.navigation.estimation.errors import bias_model, noise_of, white_std
+from uwsim.navigation.estimation.errors import bias_model, noise_of, rounding_step, white_std, whole_std
 from uwsim.navigation.estimation.protocols import InstrumentLike, SamplesLike
 
 Array = NDArray[np.float64]
 ATMOSPHERE_PA = 101_325.0
+GHOST_STDS, GHOST_M = 5.0, 10.0
+"""A fix that is this many standard deviations plus this distance above the water is that of a reflected ray; the
+distance leaves room for docks above the water and for high waves.
+"""
 NO_BIAS = _core.BiasModel()
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Known properties of a vehicle and its surroundings. imu_body_m (3,): the position of the IMU."""
+    """Known properties of a vehicle and its surroundings.
+
+    imu_body_m (3,): the position of the IMU. wave_std_m: standard deviation of the water's surface, as expected.
+    """
 
     imu_body_m: Array
     station_world_m: Array
     gravity_m_s2: float
     density_kg_m3: float
+    wave_std_m: float
 
 
 class Aid(Protocol):
@@ -78,7 +86,8 @@ class Depth:
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
-        return filter_.add_depth(lever(sensor, around), white_std(sensor, "depth"), bias_model(sensor, "depth"))
+        std, bias = white_std(sensor, "depth"), bias_model(sensor, "depth")
+        return filter_.add_depth(lever(sensor, around), std, bias, around.wave_std_m)
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
@@ -91,8 +100,8 @@ class Pressure:
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
         metre_pa = around.density_kg_m3 * around.gravity_m_s2
-        std = white_std(sensor, "pressure") / metre_pa
-        return filter_.add_depth(lever(sensor, around), std, bias_model(sensor, "pressure", 1.0 / metre_pa))
+        std, bias = white_std(sensor, "pressure") / metre_pa, bias_model(sensor, "pressure", 1.0 / metre_pa)
+        return filter_.add_depth(lever(sensor, around), std, bias, around.wave_std_m)
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
@@ -130,15 +139,25 @@ class AcousticFix:
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
-        errors = [
+        range_std, bearing_std = (
             math.hypot(white_std(sensor, channel), noise_of(sensor, channel).turn_on_std)
             for channel in ("range", "bearing")
-        ]
-        return filter_.add_acoustic_fix(lever(sensor, around), around.station_world_m, *errors)
+        )
+        return filter_.add_acoustic_fix(
+            lever(sensor, around),
+            around.station_world_m,
+            range_std,
+            bearing_std,
+            rounding_step(sensor, "range"),
+            sensor.period_s,
+        )
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
-        return samples.valid, samples.readings[:, :3]
+        fixes_m = samples.readings[:, :3]
+        errors_m = whole_std(sensor, "bearing") * samples.readings[:, 3] + whole_std(sensor, "range")
+        heights_m = around.station_world_m[2] + fixes_m[:, 2]
+        return samples.valid & (heights_m < GHOST_STDS * errors_m + GHOST_M), fixes_m
 
 
 class Orientation:

@@ -27,6 +27,13 @@ def white_std(sensor: InstrumentLike, channel: str) -> float:
     return max(math.hypot(*parts), LEAST_STD.get(channel, 0.0))
 
 
+def rounding_step(sensor: InstrumentLike, channel: str) -> float:
+    """Return the step to which a channel is rounded [u], or 0 if white noise varies its readings by steps anyway."""
+    noise = noise_of(sensor, channel)
+    white = math.hypot(noise.std, noise.density / math.sqrt(sensor.period_s))
+    return noise.quantum if white < 0.5 * noise.quantum else 0.0
+
+
 def limit(sensor: InstrumentLike, channel: str) -> float:
     """Return the largest magnitude that a channel can report [u], or inf if there is no limit."""
     noise = noise_of(sensor, channel)

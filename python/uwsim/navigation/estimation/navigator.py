@@ -17,11 +17,11 @@ from uwsim import _core
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import require_names
 from uwsim.base.saved_state import checked
-from uwsim.base.sealed import Sealed
+from uwsim.base.sealed import Attached
 from uwsim.navigation.estimation.aids import AIDS, Surroundings, body_from_sensor, chosen_aids, magnetic_north_rad
 from uwsim.navigation.estimation.errors import bias_model, limit, white_std, whole_std
 from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
-from uwsim.navigation.estimation.saved import NavigatorState
+from uwsim.navigation.estimation.saved import HeldState, NavigatorState
 from uwsim.navigation.estimation.start import Start
 
 Array = NDArray[np.float64]
@@ -29,17 +29,22 @@ IMU = "the IMU's inertial samples"  # must differ from the aids' names, since on
 SILENCE_NS = 500_000_000  # motion is assumed to continue after this long without IMU samples
 UNKNOWN_M = 1e4  # standard deviation of the position before the first fix
 LEVEL_STD_RAD = 2e-3  # minimum assumed error of the initial roll and pitch
+HELD_NS = 500_000_000  # interval between the readings of a dock
+DOCK_STD_M, DOCK_STD_RAD, DOCK_STD_M_S = 0.1, 0.02, 0.05  # assumed: a surveyed dock, and how it lets go
+# Expected standard deviation of the water's surface where nothing is known, and in any case, since no water is still
+UNKNOWN_SEA_M, LEAST_SEA_M = 0.1, 0.001
 YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will measure it again
 
 
-class Navigator(Sealed):
+class Navigator(Attached):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
     vehicle: provides named sensors; the first of each kind is used. start: the initial motion; by default, at rest at
     the position of the first USBL fixes. station_world_m: the origin of the USBL fixes. gravity_m_s2: the acceleration
-    due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. The filter's
-    error models follow from the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with
-    neither a start nor a USBL.
+    due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. wave_std_m:
+    expected standard deviation of the water's surface, a quarter of the significant wave height; the filter starts with
+    it and adapts to the waves that the depth or pressure sensor then measures. The filter's error models follow from
+    the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with neither a start nor a USBL.
 
     Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
     that happens. See docs/guides/estimation.md.
@@ -55,6 +60,7 @@ class Navigator(Sealed):
         station_world_m: Sequence[float] | Array = (0.0, 0.0, 0.0),
         gravity_m_s2: float = 9.80665,
         density_kg_m3: float = 1000.0,
+        wave_std_m: float = UNKNOWN_SEA_M,
     ) -> None:
         sensors: Mapping[str, InstrumentLike] = vehicle.sensors
         imus = [sensor for sensor in sensors.values() if sensor.kind == "imu"]
@@ -66,7 +72,11 @@ class Navigator(Sealed):
         if start is None and not any(aid.kind == "usbl" for aid in self._aids.values()):
             raise ValueError(f"vehicle '{vehicle.name}': has no USBL, so navigation needs start=Start(...)")
         self._around = Surroundings(
-            np.asarray(self._imu.spec.position_m), np.asarray(station_world_m, float), gravity_m_s2, density_kg_m3
+            np.asarray(self._imu.spec.position_m),
+            np.asarray(station_world_m, float),
+            gravity_m_s2,
+            density_kg_m3,
+            max(wave_std_m, LEAST_SEA_M),
         )
         self._body_from_imu = body_from_sensor(self._imu).as_matrix()
         self._filter = _core.NavigationFilter(
@@ -84,6 +94,8 @@ class Navigator(Sealed):
         self._indices = {
             name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
         }
+        self._dock = self._filter.add_dock(DOCK_STD_M, DOCK_STD_RAD, DOCK_STD_M_S)
+        self._held: HeldState | None = None
         self._open: list[StreamLike] = []
         self._lock = threading.RLock()  # several threads may read a live simulator's estimate
         self.restart(start)
@@ -112,6 +124,11 @@ class Navigator(Sealed):
             velocity_world_m_s=np.asarray(start.velocity_world_m_s, float),
             velocity_std_m_s=start.velocity_std_m_s,
         )
+        self._held = None
+        if start.held_xyzw is not None:
+            turn = Rotation.from_quat(start.held_xyzw)
+            imu_world_m = start.position_world_m + turn.apply(self._around.imu_body_m)
+            self._held = HeldState(next_ns=now_ns + HELD_NS, reading=[*imu_world_m.tolist(), *turn.as_quat().tolist()])
         # The current IMU sample starts the first interval.
         self._listen({**dict.fromkeys(self._aids, now_ns + 1), IMU: now_ns}, now_ns)
 
@@ -143,6 +160,12 @@ class Navigator(Sealed):
                 return Rotation.from_rotvec([0.0, 0.0, turn]) * world_from_body
         return world_from_body
 
+    def release(self) -> None:
+        """End the hold by a dock (Start.held_xyzw): from now on, the vehicle is free."""
+        with self._lock:
+            self._current()
+            self._held = None
+
     def update(self) -> None:
         """Process all samples that have arrived. This also happens whenever the estimate is read."""
         with self._lock:
@@ -153,13 +176,21 @@ class Navigator(Sealed):
         now_ns = self._imu.time_ns
         if now_ns != self._now_ns:
             self._now_ns = now_ns
-            self._take_imu(now_ns)
+            self._process_imu(now_ns)
             for name, stream in self._streams.items():
-                self._take_aid(name, stream)
+                self._process_aid(name, stream)
+            if self._held is not None:
+                self._held = self._read_dock(self._held, now_ns)
             self._filter.catch_up()
         return self._filter
 
-    def _take_aid(self, name: str, stream: StreamLike) -> None:
+    def _read_dock(self, held: HeldState, now_ns: int) -> HeldState:
+        """Add the dock's readings until now, at fixed times."""
+        stamps_ns = np.arange(held.next_ns, now_ns + 1, HELD_NS, dtype=np.uint64)
+        self._filter.add_readings(self._dock, stamps_ns, stamps_ns, np.tile(held.reading, (len(stamps_ns), 1)))
+        return held.model_copy(update={"next_ns": held.next_ns + HELD_NS * len(stamps_ns)})
+
+    def _process_aid(self, name: str, stream: StreamLike) -> None:
         samples, sensor = stream.take(), self._aids[name]
         if not len(samples.stamps_ns):
             return
@@ -169,7 +200,7 @@ class Navigator(Sealed):
             stamps_ns, arrivals_ns = samples.stamps_ns[useful], samples.arrivals_ns[useful]
             self._filter.add_readings(self._indices[name], stamps_ns, arrivals_ns, readings[useful])
 
-    def _take_imu(self, now_ns: int) -> None:
+    def _process_imu(self, now_ns: int) -> None:
         samples = self._imu_stream.take()
         if self._imu.on and len(samples.stamps_ns):
             turn = self._body_from_imu.T
@@ -177,12 +208,12 @@ class Navigator(Sealed):
             self._filter.add_imu(samples.stamps_ns, np.hstack([rates, forces]))
             stamps_ns = np.concatenate([[self._imu_ns], samples.stamps_ns.astype(np.int64)])
             for gap in np.flatnonzero(np.diff(stamps_ns) > self._silence_ns):
-                self._be_silent(int(stamps_ns[gap]), int(stamps_ns[gap + 1]))
+                self._step_through_gap(int(stamps_ns[gap]), int(stamps_ns[gap + 1]))
             self._imu_ns = int(stamps_ns[-1])
             self._from_ns[IMU] = self._imu_ns + 1
-        self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
+        self._imu_ns = self._step_through_gap(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
 
-    def _be_silent(self, before_ns: int, after_ns: int) -> int:
+    def _step_through_gap(self, before_ns: int, after_ns: int) -> int:
         """Step the filter through a gap in the IMU samples, at fixed times between two stamps; return the last time."""
         while before_ns + self._silence_ns < after_ns:
             before_ns += self._silence_ns
@@ -259,7 +290,10 @@ class Navigator(Sealed):
                 "density_kg_m3": self._around.density_kg_m3,
             }
             times = {"imu_ns": self._imu_ns, "from_ns": self._from_ns}
-            return json.dumps({"version": self._filter.save_version, "filter": filter_, **times, "figures": figures})
+            held = {"held": None if self._held is None else self._held.model_dump()}
+            return json.dumps(
+                {"version": self._filter.save_version, "filter": filter_, **times, "figures": figures, **held}
+            )
 
     def restore(self, saved: str) -> None:
         """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
@@ -267,6 +301,7 @@ class Navigator(Sealed):
         require_names("from_ns", state.from_ns, self._from_ns)
         with self._lock:
             self._filter.restore(state.filter, state.version)
+            self._held = state.held
             if figures := state.figures:
                 self._silence_ns = figures.silence_ns
                 self._around = replace(

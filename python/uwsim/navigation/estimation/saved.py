@@ -17,14 +17,25 @@ class WaterState(State):
     density_kg_m3: Annotated[FiniteFloat, Field(gt=0)]
 
 
+class HeldState(State):
+    """The dock that holds a vehicle.
+
+    next_ns: time of its next reading. reading: position of the IMU, then orientation x, y, z, w.
+    """
+
+    next_ns: Nanoseconds
+    reading: Annotated[list[FiniteFloat], Field(min_length=7, max_length=7)]
+
+
 class NavigatorState(State):
-    """A saved Navigator. version: the version of `filter`; in version 1, there was no `figures`.
+    """A saved Navigator. version: the version of `filter`; 1 lacks `figures`, 1 and 2 lack `held`.
 
     from_ns: the earliest possible stamp of each sensor's next sample.
     """
 
-    version: Literal[1, 2] = 1
+    version: Literal[1, 2, 3] = 1
     figures: WaterState | None = None
+    held: HeldState | None = None
     filter: Base64Bytes
     imu_ns: Nanoseconds
     from_ns: dict[str, Nanoseconds]

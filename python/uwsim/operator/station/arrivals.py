@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from uwsim.channels import Channel
 from uwsim.channels.guest import GuestTopic, Node, Values
-from uwsim.channels.messages import to_plain
-from uwsim.channels.own_types import TELEMETRY
+from uwsim.channels.ros.messages import to_plain
+from uwsim.channels.ros.own_types import TELEMETRY
 from uwsim.link import Carrier
 from uwsim.link.carried import vehicle_of
 from uwsim.live import LiveSimulator
@@ -101,7 +101,7 @@ class Arrivals:
 
         def read(sim: Simulator) -> Any:
             if self._is_due(name, sim.time_ns):
-                self._carrier.look_for(channel, sim)
+                self._carrier.note_read(channel, sim)
             return self._carrier.newest(channel, sim.time_s - LOOK_S)
 
         return read

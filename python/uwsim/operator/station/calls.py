@@ -25,6 +25,7 @@ from uwsim.operator.station.wire import (
 )
 from uwsim.operator.station.wire_training import (
     ExerciseState,
+    FaultKinds,
     Instruct,
     NotesRequest,
     NotesState,
@@ -81,6 +82,7 @@ _CALLS = (
         is_brief=False,
     ),
     Call("overview", "report the truth; for the instructor only", answer=Overview, is_brief=False),
+    Call("fault_kinds", "list the kinds of faults; for the instructor only", answer=FaultKinds, is_brief=False),
     Call("parameters", "describe all parameters; for the instructor only", answer=ParameterList, is_brief=False),
     Call("plan", "save, fly, stop or report on a plan drawn on the chart", PlanRequest, PlanState, is_brief=False),
     Call("notes", "list inspection notes, add one, or set the comment", NotesRequest, NotesState, is_brief=False),

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from uwsim.channels.map import PingMap
+from uwsim.channels.families.map import PingMap
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
 from uwsim.mapping.files.geotiff import write_depth_tiff

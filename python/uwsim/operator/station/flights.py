@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import re
 import threading
 from collections import OrderedDict
@@ -11,27 +12,30 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.journal import EFFORT
+from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.guest import Values
+from uwsim.channels.table import Table
+from uwsim.live import LiveSimulator
 from uwsim.operator.station.scene import glb
 from uwsim.recording import Recorder, Recording
 from uwsim.recording.glance import glance
+from uwsim.recording.mcap_sink import is_being_written
 from uwsim.recording.timeline import UNSEEN, Timeline, distances
 from uwsim.scenario import vehicle_hull
 from uwsim.scenario.fingerprint import build_fingerprint
-
-if TYPE_CHECKING:
-    from uwsim.operator.station.running import Running
 
 FOLDER = "flights"
 COUNT, MEGABYTES = 50, 2000
 """The default bounds: the number of flights, and their total size in MB (10^6 bytes)."""
 COUNT_MAX, MEGABYTES_MAX = 10_000, 1_000_000
+RECORDED_BY = {"recorded_by": "station"}
+"""The note in the metadata of a flight that was recorded unasked. Only such recordings are ever deleted."""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.mcap")
 CHECK_S = 2.0  # interval between checks of the bounds while recording
 OPEN_MAX = 3  # number of time lines cached for later requests
@@ -41,7 +45,10 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 
 @dataclass(frozen=True)
 class Bounds:
-    """Limits on the number of flights kept and on their total size. The oldest flights are deleted first."""
+    """Limits on the number of flights kept and on their total size. The oldest flights are deleted first.
+
+    Recordings that the station did not make unasked are not counted, and never deleted, whatever their names.
+    """
 
     count: int = COUNT
     size_bytes: int = MEGABYTES * 1_000_000
@@ -57,10 +64,13 @@ class Bounds:
             raise ValueError(f"{text!r}: must be 0 to {COUNT_MAX} flights and 1 to {MEGABYTES_MAX} MB")
         return cls(count, megabytes * 1_000_000)
 
+    def __str__(self) -> str:
+        return f"at most {self.count} flights and {self.size_bytes / 1e6:g} MB"
+
 
 @dataclass
 class Flights:
-    """The flights in a folder, keyed by file name. Names begin with the start time, so they sort by age.
+    """The flights in a folder, keyed by file name. The station's names begin with the start time.
 
     refused: the reasons why flights could not be replayed, keyed by name. Methods may be called on any thread.
     """
@@ -90,17 +100,23 @@ class Flights:
         return self.folder / f"{now:%Y%m%d-%H%M%S}-{now.microsecond // 1000:03d}-{what}.mcap"
 
     def make_room(self, more: int = 0) -> None:
-        """Delete the oldest flights beyond the bounds, but never the flight being recorded."""
+        """Delete the oldest flights beyond the bounds, but none that this or another station is recording."""
         with self._lock:
-            paths = self._paths()
-            sizes = {path: path.stat().st_size for path in paths}
-            while paths and (len(paths) + more > self.bounds.count or sum(sizes.values()) > self.bounds.size_bytes):
-                oldest = paths.pop(0)
-                if oldest == self.growing:
+            begun, sizes = {}, {}
+            for path in self._paths():
+                stat = path.stat()
+                if path == self.growing:
+                    sizes[path] = stat.st_size
+                elif (start := _recorded_unasked(path, stat.st_size, stat.st_mtime_ns)) is not None:
+                    begun[path], sizes[path] = start, stat.st_size
+            for oldest in sorted(begun, key=lambda path: (begun[path], path.name)):
+                if len(sizes) + more <= self.bounds.count and sum(sizes.values()) <= self.bounds.size_bytes:
+                    break
+                if is_being_written(oldest):
                     continue
                 oldest.unlink(missing_ok=True)
                 del sizes[oldest]
-                LOGGER.info("flight %s deleted: more would exceed the bounds", oldest.name)
+                LOGGER.warning("flight %s is deleted: %s are kept", oldest.name, self.bounds)
 
     def timeline(self, name: object) -> Timeline:
         """Return a flight's time line, simulating the flight unless the time line is cached.
@@ -168,18 +184,30 @@ class Flights:
 
 
 @lru_cache(COUNT_MAX)
+def _recorded_unasked(path: Path, size: int, changed_ns: int) -> str | None:
+    """Return when a flight began that the station recorded unasked, or None for any other file."""
+    try:
+        start = glance(path).start
+    except (ValueError, OSError):
+        return None
+    return start.begun if start.notes.items() >= RECORDED_BY.items() else None
+
+
+@lru_cache(COUNT_MAX)
 def _summary(path: Path, size: int, changed_ns: int) -> Values:
     try:
-        start, end = glance(path)
+        seen = glance(path)
     except ValueError as error:
         return _unreadable(path, size, error)
-    notes = {**start.notes, **end.notes}
+    start, end = seen.start, seen.end
+    notes = {**start.notes, **(end.notes if end is not None else {})}
     is_other = start.build != build_fingerprint()
     return {
         "name": path.name,
         "scenario": start.scenario,
         "begun": start.begun,
-        "duration_s": round(max((end.tick - start.tick) * start.step_s, 0.0), 3),
+        "duration_s": round(seen.duration_s, 3),
+        "cut_off": end is None,
         "size_bytes": size,
         "branched_from": str(notes.get("branched_from", "")),
         "refused": "was made by another build of uwsim" if is_other else "",
@@ -188,7 +216,7 @@ def _summary(path: Path, size: int, changed_ns: int) -> Values:
 
 def _unreadable(path: Path, size: int, error: Exception) -> Values:
     what = " ".join(str(error).replace(f"'{path}'", f"'{path.name}'").split())
-    empty = {"scenario": "", "begun": "", "duration_s": 0.0, "size_bytes": size, "branched_from": ""}
+    empty = {"scenario": "", "begun": "", "duration_s": 0.0, "cut_off": False, "size_bytes": size, "branched_from": ""}
     return {"name": path.name, **empty, "refused": what}
 
 
@@ -203,39 +231,48 @@ def track(line: Timeline, origin_m: NDArray[np.float64]) -> Values:
 class FlightRecording:
     """Records a running simulator automatically. A flight without any commands is not kept.
 
-    notes: metadata for the recording, such as the flight from which it branched. trouble: the reason why nothing is
-    being recorded, or "".
+    notes: metadata for the recording, such as the flight from which it branched.
     """
 
-    def __init__(self, running: Running, flights: Flights, notes: Mapping[str, Any] | None = None) -> None:
-        self._running, self._flights, self._notes = running, flights, dict(notes or {})
+    def __init__(
+        self, live: LiveSimulator, table: Table, feed: Feed, flights: Flights, notes: Mapping[str, Any] | None = None
+    ) -> None:
+        self._live, self._table, self._feed = live, table, feed
+        self._flights, self._notes = flights, {**(notes or {}), **RECORDED_BY}
         self._recorder: Recorder | None = None
         self._is_flown = False
         self._over = threading.Event()
         self._lock = threading.Lock()
-        self.trouble = ""
+        self._trouble = ""
 
     @property
     def name(self) -> str:
-        """The name of the file being written, or ""."""
+        """The name of the file being written, or "" if nothing is being recorded."""
         recorder = self._recorder
-        return "" if recorder is None else recorder.path.name
+        return "" if recorder is None or recorder.error is not None else recorder.path.name
+
+    @property
+    def trouble(self) -> str:
+        """The reason why nothing is being recorded, or ""."""
+        recorder = self._recorder
+        error = None if recorder is None else recorder.error
+        return self._trouble if error is None else f"the flight is no longer recorded: {error.strerror or error}"
 
     def start(self) -> None:
         """Begin a recording, unless no flights are to be kept. Errors are logged and stored in `trouble`."""
-        running, flights = self._running, self._flights
+        flights = self._flights
         if flights.bounds.count == 0:
             return
         with self._lock:
             try:
-                path = flights.new_path(running.live.simulator.scenario.name)
-                self._is_flown, self.trouble = False, ""
+                path = flights.new_path(self._live.simulator.scenario.name)
+                self._is_flown, self._trouble = False, ""
                 recorder = Recorder(
-                    running.live, path, shared=running.table, feed=running.feed, notes=self._notes, is_light=True
-                )
+                    self._live, path, shared=self._table, feed=self._feed, notes=self._notes, is_light=True,
+                )  # fmt: skip
                 flights.growing = path
                 self._recorder = recorder.start()
-                running.live.simulator.journal.listen(self)
+                self._live.simulator.journal.listen(self)
                 self._over = threading.Event()
                 threading.Thread(target=self._watch, args=(self._over,), name="uwsim-flights", daemon=True).start()
             except (OSError, ValueError) as error:
@@ -249,7 +286,10 @@ class FlightRecording:
             self._is_flown = True
 
     def _watch(self, over: threading.Event) -> None:
-        """Enforce the bounds while a flight is being recorded. If this flight alone exceeds them, end its recording."""
+        """Enforce the bounds while a flight is being recorded.
+
+        If this flight alone exceeds them, or cannot be written any more, end its recording.
+        """
         while not over.wait(CHECK_S):
             recorder = self._recorder
             if recorder is None:
@@ -260,28 +300,32 @@ class FlightRecording:
             except OSError as error:
                 self._complain(error)
                 return
-            if is_too_large:
+            if recorder.error is not None:
+                self.stop()
+            elif is_too_large:
                 self.stop()
                 megabytes = self._flights.bounds.size_bytes / 1e6
-                self.trouble = f"the flight is no longer recorded: its recording has reached {megabytes:g} MB"
-                LOGGER.warning("%s", self.trouble)
+                self._trouble = f"the flight is no longer recorded: its recording has reached {megabytes:g} MB"
+                LOGGER.warning("%s", self._trouble)
 
     def stop(self) -> None:
-        """Finish the recording; errors are logged and stored in `trouble`."""
+        """Finish the recording; errors are logged, and stored in `trouble`."""
         with self._lock:
             recorder, self._recorder = self._recorder, None
             self._over.set()
             if recorder is None:
                 return
-            self._running.live.simulator.journal.detach(self)
+            self._live.simulator.journal.detach(self)
             try:
                 recorder.close()
                 if not self._is_flown:
                     recorder.path.unlink(missing_ok=True)
+                    LOGGER.warning("flight %s is not kept: it has no commands", recorder.path.name)
             except OSError as error:
                 self._complain(error)
             self._flights.growing = None
 
     def _complain(self, error: Exception) -> None:
-        self.trouble = f"the flight is not recorded: {error}"
-        LOGGER.error("%s", self.trouble)
+        text = str(error).replace(f"{self._flights.folder}{os.sep}", "")  # pages need not see the server's folders
+        self._trouble = f"the flight is not recorded: {text}"
+        LOGGER.error("%s", self._trouble)

@@ -8,8 +8,9 @@ import json
 import math
 import re
 import threading
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +20,12 @@ from uwsim.base.commands import COMMENT, NOTE, require_note
 from uwsim.base.quaternions import matrix, product
 from uwsim.channels.guest import Values
 from uwsim.instruments.cameras.image_file import encode_png
-from uwsim.operator.station.snapshots import described, panel_of, taken
+from uwsim.operator.station.snapshots import Snapshots
+from uwsim.recording import Recorder
 from uwsim.scenario.georeference import georeference
 from uwsim.simulator.failures import Event
 from uwsim.simulator.notes import comment_of, notes_of
 from uwsim.simulator.simulator import Simulator
-
-if TYPE_CHECKING:
-    from uwsim.operator.station.running import Running
 
 PLACES = ("view", "vehicle")
 TIMEOUT_S = 10.0
@@ -41,21 +40,21 @@ FORMULA = ("=", "+", "-", "@")  # characters with which a formula begins in a sp
 
 
 class Inspection:
-    """The notes of a running simulator. folder: where the notes' files are written.
+    """The notes of a running simulator. recorder: returns the current one, if any. folder: where files are written.
 
     The files are NAME-notes.csv, NAME-notes.geojson, NAME-note-1.png and so on. NAME is the name of the current
     recording or, if there is none, of the scenario. The files include notes that a restart has removed from the run.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, snapshots: Snapshots, recorder: Callable[[], Recorder | None], folder: Path) -> None:
+        self._snapshots, self._live, self._recorder, self.folder = snapshots, snapshots.live, recorder, folder
         self._lock = threading.Lock()
         self._kept: dict[str, tuple[str, list[Event]]] = {}  # by recording: NAME, and the notes in its files
 
-    def listed(self, running: Running) -> list[Values]:
+    def listed(self) -> list[Values]:
         """Return the notes, except comments, in the page's format, with positions in odom."""
-        origin_m = running.table.sources[0].origin_m
-        found = [event for event in notes_of(running.live.simulator.events) if event.values["category"] != COMMENT]
+        origin_m = self._snapshots.table.sources[0].origin_m
+        found = [event for event in notes_of(self._live.simulator.events) if event.values["category"] != COMMENT]
         return [
             {
                 "number": k, "time_s": event.time_s, "vehicle": event.vehicle, "category": event.values["category"],
@@ -66,15 +65,15 @@ class Inspection:
             for k, event in enumerate(found, 1)
         ]  # fmt: skip
 
-    def set_comment(self, running: Running, request: Values) -> str:
+    def set_comment(self, request: Values) -> str:
         """Replace the comment shown in pictures. Raises ValueError."""
         text, category = _text(request), COMMENT
         require_note(text, category, "")
         with self._lock:
-            self._write(running, _vehicle(running, request), text=text, category=category)
+            self._write(self._vehicle(request), text=text, category=category)
         return ""
 
-    def add(self, running: Running, request: Values) -> str:
+    def add(self, request: Values) -> str:
         """Add a note, with a picture if the request names a camera's view; return a sentence about its position."""
         text, category = _text(request), str(request.get("category"))
         require_note(text, category, "")
@@ -83,19 +82,21 @@ class Inspection:
         place = request.get("place") or "vehicle"
         if place not in PLACES:
             raise ValueError(f"place = {str(place)[:40]!r}: must be one of {', '.join(PLACES)}")
-        vehicle, view = _vehicle(running, request), request.get("view") or ""
+        vehicle, view = self._vehicle(request), request.get("view") or ""
         with self._lock:
-            rgb, panel = _seen(running, vehicle, view)
-            position_world_m, where = _placed(running, vehicle, str(view), panel, place == "view")
+            rgb, panel = self._seen(vehicle, view)
+            position_world_m, where = self._placed(vehicle, str(view), panel, place == "view")
             picture = ""
             if rgb is not None:
                 self.folder.mkdir(parents=True, exist_ok=True)
-                picture = self._picture_name(running)
-                text_of = described(running, str(view), panel, comment_of(running.live.simulator.events), note=text)
+                picture = self._picture_name()
+                text_of = self._snapshots.described(
+                    str(view), panel, comment_of(self._live.simulator.events), note=text
+                )
                 write_atomically(self.folder / picture, encode_png(rgb, text=text_of))
             try:
                 self._write(
-                    running, vehicle, text=text, category=category, picture=picture,
+                    vehicle, text=text, category=category, picture=picture,
                     position_world_m=None if position_world_m is None else position_world_m.tolist(),
                 )  # fmt: skip
             except BaseException:
@@ -104,32 +105,36 @@ class Inspection:
                 raise
         return where
 
-    def picture(self, running: Running, name: str) -> bytes:
+    def picture(self, name: str) -> bytes:
         """Return a note's picture. Raises ValueError or OSError."""
-        known = {event.values["picture"] for event in notes_of(running.live.simulator.events)}
+        known = {event.values["picture"] for event in notes_of(self._live.simulator.events)}
         if name not in known or not PICTURE_NAME.fullmatch(name):
             raise ValueError(f"'{name[:60]}' is no note's picture")
         return (self.folder / name).read_bytes()
 
-    def export(self, running: Running) -> None:
+    def file(self, suffix: str) -> bytes:
+        """Return the notes of the run so far in one of FORMATS."""
+        return FORMATS[suffix](self._live.simulator, notes_of(self._live.simulator.events))
+
+    def export(self) -> None:
         """Write the files. Raises OSError."""
-        name, notes = self._files(running)
-        notes += [event for event in notes_of(running.live.simulator.events) if event not in notes]
+        name, notes = self._files()
+        notes += [event for event in notes_of(self._live.simulator.events) if event not in notes]
         if not notes:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
         for suffix, make in FORMATS.items():
-            write_atomically(self.folder / f"{name}-notes.{suffix}", make(running.live.simulator, notes))
+            write_atomically(self.folder / f"{name}-notes.{suffix}", make(self._live.simulator, notes))
 
-    def _write(self, running: Running, vehicle: str, **values: Any) -> None:
-        running.live.command(NOTE, vehicle=vehicle, **values).result(TIMEOUT_S)
-        self.export(running)
+    def _write(self, vehicle: str, **values: Any) -> None:
+        self._live.command(NOTE, vehicle=vehicle, **values).result(TIMEOUT_S)
+        self.export()
 
-    def _files(self, running: Running) -> tuple[str, list[Event]]:
-        recorder = running.recorder
+    def _files(self) -> tuple[str, list[Event]]:
+        recorder = self._recorder()
         key = "" if recorder is None else str(recorder.path)
         if key not in self._kept:
-            stem = running.live.simulator.scenario.name if recorder is None else recorder.path.stem
+            stem = self._live.simulator.scenario.name if recorder is None else recorder.path.stem
             stem = re.sub(r"[^A-Za-z0-9_.-]", "_", stem)[:60] or "run"
             names = [stem, *(f"{stem}-{k}" for k in range(2, 10_000))]
             taken_names = {name for name, _ in self._kept.values()}
@@ -137,11 +142,48 @@ class Inspection:
             self._kept[key] = (next(free), [])
         return self._kept[key]
 
-    def _picture_name(self, running: Running) -> str:
-        name, notes = self._files(running)
+    def _picture_name(self) -> str:
+        name, notes = self._files()
         numbers = range(len(notes) + 1, len(notes) + 100_000)
         free = (f"{name}-note-{k}.png" for k in numbers if not (self.folder / f"{name}-note-{k}.png").exists())
         return next(free)
+
+    def _seen(self, vehicle: str, view: object) -> tuple[NDArray[np.uint8] | None, Values]:
+        """Return a picture of a view, or None if unavailable, and the panel. Raises ValueError for an unknown view."""
+        if view:
+            shown, arrivals = self._snapshots.views.view(view), self._snapshots.arrivals
+            if arrivals is None or shown.name not in arrivals or arrivals.has_come(shown.name):
+                return self._snapshots.picture(view)
+        return None, self._snapshots.panel(vehicle)  # over a link, a note need not wait for a picture
+
+    def _placed(
+        self, vehicle: str, view: str, panel: Values, wants_view: bool
+    ) -> tuple[NDArray[np.float64] | None, str]:
+        """Return a note's position in the world, (3,) or None if unknown, and a sentence about the position."""
+        own_m = np.asarray(panel["position"], np.float64) - self._snapshots.table.sources[0].origin_m
+        if not np.isfinite(own_m).all():
+            return None, "Noted without a position: the vehicle does not know where it is"
+        if not wants_view:
+            return own_m, "Noted at the vehicle's position"
+        shown = self._snapshots.views.views.get(view)
+        if shown is None or shown.vehicle != vehicle or shown.kind != "camera":
+            return own_m, "Noted at the vehicle's position: the large view is not from an onboard camera"
+        body_from_camera = shown.camera.mounting_xyzw()
+        offset_m = looked_at(
+            panel["orientation"], body_from_camera, shown.camera.mount.position_m, panel["distance_to_seabed"]
+        )
+        if offset_m is None:
+            return own_m, "Noted at the vehicle's position: the bed in front of its camera is unknown"
+        return (
+            own_m + offset_m,
+            f"Noted {float(np.linalg.norm(offset_m)):.1f} m from the vehicle, where its camera looks",
+        )
+
+    def _vehicle(self, request: Values) -> str:
+        name = request.get("vehicle")
+        if name not in self._live.vehicles:
+            raise ValueError(f"vehicle = {str(name)[:40]!r}: must be one of {', '.join(self._live.vehicles)}")
+        return str(name)
 
 
 def notes_csv(sim: Simulator, notes: list[Event]) -> bytes:
@@ -172,12 +214,6 @@ def notes_geojson(sim: Simulator, notes: list[Event]) -> bytes:
 
 
 FORMATS = {"csv": notes_csv, "geojson": notes_geojson}
-
-
-def notes_file(running: Running, suffix: str) -> bytes:
-    """Return the notes of the run so far in one of FORMATS."""
-    sim = running.live.simulator
-    return FORMATS[suffix](sim, notes_of(sim.events))
 
 
 def _rows(sim: Simulator, notes: list[Event]) -> list[dict[str, Any]]:
@@ -211,36 +247,6 @@ def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, floa
     return found
 
 
-def _seen(running: Running, vehicle: str, view: object) -> tuple[NDArray[np.uint8] | None, Values]:
-    """Return a picture of a view, or None if unavailable, and the panel. Raises ValueError for an unknown view."""
-    if view:
-        shown = running.views.view(view)
-        if running.arrivals is None or shown.name not in running.arrivals or running.arrivals.has_come(shown.name):
-            return taken(running, view)
-    return None, panel_of(running, vehicle)  # over a link, a note need not wait for a picture
-
-
-def _placed(
-    running: Running, vehicle: str, view: str, panel: Values, wants_view: bool
-) -> tuple[NDArray[np.float64] | None, str]:
-    """Return a note's position in the world, (3,) or None if unknown, and a sentence about the position."""
-    own_m = np.asarray(panel["position"], np.float64) - running.table.sources[0].origin_m
-    if not np.isfinite(own_m).all():
-        return None, "Noted without a position: the vehicle does not know where it is"
-    if not wants_view:
-        return own_m, "Noted at the vehicle's position"
-    shown = running.views.views.get(view)
-    if shown is None or shown.vehicle != vehicle or shown.kind != "camera":
-        return own_m, "Noted at the vehicle's position: the large view is not from an onboard camera"
-    body_from_camera = shown.camera.mounting_xyzw()
-    offset_m = looked_at(
-        panel["orientation"], body_from_camera, shown.camera.mount.position_m, panel["distance_to_seabed"]
-    )
-    if offset_m is None:
-        return own_m, "Noted at the vehicle's position: the bed in front of its camera is unknown"
-    return own_m + offset_m, f"Noted {float(np.linalg.norm(offset_m)):.1f} m from the vehicle, where its camera looks"
-
-
 def looked_at(
     world_from_body_xyzw: Any, body_from_camera_xyzw: Any, mount_m: Any, altitude_m: float
 ) -> NDArray[np.float64] | None:
@@ -264,10 +270,3 @@ def _text(request: Values) -> str:
     if not isinstance(text, str):
         raise ValueError(f"text = {text!r:.40}: must be text")
     return " ".join(text.split())
-
-
-def _vehicle(running: Running, request: Values) -> str:
-    name = request.get("vehicle")
-    if name not in running.live.vehicles:
-        raise ValueError(f"vehicle = {str(name)[:40]!r}: must be one of {', '.join(running.live.vehicles)}")
-    return str(name)

@@ -8,35 +8,29 @@ from __future__ import annotations
 
 import hmac
 import json
+import logging
 import math
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from threading import Timer
+from typing import Any
 
+from uwsim.bridges.admission import WRONG_MAX_S, WRONG_S
+from uwsim.bridges.rare_log import RareLog
 from uwsim.channels.guest import Values
 from uwsim.exercises.exercise import EVENT_COMMANDS
 from uwsim.live import LiveSimulator
-
-if TYPE_CHECKING:
-    from uwsim.operator.station.hub import Station
-    from uwsim.operator.station.running import Running
+from uwsim.operator.station.running import Moment, Running
+from uwsim.operator.station.sessions import Sessions
 
 LOG = "instructor-log.jsonl"
 MOMENTS_MAX = 20
 LOG_SHOWN = 50
 TIMEOUT_S = 10.0
 TOKEN_MIN = 8
-
-
-@dataclass
-class Moment:
-    """A saved moment. course: the state of the exercise, if there is one."""
-
-    name: str
-    time_s: float
-    state: bytes
-    course: object = None
+WRONG_TOKEN = "the instructor's token is wrong"
 
 
 @dataclass
@@ -49,38 +43,55 @@ class Instructor:
     token: str
     folder: Path
     clients: set[str] = field(default_factory=set)
-    moments: list[Moment] = field(default_factory=list)
     log: list[Values] = field(default_factory=list)
+    _guessing: set[str] = field(default_factory=set)  # clients whose wrong token is not answered yet
+    _rare: RareLog = field(default_factory=lambda: RareLog(logging.getLogger(__name__)))
 
     def __post_init__(self) -> None:
         if len(self.token) < TOKEN_MIN or not self.token.isprintable() or not self.token.isascii():
             raise ValueError(f"instructor token: must have at least {TOKEN_MIN} printable ASCII characters")
 
-    def admit(self, client: str, token: object) -> None:
-        """Accept a connection. Raises ValueError for a wrong token."""
-        if not isinstance(token, str) or not hmac.compare_digest(token.encode(), self.token.encode()):
-            raise ValueError("the instructor's token is wrong")
-        self.clients.add(client)
+    def admit(self, client: str, token: object) -> Future[Values]:
+        """Accept a connection, or refuse it: late, so that guessing takes long, and with a line in the log.
+
+        A client whose refusal is due is refused at once, whatever its token; raises ValueError.
+        """
+        if client in self._guessing:
+            raise ValueError(f"{WRONG_TOKEN}, and the answer to it is still due")
+        answer: Future[Values] = Future()
+        if isinstance(token, str) and hmac.compare_digest(token.encode(), self.token.encode()):
+            self.clients.add(client)
+            answer.set_result({"success": True, "message": ""})
+            return answer
+        self._rare.warning("a wrong token was sent for the instructor's place")
+        self._guessing.add(client)
+
+        def refuse() -> None:
+            self._guessing.discard(client)
+            answer.set_result({"success": False, "message": WRONG_TOKEN})
+
+        timer = Timer(min(WRONG_S * len(self._guessing), WRONG_MAX_S), refuse)
+        timer.daemon = True
+        timer.start()
+        return answer
 
     def require(self, client: str) -> None:
         """Raise ValueError unless a connection has presented the token."""
         if client not in self.clients:
             raise ValueError("for the instructor only")
 
-    def begin(self) -> None:
-        """Forget the moments saved for the previous simulator."""
-        self.moments.clear()
-
-    def act(self, station: Station, request: Values) -> str:
+    def act(self, sessions: Sessions, request: Values) -> str:
         """Execute and log the instructor's request. Return a sentence about the result. Raises ValueError."""
         action, arguments = request.get("action"), request.get("args") or {}
         if not isinstance(action, str) or action not in ACTIONS or not isinstance(arguments, dict):
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
-        running = station.present()
+        running = sessions.present()
         time_s = 1e-9 * running.live.time_ns
-        outcome = ACTIONS[action](self, station, running, arguments)
+        with running.live.privileged():
+            outcome = ACTIONS[action](self, sessions, running, arguments)
+        if running.judged is not None and action != "command":  # the course itself notes commands
+            running.judged.note_instruction(outcome)
         self._note(time_s, action, arguments, outcome)
-        station.tell()
         return outcome
 
     def _note(self, time_s: float, action: str, arguments: Values, outcome: str) -> None:
@@ -94,7 +105,7 @@ class Instructor:
         """Return the instructor's overview of the simulation, including the truth."""
         seen: Values = running.live.read(_truth).result(TIMEOUT_S)
         exercise = None if running.judged is None else running.judged.state()
-        moments = [{"name": moment.name, "time_s": moment.time_s} for moment in self.moments]
+        moments = [{"name": moment.name, "time_s": moment.time_s} for moment in running.moments]
         return {**seen, "exercise": exercise, "moments": moments, "log": self.log[::-1]}
 
 
@@ -108,6 +119,7 @@ def parameters(live: LiveSimulator) -> Values:
 
 def _truth(sim: Any) -> Values:
     vehicles = []
+    models = {entry.name: entry.model for entry in sim.scenario.vehicles}
     for name, vehicle in sim.vehicles.items():
         panel, pose = vehicle.telemetry(), vehicle.pose
         vehicles.append(
@@ -121,12 +133,13 @@ def _truth(sim: Any) -> Values:
                 "collisions": vehicle.collisions,
                 "sensors": [each.name for each in vehicle.sensors.values()],
                 "thrusters": list(vehicle.thrusters),
+                "cameras": list(models[name].cameras),
             }
         )
     return {"time_s": sim.time_s, "vehicles": vehicles, "faults": list(sim.faults.active)}
 
 
-def _command(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
+def _command(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
     name, given = arguments.get("name"), arguments.get("args") or {}
     if name not in EVENT_COMMANDS or not isinstance(given, dict):
         raise ValueError(f"name = {str(name)[:40]!r}: must be one of {', '.join(EVENT_COMMANDS)}")
@@ -134,47 +147,49 @@ def _command(own: Instructor, station: Station, running: Running, arguments: Val
     return str(name).replace("_", " ")
 
 
-def _pause(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
+def _pause(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
     running.live.pause()
     return "paused"
 
 
-def _resume(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
+def _resume(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    if running.judged is not None:
+        running.judged.require_begun("resume")
     running.live.resume()
     return "resumed"
 
 
-def _save_moment(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
-    if len(own.moments) >= MOMENTS_MAX:
+def _save_moment(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    if len(running.moments) >= MOMENTS_MAX:
         raise ValueError(f"there are {MOMENTS_MAX} saved moments: forget one first")
     judged = running.judged
 
     def read(sim: Any) -> Moment:
         course = None if judged is None else judged.course.saved()
-        return Moment(f"moment {len(own.moments) + 1}", sim.time_s, sim.save_state(), course)
+        return Moment(f"moment {len(running.moments) + 1}", sim.time_s, sim.save_state(), course)
 
     moment = running.live.read(read).result(TIMEOUT_S)
-    own.moments.append(moment)
+    running.moments.append(moment)
     return f"saved {moment.name} at {moment.time_s:.1f} s"
 
 
-def _return_to(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
-    found = [moment for moment in own.moments if moment.name == arguments.get("name")]
+def _return_to(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    found = [moment for moment in running.moments if moment.name == arguments.get("name")]
     if not found:
         raise ValueError(f"name = {str(arguments.get('name'))[:40]!r}: is not a saved moment")
     if running.judged is not None:
         running.judged.course.return_to(found[0].course)
-    station.rewind(found[0].state)
-    station.let_go()
+    sessions.rewind(found[0].state)
+    sessions.change_pilot()
     return f"returned to {found[0].name}, at {found[0].time_s:.1f} s"
 
 
-def _restart(own: Instructor, station: Station, running: Running, arguments: Values) -> str:
-    station.rewind()
+def _restart(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    sessions.rewind()
     return "restarted"
 
 
-Action = Callable[[Instructor, "Station", "Running", Values], str]
+Action = Callable[[Instructor, Sessions, Running, Values], str]
 ACTIONS: dict[str, Action] = {
     "command": _command,
     "pause": _pause,

@@ -42,7 +42,7 @@ class Lease:
             self.pilot, self.lost_by = "", name
         return was_pilot
 
-    def take(self, client: str, now_s: float, *, is_silent: bool = False) -> None:
+    def request(self, client: str, now_s: float, *, is_silent: bool = False) -> None:
         """Give the controls to a member if they are free, or if the pilot's connection seems dead (is_silent).
 
         Otherwise record the request and raise ValueError.
@@ -52,14 +52,14 @@ class Lease:
             wait_s = self._ask(client, now_s)
             note = f"you may ask again in {wait_s:.0f} s" if wait_s > 0 else "your wish is shown there"
             raise ValueError(f"{self.pilot_name} has the controls; {note}")
-        self._give(client)
+        self._set_pilot(client)
 
     def hand_over(self, client: str, to: object) -> None:
         """Hand over the controls to a member, or release them if `to` is "". Raises ValueError."""
         self.require_pilot(client)
         if to != "" and to not in self.members:
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is not a member")
-        self._give(str(to))
+        self._set_pilot(str(to))
 
     def require_pilot(self, client: str) -> None:
         """Raise ValueError unless this connection has the controls."""
@@ -79,7 +79,7 @@ class Lease:
         self.asking.append(client)
         return 0.0
 
-    def _give(self, client: str) -> None:
+    def _set_pilot(self, client: str) -> None:
         self.pilot, self.lost_by = client, ""
         if client in self.asking:
             self.asking.remove(client)

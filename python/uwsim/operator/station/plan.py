@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from uwsim.base.arguments import is_number
 from uwsim.channels.guest import Values
 from uwsim.live import LiveSimulator
 from uwsim.live.clock import LiveClock
@@ -120,10 +120,10 @@ class PlanFlight:
         except Exception as error:  # StoppedError, or the simulator was stopped, reset or failed
             ended = str(error) or type(error).__name__
             if not self._clock.stopped_because:
-                self._let_go()
+                self._end_efforts()
         self.ended_because = ended
 
-    def _let_go(self) -> None:
+    def _end_efforts(self) -> None:
         try:
             self._hull.set_effort()
         except Exception as error:
@@ -140,6 +140,4 @@ def mission_of(plan: Plan) -> Any:
 
 
 def _is_within(value: object, low: float, high: float) -> bool:
-    return (
-        isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) and low <= value <= high
-    )
+    return is_number(value) and low <= value <= high

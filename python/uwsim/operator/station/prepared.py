@@ -27,7 +27,7 @@ class Prepared:
         self._key = ""
         self._made: Future[Simulator] | None = None
 
-    def want(self, scenario: Scenario) -> None:
+    def prepare(self, scenario: Scenario) -> None:
         """Start preparing a simulator, and discard any other scenario's. Raises OSError if a file is missing."""
         key = scenario_fingerprint(scenario)
         with self._lock:
@@ -35,7 +35,7 @@ class Prepared:
                 self._drop()
                 self._key, self._made = key, self._worker.submit(self._warm, scenario)
 
-    def take(self, scenario: Scenario) -> Simulator:
+    def release(self, scenario: Scenario) -> Simulator:
         """Return the scenario's simulator, which is created now if it is not prepared.
 
         Raises the errors of `make`, and OSError.

@@ -6,60 +6,58 @@ import logging
 import math
 import threading
 import time
-from typing import TYPE_CHECKING
 
-from uwsim.channels.build import message
 from uwsim.channels.guest import Values
-from uwsim.channels.own_types import STATION_STATE
+from uwsim.channels.ros.build import message
+from uwsim.channels.ros.own_types import STATION_STATE
 from uwsim.live import NotRunningError
+from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.running import Running
+from uwsim.operator.station.sessions import STATE, Sessions
 from uwsim.simulator.notes import comment_of, notes_of
 
-if TYPE_CHECKING:
-    from uwsim.operator.station.hub import Station
-
-STATE = "station/state"
 STATE_S = 0.5  # even if nothing has changed: a page that receives nothing for 1.5 s suspects its network
 SILENT_S = 1.5  # silence of the pilot, who is pinged every second, after which it is reported
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 
 class Pulse:
-    """A thread that runs when something is due or `stir` is called, and twice a second while idle."""
+    """A thread that runs when something is due or `wake` is called, and twice a second while idle."""
 
-    def __init__(self, station: Station) -> None:
-        self._station = station
-        self._stirred = threading.Event()
+    def __init__(self, lease: Lease) -> None:
+        self._lease = lease
+        self._woken = threading.Event()
         self._is_changed = self._is_closing = False
         self._sent_s = -math.inf
         self._thread = threading.Thread(target=self._run, name="uwsim-station", daemon=True)
 
-    def start(self) -> None:
+    def start(self, sessions: Sessions) -> None:
         """Start beating."""
+        self._sessions = sessions
         self._thread.start()
 
     def close(self) -> None:
         """Stop beating."""
         self._is_closing = True
-        self._stirred.set()
+        self._woken.set()
         if self._thread.ident is not None:
             self._thread.join()
 
-    def stir(self) -> None:
+    def wake(self) -> None:
         """Run now, because something may be due. May be called on any thread."""
-        self._stirred.set()
+        self._woken.set()
 
-    def tell(self) -> None:
+    def publish(self) -> None:
         """Publish the state now, because it has changed. May be called on any thread."""
         self._is_changed = True
-        self._stirred.set()
+        self._woken.set()
 
     def _run(self) -> None:
         rest_s = 0.0
         while not self._is_closing:
-            self._stirred.wait(rest_s)
-            self._stirred.clear()
-            running = self._station.running
+            self._woken.wait(rest_s)
+            self._woken.clear()
+            running = self._sessions.running
             try:
                 rest_s = self._beat(running, time.monotonic())
             except NotRunningError:
@@ -72,23 +70,23 @@ class Pulse:
         """Perform the actions that are due. Return the time [s] until the next one."""
         if self._is_changed or now_s >= self._sent_s + STATE_S:
             self._is_changed, self._sent_s = False, now_s
-            self._tell_state(running)
+            self._publish_state(running)
         rests_s = [self._sent_s + STATE_S - now_s]
         if running is not None:
-            rests_s += [running.helm.beat(), running.views.beat(now_s)]
+            rests_s += [running.pilot.beat(), running.views.beat(now_s)]
         return max(min(rests_s), 0.0)
 
-    def _tell_state(self, running: Running | None) -> None:
+    def _publish_state(self, running: Running | None) -> None:
         if running is not None:
             running.notice_changes()
         time_ns = 0 if running is None else running.live.time_ns
-        self._station.node.publish(STATE, message(STATION_STATE, **self._state(running)), time_ns)
+        self._sessions.node.publish(STATE, message(STATION_STATE, **self._state(running)), time_ns)
 
     def _state(self, running: Running | None) -> Values:
-        station, lease = self._station, self._station.lease
+        sessions, lease = self._sessions, self._lease
         state = {
-            "phase": station.phase if running is not None or station.phase != "running" else "idle",
-            "session": station.session,
+            "phase": sessions.phase if running is not None or sessions.phase != "running" else "idle",
+            "session": sessions.number,
             "edition": 0 if running is None else running.edition,
             "pilot": lease.pilot,
             "pilot_silence": self._pilot_silence_s(),
@@ -97,15 +95,15 @@ class Pulse:
             "asking": list(lease.asking),
             "driver": "" if running is None else running.driver,
             "lost_by": lease.lost_by,
-            "recording": "" if running is None or running.recorder is None else running.recorder.path.name,
+            "recording": "" if running is None else running.recording,
             "flight": "" if running is None or running.flight is None else running.flight.name,
             "flight_trouble": "" if running is None or running.flight is None else running.flight.trouble,
         }
         return state if running is None else state | _progress(running)
 
     def _pilot_silence_s(self) -> float:
-        pilot = self._station.lease.pilot
-        silence_s = self._station.node.silence_s(pilot) if pilot else 0.0
+        pilot = self._lease.pilot
+        silence_s = self._sessions.node.silence_s(pilot) if pilot else 0.0
         return silence_s if silence_s >= SILENT_S else 0.0
 
 
@@ -124,4 +122,5 @@ def _progress(running: Running) -> Values:
         "lateness": live.lateness,
         "rosbridge": "" if rosbridge is None else rosbridge.url,
         "rosbridge_trouble": "" if rosbridge is None else rosbridge.trouble,
+        "rosbridge_refusals": "" if rosbridge is None else rosbridge.refusals,
     }

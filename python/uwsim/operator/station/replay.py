@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from concurrent.futures import Future
 
 from uwsim.base.agenda import NEVER, Rank
+from uwsim.base.arguments import is_number
 from uwsim.channels.guest import Values
-from uwsim.live import LiveSimulator
+from uwsim.live import PACE_ACTS, LiveSimulator
 from uwsim.operator.station.flights import Flights
 from uwsim.recording.timeline import Timeline
 from uwsim.simulator.simulator import Simulator
@@ -29,13 +29,13 @@ class Replay:
 
     def start(self) -> None:
         """Begin to follow the recording, and refuse commands. Call this before the simulator steps."""
-        self.live.refusal = REFUSAL
+        self.live.refusal_of = lambda act: "" if act in PACE_ACTS else REFUSAL
         self.live.simulator.agenda.add(self, Rank.REPLAY, self._act)
         self._go_on_from(self.timeline.place(self.live.simulator.tick))
 
     def seek(self, time_s: object) -> Future[None]:
         """Go to a simulated time, clamped to the recording, without pausing or resuming. Raises ValueError."""
-        if isinstance(time_s, bool) or not isinstance(time_s, int | float) or not math.isfinite(time_s):
+        if not is_number(time_s):
             raise ValueError(f"time_s = {str(time_s)[:40]}: must be a number")
         line = self.timeline
         tick = round(min(max(time_s / line.step_s, line.start_tick), line.end_tick))
@@ -72,7 +72,7 @@ class Replay:
     def _act(self, tick: int) -> None:
         line = self.timeline
         while (due := line.next_command_tick(self._place)) is not None and due <= tick:
-            line.give(self.live.simulator, self._place)
+            line.execute(self.live.simulator, self._place)
             self._place += 1
         self._go_on_from(self._place, tick)
         if tick >= line.end_tick and not self.live.paused:

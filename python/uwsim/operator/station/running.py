@@ -4,37 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
-from uwsim.channels.feed import Feed
+from uwsim.channels.authority.rights import OF_INSTRUCTOR, AidKind
+from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.families.imaging import picture_geometry
+from uwsim.channels.families.map import PLACED
 from uwsim.channels.guest import GuestTopic, Node, Values
-from uwsim.channels.imaging import picture_geometry
-from uwsim.channels.map import PLACED
 from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire
-from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.arrivals import Arrivals
 from uwsim.operator.station.flights import FlightRecording
-from uwsim.operator.station.helm import Helm
 from uwsim.operator.station.inspection import Inspection
 from uwsim.operator.station.judged import Judged
+from uwsim.operator.station.pilot import Pilot
 from uwsim.operator.station.plan import PlanFlight
 from uwsim.operator.station.replay import Replay
 from uwsim.operator.station.scene import Scene
+from uwsim.operator.station.snapshots import Snapshots
 from uwsim.operator.station.user_rosbridge import UserRosbridge
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
+from uwsim.scenario.spec.imaging_kind import core_kind
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
 """Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
-SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
 
 
 def piloted_commands() -> list[str]:
@@ -42,10 +44,20 @@ def piloted_commands() -> list[str]:
     return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
 
 
+@dataclass
+class Moment:
+    """A saved moment. course: the state of the exercise, if there is one."""
+
+    name: str
+    time_s: float
+    state: bytes
+    course: object = None
+
+
 class Running:
     """A live simulator, from `start` to `stop`.
 
-    The map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
+    The map is built from the start, so that late visitors see all of it. wake: called when a picture may be due. truth:
     whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
     change of a parameter changes the result of `describe`; see `notice_changes`. replay: the replay that the simulator
     follows, if any. In a replay, the truth is shown, and all values are those aboard, without a link. branched_from:
@@ -56,7 +68,7 @@ class Running:
         self,
         live: LiveSimulator,
         node: Node,
-        stir: Callable[[], object],
+        wake: Callable[[], object],
         *,
         wire: Wire,
         origin: str | Sequence[float],
@@ -78,9 +90,9 @@ class Running:
         self.far = live if self.carrier is None else self.carrier.remote()  # the simulator as commanded by pilots
         if self.carrier is not None:
             table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
-        self.helm = Helm(self.far, self.table.steering)
+        self.pilot = Pilot(self.far, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
-        self.views = Views(live, self.table, node, stir, over_link=has_carrier, truth=truth)
+        self.views = Views(live, self.table, node, wake, over_link=has_carrier, truth=truth)
         self.arrivals: Arrivals | None = None
         if self.carrier is not None:
             self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
@@ -93,12 +105,20 @@ class Running:
         self.rosbridge: RosbridgeClient | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
-        self.inspection = Inspection(folder or Path.cwd())
+        self.moments: list[Moment] = []
+        self.snapshots = Snapshots(live, table, self.views, self.arrivals)
+        self.inspection = Inspection(self.snapshots, lambda: self.recorder, folder or Path.cwd())
 
     @property
     def driver(self) -> str:
         """The kind of client, other than the pilot, whose command is in effect, or ""."""
-        return next((name for each in self.table.steering.values() if (name := each.watch.driver)), "")
+        return next((name for each in self.table.steering.values() if (name := each.driver)), "")
+
+    def aids_in_use(self) -> set[AidKind]:
+        """Return those of a pilot's aids in use that the vehicle itself does not know."""
+        found: set[AidKind] = {"autopilot"} if self.plan is not None and self.plan.is_on else set()
+        is_flown = self.driver or any(each.is_flown for each in self.table.steering.values())
+        return found | ({"program"} if is_flown else set())
 
     def start(self) -> None:
         """Start stepping the simulator and building the map."""
@@ -123,14 +143,15 @@ class Running:
             self.flight.start()
 
     def hide_the_simulation(self) -> None:
-        """Hide the services and commands that show or change the world from clients."""
+        """Hide what shows the world from clients, and refuse what changes it, by whatever door."""
+        self.table.rights.close_world(self.live, OF_INSTRUCTOR)
         self.table.services = [each for each in self.table.services if not each.name.startswith("simulation/")]
         self.is_supervised = True
 
     def join(self, rosbridge: UserRosbridge) -> None:
         """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim connect` does."""
         table = self.table
-        sent = [each for each in table.channels if each.name in table.published and not each.on_request]
+        sent = [each for each in table.channels if each.name in table.published and not each.delivery.on_request]
         self.rosbridge = RosbridgeClient(
             self.live, rosbridge.url, channels=sent, services=table.services, ros=rosbridge.ros, feed=self.feed
         ).start()
@@ -156,6 +177,12 @@ class Running:
         if self.carrier is not None:
             self.carrier.close()
         self.live.stop()
+
+    @property
+    def recording(self) -> str:
+        """The name of the file that is being recorded on request, or "" if there is none or it cannot be written."""
+        recorder = self.recorder
+        return "" if recorder is None or recorder.error is not None else recorder.path.name
 
     def record(self, path: Path) -> None:
         """Start a light recording, without pictures and maps. Raises ValueError or OSError."""
@@ -188,6 +215,7 @@ class Running:
             "scene": "/scene/scene.json",
             "commands": self.commands(),
             "is_supervised": self.is_supervised,
+            "is_recorded": self.flight is not None,
             "has_exercise": self.judged is not None,
             "replay": None if self.replay is None else self.replay.describe(),
             "branched_from": self.branched_from,
@@ -201,9 +229,10 @@ class Running:
     def commands(self) -> list[str]:
         """Return the commands that a pilot may issue by name.
 
-        With an instructor, only those to a vehicle are included.
+        With an instructor or in an exercise, only those to a vehicle are included.
         """
-        return [name for name in piloted_commands() if not self.is_supervised or COMMANDS[name].crosses_link]
+        is_closed = self.is_supervised or self.judged is not None
+        return [name for name in piloted_commands() if not is_closed or COMMANDS[name].crosses_link]
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""
@@ -223,7 +252,7 @@ class Running:
         """Return the views of imaging sonars, which are ordinary channels paced by simulated time."""
         return [
             {
-                "name": source.topic(name), "title": title(source.topic(name)), "kind": SONAR_KINDS[type(sonar.model)],
+                "name": source.topic(name), "title": title(source.topic(name)), "kind": core_kind(type(sonar.model)),
                 "vehicle": source.name, "frame_id": source.frame(f"{name}_link"), "width": 0, "height": 0,
                 "topic": f"/{source.topic(name)}/picture/compressed",
                 "small_topic": f"/{source.topic(name)}/picture/compressed",

@@ -53,7 +53,7 @@ def load_saved(folder: Path, threads: int | None) -> Simulator:
     return sim
 
 
-def go_on_with_maps(running: Running, folder: Path) -> None:
+def continue_maps(running: Running, folder: Path) -> None:
     """Load the maps of a session, to which the running simulator then adds."""
     for vehicle, ping_map in running.maps.items():
         if (folder / f"{vehicle}.ot").is_file():

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim import _core
 from uwsim.channels.guest import Values
 from uwsim.channels.source import Source
-from uwsim.scenario import vehicle_hull
+from uwsim.scenario import start_pose, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.scenario.obstacles.pipeline import Pipeline
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 GRID_MAX = 256  # maximum number of points along an edge of the grid
+LOOK_BACK_M, LOOK_UP_M, LOOK_NEAR_M = 34.0, 24.0, 6.0  # the first view of a vehicle, as in map3d/scene.js
+LOOK_ANGLES_RAD = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])
 Mesh = tuple[NDArray[np.float64], NDArray[np.integer]]
 
 
@@ -52,14 +56,27 @@ class Scene:
                 }
                 for k, (name, label, make) in enumerate(self._solids())
             ],
-            "vehicles": [{"name": s.name, "url": f"/scene/vehicle/{s.name}.glb"} for s in self._sources],
+            "vehicles": [
+                {"name": s.name, "url": f"/scene/vehicle/{s.name}.glb", "look_rad": look}
+                for s, look in zip(self._sources, self._once("looks", self._looks), strict=True)
+            ],
             "station_m": (np.asarray(station.position_m) + self._origin_m).tolist(),
             "surface_m": float(self._origin_m[2]),
         }  # fmt: skip
 
+    def _looks(self) -> list[float]:
+        """Return for each vehicle the angle, from behind it, at which the station does not hide it at first."""
+        if self._scenario.station.mesh is None:
+            return [0.0] * len(self._sources)
+        vertices, triangles = station_mesh(self._scenario.station)
+        station = _core.World()
+        station.add_solid("station", np.asarray(vertices, np.float64), np.asarray(triangles, np.uint32))
+        rays = _core.RayScene(station)
+        return [free_look(rays, *start_pose(self._scenario, source.entry)) for source in self._sources]
+
     def _outline(self, name: str, make: Callable[[], Mesh]) -> list[list[float]]:
         for obstacle in self._scenario.obstacles:
-            if obstacle.kind == "pipeline" and obstacle.name == name:
+            if isinstance(obstacle, Pipeline) and obstacle.name == name:
                 return strip(np.asarray(obstacle.points_m) + self._origin_m[:2], obstacle.radius_m)
         return outline(make()[0][:, :2] + self._origin_m[:2])
 
@@ -105,6 +122,21 @@ class Scene:
                 self._made[key] = make()
             made: T = self._made[key]
             return made
+
+
+def free_look(rays: _core.RayScene, position_m: Sequence[float], yaw_rad: float) -> float:
+    """Return the angle [rad] nearest to 0, from behind a vehicle, at which nothing hides it from the first view's eye.
+
+    What is within LOOK_NEAR_M of the vehicle, such as its dock, is ignored. Return 0 if all angles are blocked.
+    """
+    for angle_rad in LOOK_ANGLES_RAD:
+        heading_rad = yaw_rad + np.pi + angle_rad
+        away_m = np.array([LOOK_BACK_M * np.cos(heading_rad), LOOK_BACK_M * np.sin(heading_rad), LOOK_UP_M])
+        length_m = float(np.linalg.norm(away_m))
+        hit = rays.cast((np.asarray(position_m) + away_m)[None], -away_m[None] / length_m, length_m)
+        if not hit.ranges_m[0] < length_m - LOOK_NEAR_M:
+            return float(angle_rad)
+    return 0.0
 
 
 def thinned(terrain: Terrain) -> Terrain:

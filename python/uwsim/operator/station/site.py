@@ -19,9 +19,8 @@ from websockets.http11 import Request, Response
 
 from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.hub import Station
-from uwsim.operator.station.inspection import notes_file
 from uwsim.operator.station.replay_files import ghost_json, hull_glb, track_json
-from uwsim.operator.station.snapshots import snapshot_png
+from uwsim.operator.station.token_page import token_page
 
 PAGE = Path(__file__).resolve().with_name("page")
 TYPES = {
@@ -56,7 +55,7 @@ class Site:
     def __init__(
         self, station: Station, may_load: Callable[[Request], bool] = lambda request: True, framed_by: str = NO_PAGES
     ) -> None:
-        self._station = station
+        self._sessions = station.sessions
         self._framed_by = framed_by
         self._may_load = may_load
         self._waiting = 0
@@ -73,7 +72,8 @@ class Site:
     async def _response(self, request: Request) -> Response:
         path = unquote(urlsplit(request.path).path)
         if not DATA.match(path):
-            return _page_file(request, path)
+            is_page = path.endswith(("/", ".html"))
+            return _asking(request) if is_page and not self._may_load(request) else _page_file(request, path)
         if request.headers.get("Sec-Fetch-Site", "") == "cross-site" and "Origin" not in request.headers:
             return _answer(request, HTTPStatus.FORBIDDEN, File(b"not for pictures of other pages\n", "text/plain"))
         if self._waiting >= WAITING_MAX:
@@ -98,8 +98,8 @@ class Site:
         """
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
-            return File(self._station.preview(asked[1]), TYPES[".png"])
-        running = self._station.present()
+            return File(self._sessions.preview(asked[1]), TYPES[".png"])
+        running = self._sessions.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)
             if match is not None:
@@ -121,10 +121,23 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), f"{name}.bt")),
     (r"/map/([^/]+)\.(ply|pcd)", lambda running, name, suffix: (cloud(running, name, suffix), f"{name}.{suffix}")),
     (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), f"{name}.tif")),
-    (r"/snapshot/(.+)\.png", lambda running, view: (snapshot_png(running, view), f"{view.replace('/', '-')}.png")),
-    (r"/notes/notes\.(csv|geojson)", lambda running, suffix: (notes_file(running, suffix), f"notes.{suffix}")),
-    (r"/notes/(.+\.png)", lambda running, name: (running.inspection.picture(running, name), "")),
+    (r"/snapshot/(.+)\.png", lambda running, view: (running.snapshots.png(view), f"{view.replace('/', '-')}.png")),
+    (r"/notes/notes\.(csv|geojson)", lambda running, suffix: (running.inspection.file(suffix), f"notes.{suffix}")),
+    (r"/notes/(.+\.png)", lambda running, name: (running.inspection.picture(name), "")),
 ]
+
+
+def _asking(request: Request) -> Response:
+    """Return the page that asks for the token."""
+    try:
+        file = File(token_page(request.path, request.headers["Host"]), "text/html; charset=utf-8")
+    except ValueError:  # too many values in the query
+        return _not_found(request)
+    response = _answer(request, HTTPStatus.UNAUTHORIZED, file, {"Cache-Control": "no-store"})
+    policy = response.headers[POLICY].replace("form-action 'none'", "form-action 'self'")
+    del response.headers[POLICY]
+    response.headers[POLICY] = policy
+    return response
 
 
 def _page_file(request: Request, path: str) -> Response:

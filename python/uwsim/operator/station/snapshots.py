@@ -4,66 +4,69 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.channels import telemetry
+from uwsim.channels.families import telemetry
 from uwsim.channels.guest import Values
-from uwsim.channels.messages import to_plain
-from uwsim.channels.source import Source
+from uwsim.channels.ros.messages import to_plain
+from uwsim.channels.table import Table
 from uwsim.instruments.cameras.image_file import encode_png
+from uwsim.live import LiveSimulator
+from uwsim.operator.station.arrivals import Arrivals
+from uwsim.operator.station.views import Views
 from uwsim.simulator.notes import comment_of
-
-if TYPE_CHECKING:
-    from uwsim.operator.station.running import Running
 
 OF_THE_TRUTH = ("true_position", "is_truth")
 """Fields of /telemetry that are not stored in pictures."""
 
 
-def snapshot_png(running: Running, view: str) -> bytes:
-    """Return a lossless picture of a camera's view. Raises ValueError.
+@dataclass
+class Snapshots:
+    """The views of a running simulator, from which pictures are taken. arrivals: those received over a link, if any."""
 
-    For a view received over a link, this is the last picture that arrived, with the last panel.
-    """
-    rgb, panel = taken(running, view)
-    return encode_png(rgb, text=described(running, view, panel, comment_of(running.live.simulator.events)))
+    live: LiveSimulator
+    table: Table
+    views: Views
+    arrivals: Arrivals | None
 
+    def png(self, view: str) -> bytes:
+        """Return a lossless picture of a camera's view. Raises ValueError.
 
-def taken(running: Running, view: object) -> tuple[NDArray[np.uint8], Values]:
-    """Return a picture of a camera's view, (H, W, 3), and the panel at the same time. Raises ValueError."""
-    shown = running.views.view(view)
-    if running.arrivals is not None and shown.name in running.arrivals:
-        return running.arrivals.snapshot(shown.name)
-    source = next((each for each in running.table.sources if each.name == shown.vehicle), running.table.sources[0])
-    frame, panel = running.views.capture(shown, lambda sim: telemetry.read(sim, source, truth=False))
-    return frame.rgb, to_plain(panel)
+        For a view received over a link, this is the last picture that arrived, with the last panel.
+        """
+        rgb, panel = self.picture(view)
+        return encode_png(rgb, text=self.described(view, panel, comment_of(self.live.simulator.events)))
 
+    def picture(self, view: object) -> tuple[NDArray[np.uint8], Values]:
+        """Return a picture of a camera's view, (H, W, 3), and the panel at the same time. Raises ValueError."""
+        shown = self.views.view(view)
+        if self.arrivals is not None and shown.name in self.arrivals:
+            return self.arrivals.snapshot(shown.name)
+        source = next((each for each in self.table.sources if each.name == shown.vehicle), self.table.sources[0])
+        frame, panel = self.views.capture(shown, lambda sim: telemetry.read(sim, source, truth=False))
+        return frame.rgb, to_plain(panel)
 
-def panel_of(running: Running, vehicle: str) -> Values:
-    """Return a vehicle's current panel or, over a link, the last to arrive. Raises ValueError if there is none."""
-    if running.arrivals is not None:
-        return running.arrivals.panel(vehicle)
-    source = _source(running, vehicle)
-    return dict(to_plain(running.live.read(lambda sim: telemetry.read(sim, source, truth=False)).result()))
+    def panel(self, vehicle: str) -> Values:
+        """Return a vehicle's current panel or, over a link, the last to arrive. Raises ValueError if there is none."""
+        if self.arrivals is not None:
+            return self.arrivals.panel(vehicle)
+        source = next(each for each in self.table.sources if each.name == vehicle)
+        return dict(to_plain(self.live.read(lambda sim: telemetry.read(sim, source, truth=False)).result()))
 
-
-def _source(running: Running, vehicle: str) -> Source:
-    return next(each for each in running.table.sources if each.name == vehicle)
-
-
-def described(running: Running, view: str, panel: Values, comment: str, *, note: str = "") -> dict[str, str]:
-    """Return the text chunks of a picture: PNG's standard keywords, and "uwsim" with all values as JSON."""
-    scenario = running.live.simulator.scenario.name
-    values = instruments(panel)
-    line = " ".join(f"{key}={value}" for key, value in values.items() if value is not None)
-    hidden = OF_THE_TRUTH if values["position_m"] is not None else (*OF_THE_TRUTH, "orientation")
-    rest = {key: _json(value) for key, value in panel.items() if key not in hidden}
-    every = {"scenario": scenario, "view": view, "comment": comment, "note": note, **values, "panel": rest}
-    texts = {"Title": f"{scenario}: {view}", "Description": line, "Comment": note or comment, "Software": "uwsim"}
-    return {**{key: text for key, text in texts.items() if text}, "uwsim": json.dumps(every)}
+    def described(self, view: str, panel: Values, comment: str, *, note: str = "") -> dict[str, str]:
+        """Return the text chunks of a picture: PNG's standard keywords, and "uwsim" with all values as JSON."""
+        scenario = self.live.simulator.scenario.name
+        values = instruments(panel)
+        line = " ".join(f"{key}={value}" for key, value in values.items() if value is not None)
+        hidden = OF_THE_TRUTH if values["position_m"] is not None else (*OF_THE_TRUTH, "orientation")
+        rest = {key: _json(value) for key, value in panel.items() if key not in hidden}
+        every = {"scenario": scenario, "view": view, "comment": comment, "note": note, **values, "panel": rest}
+        texts = {"Title": f"{scenario}: {view}", "Description": line, "Comment": note or comment, "Software": "uwsim"}
+        return {**{key: text for key, text in texts.items() if text}, "uwsim": json.dumps(every)}
 
 
 def instruments(panel: Values) -> Values:

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
-from uwsim.bridges.nodes.websocket import WebSocket
-from uwsim.bridges.rosbridge.client import why_not_connected
+from uwsim.base.arguments import is_number
+from uwsim.base.texts.json_text import json_value
+from uwsim.bridges.nodes.websocket import WebSocket, why_not_connected
 from uwsim.channels.guest import Values
-from uwsim.channels.messages import Ros
+from uwsim.channels.ros.messages import Ros
 
 PORT = 9090  # rosbridge_server's own
 HOST = re.compile(r"(wss?://)?([A-Za-z0-9][A-Za-z0-9_.-]*|\[[0-9A-Fa-f:.]+\])")
@@ -54,7 +55,7 @@ def checked_port(value: object) -> int:
     """Return the port, which for None is rosbridge_server's default. Raises ValueError."""
     if value is None:
         return PORT
-    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 or not 1 <= value <= 65535:
+    if not is_number(value) or value % 1 or not 1 <= value <= 65535:
         raise ValueError(f"rosbridge_port = {str(value)[:40]}: must be a whole number in [1, 65535]")
     return int(value)
 
@@ -71,7 +72,7 @@ def _is_station(socket: WebSocket) -> bool:
     request: Values = {"op": "call_service", "service": "/station/catalog", "id": "uwsim"}
     socket.send(json.dumps(request))
     try:
-        answer = json.loads(socket.recv(STATION_ANSWERS_S))
+        answer = json_value(socket.recv(STATION_ANSWERS_S), "the answer")
     except (TimeoutError, ValueError):  # a rosbridge may leave calls of unknown services unanswered
         return False
     values = answer.get("values") if isinstance(answer, dict) else None

@@ -11,10 +11,11 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from uwsim.channels.cameras import compressed_image
+from uwsim.base.arguments import is_number
+from uwsim.channels.authority.steering import is_cut_off
+from uwsim.channels.delivery.pictures import WIDTHS
+from uwsim.channels.families.cameras import compressed_image
 from uwsim.channels.guest import GuestTopic, Node, Values
-from uwsim.channels.pictures import WIDTHS
-from uwsim.channels.steering import is_cut_off
 from uwsim.channels.table import Table
 from uwsim.instruments.cameras import Camera, Frame
 from uwsim.live import LiveSimulator, NotRunningError
@@ -116,7 +117,7 @@ class View:
 
 
 class Views:
-    """The views of one simulator. Call `beat` at the times that it returns, and after `stir`. It does not block.
+    """The views of one simulator. Call `beat` at the times that it returns, and after `wake`. It does not block.
 
     over_link: whether vehicle camera pictures are received over a link. Pictures rendered here then have different
     topics, and exist only if the truth may be shown.
@@ -127,12 +128,12 @@ class Views:
         live: LiveSimulator,
         table: Table,
         node: Node,
-        stir: Callable[[], object],
+        wake: Callable[[], object],
         *,
         over_link: bool = False,
         truth: bool = True,
     ) -> None:
-        self._live, self._node, self._stir = live, node, stir
+        self._live, self._node, self._wake = live, node, wake
         self._pictures = table.pictures
         self._small_s = 0.0  # when the last small picture was started
         self.views = {view.name: view for view in _views(live.simulator, table)}
@@ -146,7 +147,7 @@ class Views:
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
     def beat(self, now_s: float) -> float:
-        """Start the pictures that are due. Return the time [s] until the next one, unless `stir` is called earlier."""
+        """Start the pictures that are due. Return the time [s] until the next one, unless `wake` is called earlier."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
         passing = [view for view in self._made if not is_cut_off(self._live.simulator, view.vehicle)]
         for view in passing:
@@ -222,7 +223,7 @@ class Views:
         def render(snapshot: Future[Any]) -> None:
             if snapshot.exception() is None:
                 stream.job = self._pictures.submit(lambda: make(snapshot.result()))
-                stream.job.add_done_callback(lambda done: self._stir())
+                stream.job.add_done_callback(lambda done: self._wake())
 
         try:
             stream.job = self._live.read(lambda sim: camera.snapshot())
@@ -252,9 +253,7 @@ def title(name: str) -> str:
 
 
 def _is_within(value: object, low: float, high: float, *, whole: bool = False) -> bool:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return low <= value <= high and (not whole or float(value).is_integer())
+    return is_number(value) and low <= value <= high and (not whole or value % 1 == 0)
 
 
 def _require(holds: bool, name: str, value: object, rule: str) -> None:

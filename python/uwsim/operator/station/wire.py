@@ -109,12 +109,16 @@ class OfferedSonar(Message):
 
 
 class RecordedFlight(Message):
-    """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty."""
+    """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
+
+    cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
+    """
 
     name: str
     scenario: str
     begun: str
     duration_s: float
+    cut_off: bool
     size_bytes: int
     branched_from: str
     refused: str
@@ -224,11 +228,14 @@ class SonarPicture(Message):
 
 
 class ViewDescription(Message):
-    """A view: its topics and the size of its pictures, 0 if that varies."""
+    """A view: its topics and the size of its pictures, 0 if that varies.
+
+    kind: `camera`, `station`, `chase` or a sonar's.
+    """
 
     name: str
     title: str
-    kind: Literal["camera", "station", "chase", "forward_looking", "side_scan", "profiling"]
+    kind: str
     vehicle: str
     frame_id: str
     width: int
@@ -288,6 +295,7 @@ class Description(Message):
     commands: list[str]
     has_exercise: bool
     is_supervised: bool
+    is_recorded: bool
     replay: ReplayDescription | None
     branched_from: str
 

@@ -1,6 +1,7 @@
 """Generates the page's message module, `page/wire/messages.js`: `python -m uwsim.operator.station.wire_js`.
 
-It contains a function for each station service, the types of responses and topic messages, and the commands.
+It contains a function for each station service, the types of requests, responses and topic messages, and those tables
+of Python that the page needs.
 """
 
 from __future__ import annotations
@@ -12,17 +13,29 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_origin
 
+from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS, HOLDS
-from uwsim.channels.message_types import Kind, fields
-from uwsim.channels.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
+from uwsim.base.commands.notes import NoteCategory
+from uwsim.channels.families.map_changes import EDGE
+from uwsim.channels.ros.message_types import Kind, fields
+from uwsim.channels.ros.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
+from uwsim.instruments.sonars.imaging.pixels import ABOVE_MEDIAN_DB, AMBER, BELOW_MEDIAN_DB
 from uwsim.operator.station.calls import CALLS, Call
+from uwsim.operator.station.plan import SPEEDS_M_S
+from uwsim.operator.station.services import DEAD_S
 from uwsim.operator.station.wire import Message, Refused
+from uwsim.scenario.spec.failsafe import Behaviour
+from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
 PATH = Path(__file__).parent / "page/wire/messages.js"
 TOPIC_TYPES = (STATION_STATE, TELEMETRY, MAP_CHANGES, LINK)
 HEAD = """\
 // Made by `python -m uwsim.operator.station.wire_js` from commands, messages and calls.py: do not edit.
+
+/** @typedef {{ stamp: { sec: number, nanosec: number }, frame_id: string }} Header */
+/** @typedef {ArrayLike<number> & Iterable<number>} Numbers */
+/** @typedef {{ call(service: string, args?: object): Promise<any> }} Caller */
 """
 NUMBER = re.compile(r"u?int\d+|float\d+|byte|octet")
 
@@ -43,6 +56,15 @@ def _constants() -> str:
         for name, value, comment in (
             ("AXES", list(AXES), ""),
             ("ALL_STOPPED", ALL_STOPPED, "// The alarm in the telemetry of a vehicle whose all stop is set.\n"),
+            ("FAILSAFE_CAUSES", list(FAILSAFE_CAUSES), "// The reasons for which a failsafe steers.\n"),
+            ("FAILSAFE_ACTIONS", list(get_args(Behaviour)), ""),
+            ("FREE_S", DEAD_S, "// The silence of a pilot after which others may take the controls.\n"),
+            ("PLAN_SPEEDS_M_S", list(SPEEDS_M_S), "// The bounds of a plan's speed.\n"),
+            ("BLOCK_EDGE", EDGE, "// The cells along an axis of the map's blocks.\n"),
+            ("SONAR_KINDS", _core.imaging_kinds(), "// The kinds of views from imaging sonars.\n"),
+            ("SONAR_COLOURS", list(AMBER), "// Those of sonar pictures, from the weakest to the strongest level.\n"),
+            ("SONAR_SPAN_DB", BELOW_MEDIAN_DB + ABOVE_MEDIAN_DB, "// Between the first and the last of them.\n"),
+            ("NOTE_CATEGORIES", list(get_args(NoteCategory)), ""),
             ("HOLDS", list(HOLDS), "// The arguments of the command `hold`.\n"),
             ("TYPES", types, "// The types of topics, by their last name.\n"),
             ("COMMANDS", commands, "// The arguments of each command that the pilot may give by name.\n"),
@@ -69,7 +91,9 @@ def _function(call: Call) -> str:
     body = f"bridge.call('/station/{call.name}'{', ' + given if names else ''});"
     line = f"{head} {body}"
     sentence = call.description[0].upper() + call.description[1:]
-    comment = f"// {sentence}.\n/** @returns {{Promise<{call.answer.__name__} | Refused>}} */\n"
+    request = f" * @param {{{call.request.__name__}}} request\n" if names else ""
+    answer = f" * @returns {{Promise<{call.answer.__name__} | Refused>}}\n"
+    comment = f"/** {sentence}.\n * @param {{Caller}} bridge\n{request}{answer} */\n"
     if len(head) > 120:  # wrapped as by prettier
         every = "".join(f"    {field},\n" for field in names)
         if len(given) > 117:  # with its indent and comma
@@ -86,18 +110,22 @@ def _typedefs() -> Iterator[str]:
     def visit(found: Any) -> None:
         for part in get_args(found):
             visit(part)
-        if not (isinstance(found, type) and issubclass(found, Message)) or found.__name__ in done:
+        if (
+            not (isinstance(found, type) and issubclass(found, Message))
+            or not found.model_fields
+            or found.__name__ in done
+        ):
             return
         rows = []
         for name, field in found.model_fields.items():
             visit(field.annotation)
             key = name if field.is_required() else f"[{name}]"
             rows.append(f" * @property {{{_js(field.annotation)}}} {key}\n")
-        head = f"/** {found.__doc__}\n * @typedef {{object}} {found.__name__}\n"
+        head = f"/** {' '.join(str(found.__doc__).split())}\n * @typedef {{object}} {found.__name__}\n"
         done[found.__name__] = f"{head}{''.join(rows)} */\n"
 
-    for answer in (*(call.answer for call in CALLS.values()), Refused):
-        visit(answer)
+    for found in (*(each for call in CALLS.values() for each in (call.request, call.answer)), Refused):
+        visit(found)
     yield from done.values()
 
 
@@ -124,10 +152,11 @@ def _topic_type(name: str) -> str:
 
 def _ros(kind: Kind) -> str:
     """Return a ROS type as represented in the page, where arrays of numbers are typed arrays."""
-    base = "number" if NUMBER.fullmatch(kind.base) else {"string": "string", "bool": "boolean"}.get(kind.base, "object")
+    known = {"string": "string", "bool": "boolean", "std_msgs/msg/Header": "Header"}
+    base = "number" if NUMBER.fullmatch(kind.base) else known.get(kind.base, "object")
     if kind.length is None:
         return base
-    return "ArrayLike<number>" if base == "number" else f"{base}[]"
+    return "Numbers" if base == "number" else f"{base}[]"
 
 
 if __name__ == "__main__":

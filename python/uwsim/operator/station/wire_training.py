@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from uwsim.channels.authority.rights import AidKind
 from uwsim.operator.station.wire import Message
 
 
@@ -23,8 +24,21 @@ class BrokenLimit(Message):
     time_s: float
 
 
+class AidState(Message):
+    """An aid that the exercise allows, or that was used, and the points that it cost."""
+
+    kind: AidKind
+    is_allowed: bool
+    used_s: float
+    cost_per_s: float
+    cost: float
+
+
 class ExerciseState(Message):
-    """The state of an exercise. points: the maximum; lost: deducted for limits; has_sheet: whether the sheet exists."""
+    """The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists.
+
+    has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "".
+    """
 
     success: Literal[True]
     title: str
@@ -35,6 +49,11 @@ class ExerciseState(Message):
     points: float
     pass_points: float
     lost: float
+    attempt: int
+    has_begun: bool
+    is_valid: bool
+    invalid_because: str
+    aids: list[AidState]
     is_over: bool
     has_passed: bool
     ended_because: str
@@ -72,6 +91,7 @@ class VehicleTruth(Message):
     collisions: int
     sensors: list[str]
     thrusters: list[str]
+    cameras: list[str]
 
 
 class SavedMoment(Message):
@@ -107,6 +127,41 @@ class ParameterList(Message):
 
     success: Literal[True]
     descriptions_json: str
+
+
+class FaultField(Message):
+    """A key of a kind of fault. part: the list in VehicleTruth of which it names an item, or "".
+
+    width: the number of values. low, high: their bounds, or null. choices: the permitted values, or none for any.
+    value: the one with which a form begins.
+    """
+
+    name: str
+    meaning: str
+    is_number: bool
+    is_optional: bool
+    width: int
+    unit: str
+    low: float | None
+    high: float | None
+    choices: list[Any]
+    part: str
+    value: Any
+
+
+class FaultKind(Message):
+    """A kind of fault that the instructor may inject, and its keys."""
+
+    kind: str
+    meaning: str
+    fields: list[FaultField]
+
+
+class FaultKinds(Message):
+    """All kinds of faults, those of other packages last."""
+
+    success: Literal[True]
+    kinds: list[FaultKind]
 
 
 # The chart

@@ -63,7 +63,7 @@ class TeleopApp(App[None]):
         self.marks: list[str] = []
         self._last_text = ""
         self._was_stopped = False
-        connection.say = self.tell
+        connection.report = self.report
 
     def compose(self) -> ComposeResult:
         """Return the widgets."""
@@ -102,16 +102,20 @@ class TeleopApp(App[None]):
         last.start()
         self.exit(return_code=INTERRUPTED)
 
-    def tell(self, text: str) -> None:
+    def report(self, text: str) -> None:
         """Show the pilot a line of text; may be called on any thread."""
         if text == self._last_text:
             return
         self._last_text = text
         line = Text(f"{time.strftime('%H:%M:%S')} {text}")
         try:
-            self.call_later(lambda: self.query_one("#log", RichLog).write(line))
+            self.call_later(self._write, line)
         except RuntimeError:  # the screen is gone
             return
+
+    def _write(self, line: Text) -> None:
+        if self.is_running:  # as for `draw`
+            self.query_one("#log", RichLog).write(line)
 
     # Input
 
@@ -119,18 +123,18 @@ class TeleopApp(App[None]):
         """Handle a key."""
         character = event.character or ""
         if character:
-            self.take(character)
+            self.press(character)
 
     def on_key_released(self, message: KeyReleased) -> None:
         """Record that this key was released, and thus that the terminal reports releases."""
-        self.hands.tells_releases = True
-        self.hands.let_go(message.character)
+        self.hands.reports_releases = True
+        self.hands.release(message.character)
 
     def on_app_blur(self) -> None:
         """Release all keys when the terminal loses focus, since releases would no longer be reported."""
         self.hands.drop()
 
-    def take(self, character: str) -> None:
+    def press(self, character: str) -> None:
         """Perform the action assigned to a character."""
         if character in SWITCHES:
             self.connection.do(SWITCHES[character])
@@ -145,7 +149,7 @@ class TeleopApp(App[None]):
             self._mark()
         elif character == HELP:
             self._last_text = ""
-            self.tell(HELP_TEXT)
+            self.report(HELP_TEXT)
         else:
             self.hands.press(character)
 
@@ -157,22 +161,24 @@ class TeleopApp(App[None]):
             f"{readout.mission_s:.1f} s: {east:.2f}, {north:.2f}, {up:.2f} m, {readout.depth_m:.2f} m deep"
         )
         self._last_text = ""
-        self.tell(f"mark {len(self.marks)}: {self.marks[-1]}")
+        self.report(f"mark {len(self.marks)}: {self.marks[-1]}")
 
     def _poll_gamepads(self) -> None:
         if self.gamepads is None:
             return
-        efforts, pressed, let_go = self.gamepads.poll()
+        efforts, pressed, released = self.gamepads.poll()
         self.hands.set_sticks(efforts)
         for character in pressed:
-            self.take(character)
-        for character in let_go:
-            self.hands.let_go(character)
+            self.press(character)
+        for character in released:
+            self.hands.release(character)
 
     # Display
 
     def draw(self) -> None:
         """Redraw everything."""
+        if not self.is_running:  # timers and queued calls still arrive while the screen is being taken down
+            return
         self.hands.beat()
         readout = self.connection.readout
         if readout.all_stop and not self._was_stopped:
@@ -199,7 +205,7 @@ class TeleopApp(App[None]):
             yield "DOCKED"
 
     def _top_line(self) -> Text:
-        keys = "key releases" if self.hands.tells_releases else "keys end by themselves"
+        keys = "key releases" if self.hands.reports_releases else "keys end by themselves"
         pad = f"gamepad {self.gamepads.name}" if self.gamepads is not None and self.gamepads.name else keys
         helm = "at the helm" if self.hands.has_helm else "helm free"
         left = f" uwsim teleop   {self.flown}   {self.connection.state}"

@@ -16,9 +16,9 @@ from websockets.exceptions import WebSocketException
 
 from uwsim.bridges.nodes.node import Node
 from uwsim.bridges.nodes.websocket import checked_url
-from uwsim.channels.key import POSE, Function, key_message
+from uwsim.channels.families.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
-from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_hear
+from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_read
 
 PERIOD_S = 0.05  # interval at which the hands are polled
 STOP_AGAIN_S = 1.0  # interval at which an unanswered all stop is requested again
@@ -32,19 +32,19 @@ QUEUE = 2  # maximum number of queued messages per topic, since a pilot needs th
 class Connection:
     """Keeps a terminal connected to a rosbridge server.
 
-    vehicle: the vehicle's name, needed if there are several. say: called with text for the pilot, on any thread. Raises
-    ValueError for an invalid url.
+    vehicle: the vehicle's name, needed if there are several. report: called with text for the pilot, on any thread.
+    Raises ValueError for an invalid url.
     """
 
     def __init__(
-        self, url: str, hands: Hands, vehicle: str | None = None, say: Callable[[str], object] = lambda text: None
+        self, url: str, hands: Hands, vehicle: str | None = None, report: Callable[[str], object] = lambda text: None
     ) -> None:
         self.url = checked_url(url)
         self.hands = hands
-        self.say = say
+        self.report = report
         self.readout = Readout()
         self.state = "connecting"
-        self.heard_s = -float("inf")  # time of the last telemetry
+        self.received_s = -float("inf")  # time of the last telemetry
         self.interval_s = 0.0  # time between the last two
         self._vehicle = vehicle
         self._prefix = ""
@@ -82,13 +82,13 @@ class Connection:
     @property
     def silence_s(self) -> float:
         """Time since the last telemetry message."""
-        return time.monotonic() - self.heard_s
+        return time.monotonic() - self.received_s
 
     def do(self, function: Function) -> None:
         """Request a function from the published wire, such as release."""
         with self._sending:
             if self._node is None:
-                self.say("not connected")
+                self.report("not connected")
             else:
                 self._publish_efforts(self._efforts, function)
 
@@ -96,9 +96,9 @@ class Connection:
         """Call a service of the vehicle and show its response."""
         with self._sending:
             if self._node is None:
-                self.say("not connected")
+                self.report("not connected")
             else:
-                self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._tell_answer(service)))
+                self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._report_answer(service)))
 
     def all_stop(self, *, on: bool) -> None:
         """Set or release all stop.
@@ -110,16 +110,16 @@ class Connection:
                 return  # the key has repeated
             self._stop_asked_s = -math.inf if on else None
             if self._node is None:
-                self.say("not connected: all stop is sent as soon as it is" if on else "not connected")
+                self.report("not connected: all stop is sent as soon as it is" if on else "not connected")
             elif on:
                 self._ask_to_stop()
             else:
-                answered = self._tell_answer("release of all stop")
+                answered = self._report_answer("release of all stop")
                 self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": False}))
 
     def _ask_to_stop(self) -> None:
         self._stop_asked_s = time.monotonic()
-        tell = self._tell_answer("all stop")
+        report = self._report_answer("all stop")
 
         def answered(response: dict[str, Any]) -> None:
             values = response.get("values")
@@ -127,19 +127,19 @@ class Connection:
             if not (response.get("result") and is_refused):
                 with self._sending:  # it is set, or the server lacks the service, but efforts are zero anyway
                     self._stop_asked_s = None
-            tell(response)
+            report(response)
 
         self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": True}))
 
-    def _tell_answer(self, service: str) -> Callable[[dict[str, Any]], None]:
-        def tell(response: dict[str, Any]) -> None:
+    def _report_answer(self, service: str) -> Callable[[dict[str, Any]], None]:
+        def report(response: dict[str, Any]) -> None:
             values = response.get("values")
             if response.get("result") and isinstance(values, dict) and values.get("success", True):
-                self.say(f"{service}: {values.get('message') or 'done'}")
+                self.report(f"{service}: {values.get('message') or 'done'}")
             else:
-                self.say(f"{service}: {values.get('message') if isinstance(values, dict) else values}")
+                self.report(f"{service}: {values.get('message') if isinstance(values, dict) else values}")
 
-        return tell
+        return report
 
     # Listening
 
@@ -151,7 +151,7 @@ class Connection:
             except (OSError, WebSocketException) as error:
                 text = f"{self.url}: {error}"
                 if text != last:
-                    self.say(text)
+                    self.report(text)
                 last = text
                 self._stopping.wait(wait_s)
                 wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
@@ -160,28 +160,28 @@ class Connection:
             try:
                 self._converse(node)
             except (OSError, ValueError, WebSocketException) as error:
-                self.say(f"{self.url}: {error}")
+                self.report(f"{self.url}: {error}")
             finally:
                 self._forget(node)
             if not self._stopping.is_set():
-                self.say("the connection is lost: efforts are zero")
+                self.report("the connection is lost: efforts are zero")
                 self._stopping.wait(FIRST_WAIT_S)
 
     def _converse(self, node: Node) -> None:
-        node.complain = self.say
+        node.complain = self.report
         offered = self._offered(node)
         self._prefix = self._found_prefix(offered)
         key = f"{self._prefix}key"
         if offered and key not in offered:
             raise ValueError("the server has no topic 'key': start it with --wire both or published")
-        for name, (kind, take) in topics_to_hear(offered, self._prefix).items():
-            node.subscribe(f"/{name}", kind, self._taker(take))
+        for name, (kind, receive) in topics_to_read(offered, self._prefix).items():
+            node.subscribe(f"/{name}", kind, self._receiver(receive))
         with self._sending:
             self._publish = node.advertise(f"/{key}", POSE)
             self._node = node
             self._efforts, self._tilt = dict(ZERO), Function.TILT_HOLD
         self.state = "connected"
-        self.say(f"connected to {self.url}")
+        self.report(f"connected to {self.url}")
         node.spin(self._stopping.is_set)
 
     def _forget(self, node: Node) -> None:
@@ -212,18 +212,18 @@ class Connection:
             raise ValueError(f"--vehicle = {self._vehicle!r}: the server has {', '.join(vehicles) or 'no vehicle'}")
         return f"{self._vehicle}/"
 
-    def _taker(self, take: Callable[[Readout, Any], None]) -> Callable[[Any], None]:
-        def taken(message: Any) -> None:
+    def _receiver(self, receive: Callable[[Readout, Any], None]) -> Callable[[Any], None]:
+        def received(message: Any) -> None:
             try:
-                take(self.readout, message)
+                receive(self.readout, message)
             except (ValueError, AttributeError) as error:
-                self.say(str(error))
-            if take in PANELS:
+                self.report(str(error))
+            if receive in PANELS:
                 now_s = time.monotonic()
-                self.interval_s = now_s - self.heard_s if math.isfinite(self.heard_s) else 0.0
-                self.heard_s = now_s
+                self.interval_s = now_s - self.received_s if math.isfinite(self.received_s) else 0.0
+                self.received_s = now_s
 
-        return taken
+        return received
 
     # Sending
 

@@ -21,7 +21,7 @@ class _ToScreen(logging.Handler):
         self._app = app
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._app.tell(record.getMessage())
+        self._app.report(record.getMessage())
 
 
 def fly(url: str, name: str, vehicle: str | None = None, *, adds_up: bool = False) -> tuple[list[str], int]:

@@ -90,6 +90,6 @@ class Gamepads:
     def read(self, pad: Pad) -> tuple[dict[str, float], list[str], list[str]]:
         """Like `poll`, but for the gamepad passed."""
         down = {button for button in BUTTONS if pad.get_button(button)}
-        pressed, let_go = down - self._pressed, self._pressed - down
+        pressed, released = down - self._pressed, self._pressed - down
         self._pressed = down
-        return stick_efforts(pad), [BUTTONS[b] for b in sorted(pressed)], [BUTTONS[b] for b in sorted(let_go)]
+        return stick_efforts(pad), [BUTTONS[b] for b in sorted(pressed)], [BUTTONS[b] for b in sorted(released)]

@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from uwsim.base.axes import AXES
-from uwsim.channels.key import Function
+from uwsim.channels.families.key import Function
 from uwsim.operator.teleop.keys import ALL_STOP, DRIVING, LET_GO, TILTING
 
 FIRST_HOLD_S = 0.7  # keyboards wait 0.25 to 0.66 s before they repeat
@@ -42,7 +42,7 @@ class Hands:
         self._share = SHARES.index(0.5)
         self._beaten_s = math.inf
         self.has_helm = False
-        self.tells_releases = False  # whether the terminal reports released keys
+        self.reports_releases = False  # whether the terminal reports released keys
 
     @property
     def share(self) -> float:
@@ -79,11 +79,11 @@ class Hands:
         self.has_helm = self.has_helm or key in DRIVING
         is_new = key not in self._held
         self._held = {other: until_s for other, until_s in self._held.items() if not _opposed(key, other)}
-        hold_s = math.inf if self.tells_releases else FIRST_HOLD_S if is_new else REPEAT_HOLD_S
+        hold_s = math.inf if self.reports_releases else FIRST_HOLD_S if is_new else REPEAT_HOLD_S
         for held in {key, *self._held}:
             self._held[held] = max(self._held.get(held, -math.inf), now_s + hold_s)
 
-    def let_go(self, key: str) -> None:
+    def release(self, key: str) -> None:
         """Record that a key was released."""
         with self._lock:
             self._held.pop(key, None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uwsim.channels.key import Function
+from uwsim.channels.families.key import Function
 
 DRIVING: dict[str, tuple[str, float]] = {
     "w": ("surge", 1.0), "s": ("surge", -1.0),

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.channels.key import POSE
-from uwsim.channels.own_types import ALL_STOPPED
+from uwsim.channels.families.key import POSE
+from uwsim.channels.ros.own_types import ALL_STOPPED
 from uwsim.mapping import ranging
 
 NAN = math.nan
@@ -58,14 +58,14 @@ class Readout:
     hfov_deg: float = PUBLISHED_HFOV_DEG
 
 
-Take = Callable[[Readout, Any], None]
+Reader = Callable[[Readout, Any], None]
 
 
-def take_telemetry(readout: Readout, message: Any) -> None:
+def read_telemetry(readout: Readout, message: Any) -> None:
     """Read a message of this project's /telemetry."""
     place = message.true_position if message.is_truth else message.position
     readout.position_m = tuple(float(value) for value in place)  # type: ignore[assignment]
-    _take_attitude(readout, message.orientation)
+    _read_attitude(readout, message.orientation)
     readout.speed_m_s = message.speed
     readout.turn_deg_s = math.degrees(message.angular_speed)
     readout.acceleration_m_s2 = tuple(map(float, message.linear_acceleration))
@@ -95,7 +95,7 @@ def take_telemetry(readout: Readout, message: Any) -> None:
         readout.warnings += (f"FAILSAFE: {message.failsafe} ({message.failsafe_cause}); z takes it back",)
 
 
-def take_state_data(readout: Readout, message: Any) -> None:
+def read_state_data(readout: Readout, message: Any) -> None:
     """Read the published panel: nine values, each followed by the letter a."""
     values = [float(text) for text in message.data.split("a") if text]
     if len(values) != 9:
@@ -107,50 +107,50 @@ def take_state_data(readout: Readout, message: Any) -> None:
     readout.turn_deg_s = math.degrees(turn_rad_s)
 
 
-def take_pose(readout: Readout, message: Any) -> None:
+def read_pose(readout: Readout, message: Any) -> None:
     """Read the published propPos."""
     place, turned = message.position, message.orientation
     readout.position_m = (place.x, place.y, place.z)
-    _take_attitude(readout, (turned.x, turned.y, turned.z, turned.w))
+    _read_attitude(readout, (turned.x, turned.y, turned.z, turned.w))
 
 
-def take_scan_pose(readout: Readout, message: Any) -> None:
+def read_scan_pose(readout: Readout, message: Any) -> None:
     """Read the published scanPos: a rotation about +y, positive nose down."""
     turned = message.orientation
     readout.tilt_deg = -math.degrees(2.0 * math.atan2(turned.y, turned.w))
 
 
-def take_scan(readout: Readout, message: Any) -> None:
+def read_scan(readout: Readout, message: Any) -> None:
     """Read a LaserScan."""
     readout.ranges_m = np.asarray(message.ranges, np.float32)
     readout.angles_rad = message.angle_min + message.angle_increment * np.arange(len(readout.ranges_m))
 
 
-def take_depths(readout: Readout, message: Any) -> None:
+def read_depths(readout: Readout, message: Any) -> None:
     """Read the published depthArray."""
     readout.ranges_m = np.asarray(ranging.decode_depth_string(message.data, readout.model), np.float32)
     half = math.radians(0.5 * readout.hfov_deg)
     readout.angles_rad = np.linspace(-half, half, len(readout.ranges_m))
 
 
-def take_model(readout: Readout, message: Any) -> None:
+def read_model(readout: Readout, message: Any) -> None:
     """Read the published modelTrigger."""
     if int(message.data) not in ranging.MODELS:
         raise ValueError(f"modelTrigger = {message.data!r:.20}: must be 1 to 4")
     readout.model = int(message.data)
 
 
-def take_hfov(readout: Readout, message: Any) -> None:
+def read_hfov(readout: Readout, message: Any) -> None:
     """Read the published hFOV."""
     readout.hfov_deg = float(message.data)
 
 
-def take_proximity(readout: Readout, message: Any) -> None:
+def read_proximity(readout: Readout, message: Any) -> None:
     """Read the published proximitySensor."""
     readout.port_m = float(message.data)
 
 
-def take_link(readout: Readout, message: Any) -> None:
+def read_link(readout: Readout, message: Any) -> None:
     """Read this project's /link."""
     is_down = message.fault_loss >= 1.0
     readout.link_fault = "LINK DOWN" if is_down else f"LINK LOSES {message.fault_loss:.0%}"
@@ -164,25 +164,25 @@ def take_link(readout: Readout, message: Any) -> None:
 
 TEXT = "std_msgs/msg/String"
 LINK, NO_LINK = "uwsim_msgs/msg/Link", "none"
-PANELS = (take_telemetry, take_state_data)
-STANDARD: dict[str, tuple[str, Take]] = {
-    "telemetry": ("uwsim_msgs/msg/Telemetry", take_telemetry),
-    "ping": ("sensor_msgs/msg/LaserScan", take_scan),
+PANELS = (read_telemetry, read_state_data)
+STANDARD: dict[str, tuple[str, Reader]] = {
+    "telemetry": ("uwsim_msgs/msg/Telemetry", read_telemetry),
+    "ping": ("sensor_msgs/msg/LaserScan", read_scan),
 }
-PUBLISHED: dict[str, tuple[str, Take]] = {
-    "stateData": (TEXT, take_state_data),
-    "propPos": (POSE, take_pose),
-    "scanPos": (POSE, take_scan_pose),
-    "modelTrigger": (TEXT, take_model),
-    "hFOV": (TEXT, take_hfov),
-    "proximitySensor": (TEXT, take_proximity),
-    "depthArray": (TEXT, take_depths),
+PUBLISHED: dict[str, tuple[str, Reader]] = {
+    "stateData": (TEXT, read_state_data),
+    "propPos": (POSE, read_pose),
+    "scanPos": (POSE, read_scan_pose),
+    "modelTrigger": (TEXT, read_model),
+    "hFOV": (TEXT, read_hfov),
+    "proximitySensor": (TEXT, read_proximity),
+    "depthArray": (TEXT, read_depths),
 }
 
 
-def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]]:
+def topics_to_read(offered: set[str], prefix: str) -> dict[str, tuple[str, Reader]]:
     """Return the type and handler of each useful topic. offered: the server's topics, or empty if they are unknown."""
-    found: dict[str, tuple[str, Take]] = {}
+    found: dict[str, tuple[str, Reader]] = {}
     panel, sonar = prefix + "telemetry" in offered, prefix + "ping" in offered
     for name, topic in (STANDARD | PUBLISHED).items():
         standard = name in STANDARD
@@ -190,11 +190,11 @@ def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]
         if standard == (sonar if of_sonar else panel):
             found[prefix + name] = topic
     if prefix + "link" in offered:
-        found[prefix + "link"] = (LINK, take_link)
+        found[prefix + "link"] = (LINK, read_link)
     return found
 
 
-def _take_attitude(readout: Readout, xyzw: Any) -> None:
+def _read_attitude(readout: Readout, xyzw: Any) -> None:
     x, y, z, w = (float(value) for value in xyzw)
     if not 0.5 < x * x + y * y + z * z + w * w < 2.0:  # NaN, or not a rotation
         readout.heading_deg = readout.roll_deg = readout.pitch_deg = NAN

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from uwsim import _core
 from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.build.obstacles import RING_SEGMENTS, SIDES
-from uwsim.scenario.read.textures import Texture, load_texture, palette_texture
+from uwsim.scenario.read.textures import Texture, load_texture
 from uwsim.scenario.spec.material import Material
-from uwsim.scenario.spec.obstacle import Gate, MeshObstacle, ObstacleSpec, Pipeline, Ring
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
-
-CLASSES: dict[type, str] = {Pipeline: "pipeline", Gate: "gate", Ring: "gate"}
-"""Surface classes by kind of obstacle; all other kinds are structures."""
-STRIPES = 12
-"""Stripes around a ring."""
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
@@ -26,8 +17,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     scene.set_ground(ground.bed, ground.steep, ground.land)
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
-        texture = _texture(obstacle)
-        _set_appearance(scene, label_of[obstacle.name], _class(obstacle), obstacle.material, texture)
+        label, texture = label_of[obstacle.name], obstacle.texture()
+        _set_appearance(scene, label, obstacle.surface_class, obstacle.material, texture)
     if "station" in label_of:
         station = scenario.station
         texture = load_texture(station.mesh) if station.mesh is not None and station.material.colour is None else None
@@ -37,20 +28,6 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         texture = _hull_texture(vehicle.model, len(triangles))
         scene.add_vehicle(vehicle.name, vertices, triangles, material.kind, material.colour, *texture or ())
     return scene
-
-
-def _class(obstacle: ObstacleSpec) -> str:
-    return CLASSES.get(type(obstacle), "structure")
-
-
-def _texture(obstacle: ObstacleSpec) -> Texture | None:
-    """Return the stripes of a ring, or the colours of a mesh file unless the material has its own."""
-    if isinstance(obstacle, Ring) and obstacle.stripes is not None:
-        each = np.repeat(np.tile(np.array(obstacle.stripes), (STRIPES // 2, 1)), RING_SEGMENTS // STRIPES, axis=0)
-        return palette_texture(np.repeat(each, 2 * SIDES, axis=0))
-    if isinstance(obstacle, MeshObstacle) and obstacle.material.colour is None:
-        return load_texture(obstacle.file)
-    return None
 
 
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:

@@ -20,12 +20,14 @@ from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
 class ControlSettings:
     """A vehicle's motion model and gains, from its file.
 
-    thrusters: number of thrusters; 0 for a vehicle driven by forces along its axes.
+    thrusters: number of thrusters; 0 for a vehicle driven by forces along its axes. speed_min_m_s: the speed below
+    which fins do not turn it.
     """
 
     model: _core.ControlModel
     gains: _core.ControlGains
     thrusters: int = 0
+    speed_min_m_s: float = 0.0
 
     @property
     def net_buoyancy_n(self) -> float:
@@ -72,7 +74,7 @@ def built_settings(
         acceleration_max_m_s2=control.acceleration_max_m_s2,
         turn_acceleration_max_rad_s2=control.turn_acceleration_max_rad_s2,
     )
-    return ControlSettings(plant, gains, len(model.thrusters))
+    return ControlSettings(plant, gains, len(model.thrusters), control.speed_min_m_s)
 
 
 def _loop(loop: Loop) -> _core.LoopGains:

@@ -48,15 +48,15 @@ def acoustic_spec(
     water. Raises ValueError.
     """
     band = model.acoustic_band(frequency_hz)
-    spec, figures = _core.AcousticSpec(), _core.SonarFigures()
+    spec, parameters = _core.AcousticSpec(), _core.SonarParameters()
     for key in ACOUSTIC:
         value = getattr(band, key)
-        setattr(figures, key.replace("_deg", "_rad"), math.radians(value) if key.endswith("_deg") else value)
-    figures.frequency_hz = band.frequency_hz
-    figures.noise_level_db = model.noise.level_db
-    figures.detection_threshold_db = model.noise.detection_threshold_db
-    figures.check()
-    spec.figures = figures
+        setattr(parameters, key.replace("_deg", "_rad"), math.radians(value) if key.endswith("_deg") else value)
+    parameters.frequency_hz = band.frequency_hz
+    parameters.noise_level_db = model.noise.level_db
+    parameters.detection_threshold_db = model.noise.detection_threshold_db
+    parameters.check()
+    spec.parameters = parameters
     spec.rays_per_beam = rays_per_beam
     spec.false_detections = model.noise.false_detections
     spec.range_noise = model.noise.range

@@ -16,6 +16,7 @@ UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "feet": 0.3
 """Units in which meshes are drawn, in metres."""
 LENGTHS_M = (0.2, 15.0)
 """Lengths of typical vehicles, used to guess a mesh's unit."""
+METRES = {"metres": 1.0, **UNITS}
 HUGE_M = 50.0
 """Few vehicles are longer than this; a greater length suggests another unit."""
 HUGE_OBSTACLE_M = 1000.0
@@ -28,6 +29,12 @@ Floats = NDArray[np.float64]
 def size_text(size_m: Floats) -> str:
     """Return text such as `1.2 x 0.8 x 0.7 m`."""
     return " x ".join(f"{side:.4g}" for side in size_m) + " m"
+
+
+def likely_units(length: float) -> list[str]:
+    """Return the units of METRES in which a vehicle may be this long; the first is the likeliest."""
+    low, high = LENGTHS_M
+    return [unit for unit, metres in METRES.items() if low <= length * metres <= high]
 
 
 def question_of_factor(factor: float, mesh_scale: float) -> str:
@@ -102,8 +109,7 @@ def require_solid_fits(name: str, vertices_m: Floats, terrain: Terrain) -> None:
 
 def _of_size(longest_m: float, mesh_scale: float) -> str:
     """Return such a question for a hull that is too long, or an empty string if no unit explains its length."""
-    low, high = LENGTHS_M
-    units = [unit for unit, metres in UNITS.items() if low <= longest_m * metres <= high]
+    units = likely_units(longest_m)
     return "" if longest_m <= HUGE_M or not units else _question(units, mesh_scale)
 
 

@@ -7,20 +7,26 @@ import math
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 
 
 def sensor_spec(name: str, sensor: SensorMount) -> _core.SensorSpec:
-    """Return the sensor's spec, including the errors of each channel. Raises ValueError."""
+    """Return the sensor's spec, including the errors of each channel. Raises ValueError.
+
+    For a kind in Python, this is an exact sensor of its source.
+    """
     overall = sensor.noise or Noise(std=sensor.noise_std or 0.0)
+    kind = sensor_kind(sensor.kind)
+    is_derived = isinstance(kind, DerivedKind)
     return _core.SensorSpec(
         name,
-        sensor.kind,
+        kind.source if isinstance(kind, DerivedKind) else sensor.kind,
         sensor.position_m,
         of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg),
-        parameters={key: list(values) for key, values in sensor.parameters.items()},
+        parameters={} if is_derived else {key: list(values) for key, values in sensor.parameters.items()},
         noise={
             channel: _noise_spec(sensor.channels.get(channel, overall))
-            for channel in _core.sensor_kind(sensor.kind).channels
+            for channel in (() if is_derived else kind.channels)
         },
         rate_hz=sensor.rate_hz or 0.0,
         latency_s=sensor.latency_s,

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import assert_never, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrain, TerrainSpec
+from uwsim.scenario.spec.terrain import MAX_NODES, TerrainModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,36 +76,16 @@ class Terrain:
         return np.where(inside, np.where(u + v <= 1, lower, upper), np.nan)
 
 
-def build_terrain(spec: TerrainSpec) -> Terrain:
-    """Return heights from noise, a raster or an image, centred on the world's origin. Raises ScenarioError.
+def build_terrain(spec: TerrainModel) -> Terrain:
+    """Return a terrain's heights, centred on the world's origin. Raises ScenarioError.
 
     With the same build of the libraries, the same spec produces the same bytes.
     """
-    heights = np.ascontiguousarray(_heights(spec), np.float32)
+    heights = np.ascontiguousarray(spec.heights(), np.float32)
+    if heights.ndim != 2 or min(heights.shape) < 2 or heights.size > MAX_NODES:
+        raise ScenarioError(f"terrain: heights of shape {heights.shape}: must be 2 x 2 to {MAX_NODES} nodes")
     if not np.isfinite(heights).all():
         raise ScenarioError(f"terrain: {np.count_nonzero(~np.isfinite(heights))} heights are not finite")
     ny, nx = heights.shape
     origin = (-(nx - 1) * spec.spacing_m / 2, -(ny - 1) * spec.spacing_m / 2)
     return Terrain(heights, spec.spacing_m, origin)
-
-
-def _heights(spec: TerrainSpec) -> NDArray[np.floating]:
-    # Sources are imported on demand: rasterio alone takes half a second.
-    match spec:
-        case NoiseTerrain():
-            from uwsim.scenario.build.terrain_noise import noise_heights
-
-            (heights,) = cached_arrays(
-                lambda: (noise_heights(spec).astype(np.float32),), "noise", spec.model_dump_json(exclude={"window_m"})
-            )
-            return cast("NDArray[np.float32]", heights)
-        case RasterTerrain():
-            from uwsim.scenario.build.terrain_raster import raster_heights
-
-            return raster_heights(spec)
-        case ImageTerrain():
-            from uwsim.scenario.build.terrain_image import image_heights
-
-            return image_heights(spec)
-        case _:
-            assert_never(spec)

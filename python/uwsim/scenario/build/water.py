@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.base.npz import read_npz
+from uwsim.base.texts.csv_table import read_csv
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import (
@@ -173,7 +172,7 @@ def _levels(spec: TableProfile) -> tuple[WaterLevel, ...]:
     if spec.levels is not None:
         return spec.levels
     assert spec.file is not None
-    names, rows = _read_csv(spec.file, "profile")
+    names, rows = _read_csv(spec.file)
     levels = [dict(zip(names, row, strict=True)) for row in rows.tolist()]
     try:
         read = validated(TableProfile, {"kind": "table", "levels": levels}).levels
@@ -196,7 +195,7 @@ def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
         except (ValueError, OSError, KeyError) as error:
             raise ScenarioError(f"current '{path}': not a .npz file with {', '.join(keys)}: {error}") from None
         return x_m, y_m, z_m, velocity
-    names, rows = _read_csv(path, "current")
+    names, rows = _read_csv(path)
     columns = ("x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s")
     if set(names) != set(columns):
         raise ScenarioError(f"current '{path}': columns are {', '.join(names)}: must be {', '.join(columns)}")
@@ -213,18 +212,10 @@ def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
     return x_m, y_m, z_m, velocity
 
 
-def _read_csv(path: Path, what: str) -> tuple[list[str], Floats]:
-    """Return the column names and the rows (n, columns); lines starting with # are comments."""
+def _read_csv(path: Path) -> tuple[list[str], Floats]:
+    """Return the column names and the rows (n, columns). Raises ScenarioError."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = list(csv.reader(line for line in file if line.strip() and not line.lstrip().startswith("#")))
-        warn_if_cut_short(f"{what} '{path}'", path.read_bytes())
-        names = [name.strip() for name in lines[0]]
-        rows = np.array([[float(cell) for cell in line] for line in lines[1:]], np.float64)
-    except (OSError, ValueError, IndexError, csv.Error) as error:
-        raise ScenarioError(f"{what} '{path}': not a table of numbers under column names: {error}") from None
-    if len(set(names)) != len(names):
-        raise ScenarioError(f"{what} '{path}': a column is named twice: {', '.join(names)}")
-    if rows.ndim != 2 or rows.shape[1] != len(names) or not len(rows) or not np.isfinite(rows).all():
-        raise ScenarioError(f"{what} '{path}': must have a finite number in each of its {len(names)} columns")
-    return names, rows
+        table = read_csv(path)
+        return list(table.columns), np.column_stack([table.numbers(column) for column in table.columns])
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None

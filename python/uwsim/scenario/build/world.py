@@ -22,6 +22,13 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 FRESH_KG_M3 = 1000.0
 
 
+def beyond_terrain(world: _core.World, scenario: Scenario, x_m: float, y_m: float) -> str | None:
+    """Return the bounds of the terrain as text if a position is outside, else None."""
+    if np.isfinite(world.height_at([[x_m, y_m]])[0]):
+        return None
+    return build_terrain(scenario.terrain).window(scenario.terrain.window_m).extent_text
+
+
 def build_world(scenario: Scenario) -> _core.World:
     """Return the world of a scenario: terrain, obstacles, the station (named "station") and water.
 
@@ -38,7 +45,7 @@ def build_world(scenario: Scenario) -> _core.World:
     for index, obstacle in enumerate(scenario.obstacles):
         with found.noted(), errors_at("obstacles", index):
             solid = obstacle_solid(obstacle, terrain)
-            if obstacle.kind == "mesh":
+            if obstacle.has_own_unit:
                 require_solid_fits(obstacle.name, solid.vertices, terrain)
             world.add_solid(obstacle.name, *solid)
     if scenario.station.mesh is not None:

@@ -13,6 +13,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import sys
 import warnings
 import zlib
@@ -23,8 +24,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base import texts
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.caught_warnings import caught_warnings
+from uwsim.base.texts.json_text import json_value
 
 Arrays = tuple[NDArray[np.generic], ...]
 Input = str | bytes | float | NDArray[np.generic]
@@ -32,10 +35,10 @@ R = TypeVar("R")
 
 MAX_FILE_BYTES, MAX_FOLDER_BYTES, CHECK_EVERY_BYTES = 1 << 26, 1 << 29, 1 << 24
 SUFFIX = ".cached"
-SUFFIXES = (SUFFIX, ".npz")
-"""Suffixes of the files in the folder; earlier versions wrote .npz."""
 LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "ruamel-yaml")
 DIGEST_BYTES = 32
+NAME = re.compile(rf"[\w-]+-[0-9a-f]{{{2 * DIGEST_BYTES}}}{re.escape(SUFFIX)}")
+"""The files' names, with the digest of what their content depends on: no file of anybody else has such a name."""
 
 _unchecked_bytes: dict[Path, int] = {}
 """Bytes that this process has written to each folder since it last checked the folder's size."""
@@ -52,7 +55,7 @@ def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arra
 
 def cached_json(make: Callable[[], Any], kind: str, *inputs: Input) -> Any:
     """Do the same for a JSON value."""
-    return _cached(make, lambda value: json.dumps(value, ensure_ascii=False).encode(), json.loads, kind, inputs)
+    return _cached(make, lambda value: json.dumps(value, ensure_ascii=False).encode(), _json, kind, inputs)
 
 
 def _cached(
@@ -94,18 +97,24 @@ def _keep(path: Path, content: bytes) -> None:
         _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
         unchecked = 0
     _unchecked_bytes[path.parent] = unchecked
-    write_atomically(path, _checksum(content) + content)
+    write_atomically(path, _checksum(content) + content, replaces_any=True)  # a damaged file of ours: see NAME
 
 
 def _make_room(folder: Path, limit_bytes: int) -> None:
-    """Remove the oldest files until the rest are within the limit."""
-    kept = (path for path in folder.iterdir() if path.suffix in SUFFIXES)
+    """Remove the oldest files until the rest are within the limit, but none whose content is not ours."""
+    kept = (path for path in folder.iterdir() if NAME.fullmatch(path.name))
     files = sorted(((p.stat().st_mtime, p.stat().st_size, p) for p in kept), reverse=True)
     total = 0
     for _, size, path in files:
         total += size
         if total > limit_bytes:
-            path.unlink(missing_ok=True)
+            with contextlib.suppress(OSError, ValueError):
+                _checked(path.read_bytes())
+                path.unlink()
+
+
+def _json(data: bytes) -> Any:
+    return json_value(data, "a cached file")
 
 
 def _checksum(content: bytes | memoryview) -> bytes:
@@ -129,7 +138,7 @@ def _packed(arrays: Arrays) -> bytes:
 def _unpacked(data: bytes) -> Arrays:
     begin = data.index(b"\n") + 1
     arrays = []
-    for kind, shape in json.loads(data[: begin - 1]):
+    for kind, shape in _json(data[: begin - 1]):
         arrays.append(np.ndarray(shape, kind, data, begin).copy())
         begin += math.prod(shape) * arrays[-1].itemsize
     return tuple(arrays)
@@ -150,8 +159,8 @@ def _digest_of(*inputs: Input) -> str:
 def _versions() -> bytes:
     """Return a digest of the library versions and of our sources, since results depend on both."""
     digest = hashlib.blake2b(repr(sorted(_installed())).encode())
-    scenario = Path(__file__).parent.parent
-    for path in sorted(path for part in ("read", "build") for path in (scenario / part).glob("*.py")):
+    scenario, base = Path(__file__).parents[1], Path(texts.__file__).parent
+    for path in sorted(path for part in (scenario / "read", scenario / "build", base) for path in part.glob("*.py")):
         digest.update(path.read_bytes())
     return digest.digest()
 

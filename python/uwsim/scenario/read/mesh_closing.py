@@ -41,7 +41,7 @@ def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
     for k in wrapped:
         solids[k] = _wrapped(parts[k])
     out = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
-    vertices, faces = np.asarray(out.vert_properties)[:, :3], np.asarray(out.tri_verts, np.int64)
+    vertices, faces = np.array(out.vert_properties[:, :3]), np.array(out.tri_verts, np.int64)
     if wrapped:
         cell_m = max(float(parts[k].extents.max()) for k in wrapped) / WRAP_CELLS
         done.append(f"wrapped {len(wrapped)} parts that cross themselves, to within {cell_m:.2g} m")

@@ -53,9 +53,7 @@ def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
     if whole.volume() >= separate_volume * (1.0 - MIN_OVERLAP):
         return None
     out = whole.to_mesh64()
-    return trimesh.Trimesh(np.asarray(out.vert_properties)[:, :3], np.asarray(out.tri_verts), process=False), len(
-        bodies
-    )
+    return trimesh.Trimesh(np.array(out.vert_properties[:, :3]), np.array(out.tri_verts), process=False), len(bodies)
 
 
 def crossings(vertices: Vertices, faces: Faces) -> int:

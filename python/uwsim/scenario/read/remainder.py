@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from uwsim.scenario.read.yaml_document import Key
+from uwsim.base.texts.yaml_document import Key
 
 Path = tuple[Key, ...]
 

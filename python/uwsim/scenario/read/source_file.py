@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 
 @dataclass(frozen=True)

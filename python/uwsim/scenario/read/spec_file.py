@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from uwsim.scenario.read.assets import find_yaml, shown_name
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_document import read_yaml
+from uwsim.scenario.read.yaml_file import read_yaml
 
 Spec = TypeVar("Spec", bound=BaseModel)
 

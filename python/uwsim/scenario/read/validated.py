@@ -13,10 +13,10 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from uwsim.base.texts.yaml_document import Key, YamlDocument
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.remainder import Remainder
 from uwsim.scenario.read.validation_errors import HINTS, Hints, Mistake, mistakes_in
-from uwsim.scenario.read.yaml_document import Key, YamlDocument
 
 M = TypeVar("M", bound=BaseModel)
 

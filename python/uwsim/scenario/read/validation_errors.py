@@ -14,8 +14,8 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 TAGS = ("source", "kind")
 """Keys that select one of several models; pydantic includes their values in error locations."""
@@ -93,7 +93,8 @@ def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], h
         unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
         return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
     if kind == "extra_forbidden":  # the kind to which this key belongs is unknown or misspelt
-        beside = [str(o["loc"][-1]) for o in errors if o["loc"][:-1] == loc[:-1]]
+        wrong = [o for o in errors if o["type"] != "extra_forbidden"]
+        beside = [str(o["loc"][-1]) for o in wrong if o["loc"][:-1] == loc[:-1]]
         return any(tag in beside and f"'{tag}'" not in hints.get(str(loc[-1]), "") for tag in TAGS)
     if kind == "too_short":  # invalid items do not count
         return any(len(o["loc"]) > len(loc) and o["loc"][: len(loc)] == loc for o in errors)

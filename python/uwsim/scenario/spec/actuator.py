@@ -163,7 +163,7 @@ class FinMount(Model):
     rate_max_deg_s: Annotated[float, InRange(0.1, 10_000, "deg/s")] = 60.0
 
     @model_validator(mode="after")
-    def _stands_across_the_flow(self) -> FinMount:
+    def _is_perpendicular(self) -> FinMount:
         _require_direction(self.span, "span")
         if abs(self.span[0]) > 1e-6 * math.hypot(*self.span):
             raise broken("must be perpendicular to x", at=("span",), value=list(self.span))

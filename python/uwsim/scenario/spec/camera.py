@@ -31,7 +31,7 @@ class PanTilt(Model):
     rate_deg_s: Annotated[float, InRange(0.01, 1e4, "deg/s")] = 30.0
 
     @model_validator(mode="after")
-    def _holds_zero(self) -> PanTilt:
+    def _includes_zero(self) -> PanTilt:
         for key in ("pan_limits_deg", "tilt_limits_deg"):
             low, high = getattr(self, key)
             if not low <= 0.0 <= high:

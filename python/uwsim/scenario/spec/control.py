@@ -36,10 +36,10 @@ class Control(Model):
     """Gains and limits of all loops. An axis without actuators has none.
 
     surge, sway, heave, roll, pitch, yaw: gains of each axis. filter_s: time constant of the filter of measured
-    acceleration. tracking_s: time constant with which a saturated integral follows the actual thrust. speed_max_m_s,
-    climb_max_m_s, turn_max_rad_s: limits on the reference velocities towards a position (horizontal, vertical) and an
-    attitude. acceleration_max_m_s2, turn_acceleration_max_rad_s2: limits on the rate of change of the reference
-    velocities.
+    acceleration. tracking_s: time constant with which a saturated integral follows the actual thrust. speed_min_m_s:
+    the speed below which fins do not turn the vehicle; surveys fly no slower. speed_max_m_s, climb_max_m_s,
+    turn_max_rad_s: limits on the reference velocities towards a position (horizontal, vertical) and an attitude.
+    acceleration_max_m_s2, turn_acceleration_max_rad_s2: limits on the rate of change of the reference velocities.
     """
 
     surge: Loop = Loop.model_construct()
@@ -50,6 +50,7 @@ class Control(Model):
     yaw: TurningLoop = TurningLoop.model_construct()
     filter_s: Seconds = 0.2
     tracking_s: Seconds = 1.0
+    speed_min_m_s: Annotated[float, InRange(0, 20, "m/s")] = 0.0
     speed_max_m_s: Annotated[float, InRange(0.01, 20, "m/s")] = 1.0
     climb_max_m_s: Annotated[float, InRange(0.01, 20, "m/s")] = 0.4
     turn_max_rad_s: Annotated[float, InRange(0.01, 10, "rad/s")] = 0.5

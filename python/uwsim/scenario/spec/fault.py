@@ -1,16 +1,80 @@
-"""A scenario's faults: what fails, when, and for how long."""
+"""A scenario's faults: what fails, when, and for how long. Each kind is one file in `faults`.
+
+Kinds are registered in the entry point group `uwsim.kinds.fault`; docs/inside/extend.md adds one from another package.
+A kind overrides methods of FaultModel. A fault begins and ends between two steps; meanwhile `apply` changes parameters,
+which return to their former values when it ends.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Collection, Mapping, MutableMapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from uwsim.base.axes import Axis
-from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+from uwsim.base.did_you_mean import did_you_mean
+from uwsim.scenario.spec.fields import InRange, Model, Name, broken
+from uwsim.scenario.spec.kinds import Kinds
+from uwsim.scenario.spec.vehicle import VehicleModel
 
 Share = Annotated[float, InRange(0, 1)]
-Speed = Annotated[float, InRange(-5, 5, "m/s")]
+Overlay = MutableMapping[str, Any]
+"""Parameters by name: reading one returns its value after earlier faults, or else that of the scenario and the user."""
+
+
+class FaultySensor(Protocol):
+    """A sensor as faults change it; see uwsim.instruments.Sensor."""
+
+    @property
+    def unit(self) -> str | dict[str, str]:
+        """The unit of the value, or those of several quantities by name."""
+
+    def stick(self) -> None:
+        """Repeat the current reading from now on."""
+
+    def add_bias(self, bias: float, field: str | None) -> None:
+        """Add a constant to each component of a field, or of all fields, from now on."""
+
+    def distort(self, distortion: None) -> None:
+        """Return to undistorted readings."""
+
+
+@dataclass(frozen=True)
+class FaultyVehicle:
+    """The vehicle that a fault affects. sensors: by name. sonars: the names of its multibeams."""
+
+    name: str
+    model: VehicleModel
+    sensors: Mapping[str, FaultySensor]
+    sonars: Collection[str]
+
+    def parts(self, of: str) -> list[str]:
+        """Return the names of its parts of a sort: "sensors", "thrusters", "cameras" and so on."""
+        return list(self.sensors if of == "sensors" else getattr(self.model, of))
+
+
+@dataclass(frozen=True)
+class Observer:
+    """One that may notice faults, such as the task of a learning environment. name: in messages.
+
+    sensors: those that it reads. watches_sensors: whether a failsafe watches the others. camera: the one whose pictures
+    it sees. pings: whether it uses the multibeam. has_link: whether the scenario has a link.
+    """
+
+    name: str
+    sensors: Collection[str]
+    watches_sensors: bool
+    camera: str | None
+    pings: bool
+    has_link: bool
+
+
+@dataclass(frozen=True)
+class PartOf:
+    """A field's annotation: its value is the name of one of the vehicle's parts. sort: see FaultyVehicle.parts."""
+
+    sort: str
 
 
 class FaultModel(Model):
@@ -28,105 +92,52 @@ class FaultModel(Model):
     rate_per_h: Annotated[float, InRange(1e-6, 1e5, "1/h")] | None = None
     for_s: Annotated[float, InRange(0.01, 1e6, "s")] | None = None
 
+    if TYPE_CHECKING:
+        kind: str
+
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Values with which a form for this kind begins, such as the instructor's."""
+
+    cuts_link: ClassVar[bool] = False
+    """True for a kind that blocks all messages between station and vehicle while it is active."""
+
     @model_validator(mode="after")
     def _begins_at_some_time(self) -> FaultModel:
         if (self.at_s is None) == (self.rate_per_h is None):
             raise broken("exactly one of at_s and rate_per_h must be given")
         return self
 
+    @classmethod
+    def parts(cls) -> dict[str, str]:
+        """Return the fields that name a part of the vehicle, with the sort of part; see FaultyVehicle.parts."""
+        rules = ((name, rule) for name, info in cls.model_fields.items() for rule in info.metadata)
+        return {name: rule.sort for name, rule in rules if isinstance(rule, PartOf)}
 
-class ThrusterFault(FaultModel):
-    """A thruster produces only a fraction of its thrust; 0: none. The allocation is not aware of it.
+    def check(self, vehicle: FaultyVehicle) -> None:
+        """Raise ValueError if the fault names parts that the vehicle lacks."""
+        for field, sort in self.parts().items():
+            part, known = getattr(self, field), vehicle.parts(sort)
+            if part is not None and part not in known:
+                rule = f"must be one of {', '.join(known) or 'none'}{did_you_mean(part, known)}"
+                raise ValueError(f"{field} = {part!r}: {rule}")
 
-    thruster: its name. axis: for a vehicle without thrusters, the axis on which force or torque is reduced.
-    health: the fraction that remains.
-    """
+    def begin(self, vehicle: FaultyVehicle) -> None:
+        """Change what is not a parameter, at the beginning."""
 
-    kind: Literal["thruster"]
-    thruster: str | None = None
-    axis: Axis | None = None
-    health: Share = 0.0
+    def end(self, vehicle: FaultyVehicle) -> None:
+        """Undo `begin`."""
 
-    @model_validator(mode="after")
-    def _names_one(self) -> ThrusterFault:
-        if (self.thruster is None) == (self.axis is None):
-            raise broken("exactly one of thruster and axis must be given")
-        return self
+    def apply(self, over: Overlay, vehicle: FaultyVehicle, water_kg: float) -> None:
+        """Change parameters, on top of earlier faults. water_kg: the mass of water that the fault has let in."""
 
+    def water_kg_after(self, water_kg: float, steps: int, step_s: float) -> float:
+        """Return the mass of water [kg] that the fault has let in, some steps after it was water_kg."""
+        return water_kg
 
-class SensorFault(FaultModel):
-    """A sensor fails.
-
-    sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last reading is repeated; `bias`, a constant
-    is added. bias: value added to each component of `field`, in the sensor's unit. field: field of the reading;
-    required for a sensor that measures several quantities.
-    """
-
-    kind: Literal["sensor"]
-    sensor: str
-    mode: Literal["off", "stuck", "bias"] = "off"
-    bias: Annotated[float, InRange(-1e6, 1e6)] | None = None
-    field: str | None = None
-
-    @model_validator(mode="after")
-    def _has_a_bias_if_that_is_its_mode(self) -> SensorFault:
-        if (self.mode == "bias") != (self.bias is not None):
-            raise broken("bias must be given for `mode: bias`, and only then", at=("bias",))
-        if self.field is not None and self.mode != "bias":
-            raise broken("is only for `mode: bias`", at=("field",))
-        return self
+    def unnoticed(self, observer: Observer) -> str:
+        """Return why an observer does not notice the fault, or ""."""
+        return ""
 
 
-class SonarFault(FaultModel):
-    """The multibeam receives nothing: no beam has an echo."""
-
-    kind: Literal["sonar"]
-
-
-class CameraFault(FaultModel):
-    """A camera's pictures are black. camera: its name on the vehicle."""
-
-    kind: Literal["camera"]
-    camera: str
-
-
-class BatteryFault(FaultModel):
-    """The battery's voltage drops: all thrusters produce only a fraction of their thrust. thrust: the fraction."""
-
-    kind: Literal["battery"]
-    thrust: Share
-
-
-class LeakFault(FaultModel):
-    """Water enters, and remains after the leak ends; it adds weight but no buoyancy.
-
-    kg_per_s: the inflow. kg_max: the mass at which the compartment is full. position_m: where the water collects, in
-    the body frame; by default at the centre of mass.
-    """
-
-    kind: Literal["leak"]
-    kg_per_s: Annotated[float, InRange(1e-6, 1000, "kg/s")]
-    kg_max: Annotated[float, InRange(1e-3, 1e6, "kg")] | None = None
-    position_m: Point3 | None = None
-
-
-class LinkLoss(FaultModel):
-    """Nothing passes between station and vehicle: commands and the vehicle's messages over the link are lost."""
-
-    kind: Literal["link"]
-
-
-class CurrentFault(FaultModel):
-    """An additional current.
-
-    velocity_world_m_s: added to water.current_world_m_s; east, north, up.
-    """
-
-    kind: Literal["current"]
-    velocity_world_m_s: tuple[Speed, Speed, Speed]
-
-
-FaultSpec = Annotated[
-    ThrusterFault | SensorFault | SonarFault | CameraFault | BatteryFault | LeakFault | LinkLoss | CurrentFault,
-    Field(discriminator="kind"),
-]
+FAULTS = Kinds("uwsim.kinds.fault", FaultModel)
+FaultSpec = Annotated[FaultModel, FAULTS]

@@ -99,7 +99,7 @@ class Model(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _knows_every_key(cls, data: object, info: ValidationInfo) -> object:
+    def _check_keys(cls, data: object, info: ValidationInfo) -> object:
         """Note the most similar known key for each unknown one, for the message; pydantic rejects unknown keys."""
         hints = (info.context or {}).get(HINTS)
         if isinstance(data, Mapping) and not cls.once_named().keys().isdisjoint(data):

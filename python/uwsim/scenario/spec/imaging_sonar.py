@@ -1,7 +1,6 @@
 """An imaging sonar on a vehicle, as read from its YAML file: kind, mount and overridden parameters.
 
-The kinds and their parameters are in the native core's table (cpp/uwsim/sonar/imaging/): a new kind needs no change
-here.
+The kinds and their parameters are in the table of imaging_kind.py: a new kind needs no change here.
 """
 
 from __future__ import annotations
@@ -15,18 +14,15 @@ from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from uwsim import _core
 from uwsim.base import quaternions
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
+from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind, imaging_kinds, usable_imaging_kinds
 from uwsim.scenario.spec.json_schema import figures as kind_figures
 from uwsim.scenario.spec.json_schema import one_of_kinds
 from uwsim.scenario.spec.parameter import checked_values
 
 RADIANS, DEGREES = "_rad", "_deg"
-STRENGTHS = "strengths_db"
-"""The only parameter that is a mapping, from surface names to backscatter strengths; the core uses labels instead of
-names."""
 LOUDEST_DB = 300.0
 
 
@@ -47,8 +43,8 @@ class ImagingMount(Model):
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         schema = super().__get_pydantic_json_schema__(core, handler)
         kinds = {}
-        for name in _core.imaging_kinds():
-            kind = _core.imaging_kind(name)
+        for kind in usable_imaging_kinds():
+            name = kind.name
             kinds[name] = kind_figures(kind.parameters, in_degrees=True) | {"description": kind.meaning, "required": []}
             for key, parameter in kind.parameters.items():
                 if not np.isnan(parameter.by_default):
@@ -64,14 +60,14 @@ class ImagingMount(Model):
 
     @model_validator(mode="before")
     @classmethod
-    def _gathers_figures(cls, data: object) -> object:
+    def _collect_figures(cls, data: object) -> object:
         if not isinstance(data, Mapping) or "kind" not in data:
             return data
-        kinds = _core.imaging_kinds()
+        kinds = imaging_kinds()
         if data["kind"] not in kinds:
             hint = did_you_mean(str(data["kind"]), kinds)
             raise broken(f"must be one of {', '.join(kinds)}{hint}", at=("kind",), value=str(data["kind"]))
-        names = {_yaml_key(name): name for name in (*_core.imaging_kind(data["kind"]).parameters, STRENGTHS)}
+        names = {_yaml_key(name): name for name in (*imaging_kind(data["kind"]).parameters, STRENGTHS)}
         own = {key: value for key, value in data.items() if key not in names}
         for key in own:
             if key not in cls.model_fields:
@@ -81,8 +77,8 @@ class ImagingMount(Model):
         return {**own, "figures": {**own.get("figures", {}), **given}}
 
     @model_validator(mode="after")
-    def _knows_its_figures(self) -> ImagingMount:
-        known = (*_core.imaging_kind(self.kind).parameters, STRENGTHS)
+    def _check_figures(self) -> ImagingMount:
+        known = (*imaging_kind(self.kind).parameters, STRENGTHS)
         for name, value in self.figures.items():
             if name not in known:
                 raise broken(f"unknown parameter of a {self.kind}{did_you_mean(name, known)}", at=("figures", name))
@@ -118,7 +114,7 @@ def _check(kind: str, name: str, value: Any, *, key: str) -> None:
                 rule = f"must be a number in [{-LOUDEST_DB:g}, {LOUDEST_DB:g}] dB"
                 raise broken(rule, at=(key, str(surface)), value=strength_db, unit="dB")
         return
-    parameter = _core.imaging_kind(kind).parameters[name]
+    parameter = imaging_kind(kind).parameters[name]
     if value is None and not np.isnan(parameter.by_default):
         return
     checked_values(key, value, parameter, in_degrees=key != name)

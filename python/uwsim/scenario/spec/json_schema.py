@@ -12,8 +12,8 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaValue
 
-from uwsim import _core
 from uwsim.scenario.spec.descriptions import descriptions, summary
+from uwsim.scenario.spec.sensor_figure import SensorFigure
 
 UNIT = "x-unit"
 """Keyword for a number's unit; validators ignore unknown keywords."""
@@ -62,7 +62,7 @@ def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], 
     schema["oneOf"] = options
 
 
-def figures(parameters: Mapping[str, _core.Parameter], in_degrees: bool = False) -> JsonSchemaValue:
+def figures(parameters: Mapping[str, SensorFigure], in_degrees: bool = False) -> JsonSchemaValue:
     """Return a schema's properties for the parameters of a kind of sensor or imaging sonar, and which are required.
 
     in_degrees: whether angles are in degrees, under names that end in _deg.
@@ -80,7 +80,7 @@ def figures(parameters: Mapping[str, _core.Parameter], in_degrees: bool = False)
     return {"properties": properties, "required": required}
 
 
-def _figure(parameter: _core.Parameter, turned: bool) -> JsonSchemaValue:
+def _figure(parameter: SensorFigure, turned: bool) -> JsonSchemaValue:
     if parameter.type == "flag":
         return {"type": "boolean", "description": parameter.meaning}
     low, high = parameter.low, parameter.high

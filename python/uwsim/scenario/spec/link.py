@@ -20,7 +20,7 @@ BOTTOMS: dict[str, tuple[float, float, float]] = {
     "gravel": (2.0, 1.2, 0.6),
 }
 """Density and speed of sound relative to water, attenuation [dB per wavelength]: Jensen, Kuperman, Porter and Schmidt
-2011, "Computational Ocean Acoustics", table 1.3; cited from memory."""
+2011, "Computational Ocean Acoustics", table 1.3, as in the Under Sea Modeling Library (reflect_loss_rayleigh.cc)."""
 
 
 class LinkFault(Model):

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from uwsim import _core
 from uwsim.scenario.spec.fields import broken
+from uwsim.scenario.spec.sensor_figure import SensorFigure
 
 
 def checked_values(
-    key: str, value: Any, parameter: _core.Parameter, *, in_degrees: bool = False
+    key: str, value: Any, parameter: SensorFigure, *, in_degrees: bool = False
 ) -> tuple[float, ...]:  # fmt: skip
     """Return a parameter's values, in degrees if in_degrees. If a rule is broken, raises the error at the key."""
     several = parameter.width > 1
@@ -28,7 +28,7 @@ def checked_values(
     return tuple(float(number) for number in values)
 
 
-def _check_type(key: str, value: Any, parameter: _core.Parameter) -> None:
+def _check_type(key: str, value: Any, parameter: SensorFigure) -> None:
     if parameter.type == "flag":
         if value not in (True, False):
             raise broken("must be true or false", at=(key,), value=value)
@@ -39,7 +39,7 @@ def _check_type(key: str, value: Any, parameter: _core.Parameter) -> None:
         raise broken("must be a whole number", at=(key,), value=value)
 
 
-def _interval(parameter: _core.Parameter, in_degrees: bool) -> str:
+def _interval(parameter: SensorFigure, in_degrees: bool) -> str:
     low, high = parameter.low, parameter.high
     if in_degrees:
         low, high = math.degrees(low), math.degrees(high)

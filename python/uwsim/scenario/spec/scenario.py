@@ -120,6 +120,15 @@ class Scenario(Model):
         return self
 
     @model_validator(mode="after")
+    def _uncertainties_are_known(self) -> Scenario:
+        limit_m = None if self.survey is None else self.survey.max_uncertainty_m
+        multibeams = [vehicle.sonar for vehicle in self.vehicles if vehicle.model.sonar is not None]
+        if limit_m is not None and not all(sonar.mode == "physics" for sonar in multibeams):
+            rule = "needs a sonar with `mode: physics`, also on each other vehicle with a multibeam"
+            raise broken(rule, at=("survey", "max_uncertainty_m"), value=limit_m, unit="m")
+        return self
+
+    @model_validator(mode="after")
     def _at_most_one_is_docked(self) -> Scenario:
         docked = [index for index, vehicle in enumerate(self.vehicles) if vehicle.start is None]
         if len(docked) > 1:
@@ -151,13 +160,14 @@ class Scenario(Model):
         sonar_model: int | str | Path | None = None,
         sonar_frequency_hz: float | None = None,
         sonar_frequency_khz: float | None = None,
-        vehicle_model: VehicleModel | None = None,
+        vehicle_model: str | Path | VehicleModel | None = None,
         modem: str | Path | None = None,
         step_s: float | None = None,
     ) -> Scenario:
         """Return a validated copy with some values replaced; sonar values apply to every vehicle. Raises ScenarioError.
 
-        vehicle_model: replaces that of the first vehicle. modem: the link's modem, as a packaged name or a path.
+        vehicle_model: replaces that of the first vehicle; a packaged name, a path or the model itself. modem: the
+        link's modem, as a packaged name or a path.
         """
         sonar_frequency_hz = renamed_argument(
             "sonar_frequency_hz", sonar_frequency_hz, ARGUMENT_ONCE_IN_KHZ, sonar_frequency_khz, stacklevel=4

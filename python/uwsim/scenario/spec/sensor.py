@@ -1,6 +1,6 @@
 """A vehicle's sensor, as read from its YAML file: its kind, mount, rate and errors.
 
-The kinds and their parameters are in the native core's table (cpp/uwsim/sensors/); a new kind needs no change here.
+The kinds and their parameters are in the table of uwsim.scenario.spec.sensor_kind; a new kind needs no change here.
 """
 
 from __future__ import annotations
@@ -22,9 +22,11 @@ from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures, one_of_kinds
 from uwsim.scenario.spec.parameter import checked_values
+from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind, sensor_kinds, usable_sensor_kinds
 
 SensorSetName = Annotated[str, AssetName("sensors")]
 Magnitude = Annotated[float, InRange(0, 1e9)]
+STATEFUL = ("bias_std", "walk", "instability")  # errors that depend on earlier ones
 Limit = Annotated[float, InRange(-1e12, 1e12)]
 
 
@@ -58,16 +60,15 @@ class Noise(Model):
 
 
 class SensorMount(Model):
-    """A sensor of one of _core.sensor_kinds(), and its mount on the body.
+    """A sensor of one of the registered kinds, and its mount on the body.
 
-    Rays are cast along the sensor's x: yaw 90 points to port. Parameters of the kind
-    (_core.sensor_kind(...).parameters, such as range_max_m) are written next to the other keys in YAML, and in
-    `parameters` here. position_m: position in the body frame. parameters: in Python, the parameters of the kind; in
-    YAML, they are next to the other keys. on: whether it is powered; without power it has no readings. rate_hz:
-    sampling rate; every step by default. latency_s: delay from the measurement to its arrival. drop_out: the fraction
-    of samples that is lost; a read then returns the last sample that was not lost, marked invalid. noise: noise of all
-    channels, if they have the same unit; noise_std: short for noise: {std: ...}. channels: noise by channel, instead of
-    `noise`.
+    Rays are cast along the sensor's x: yaw 90 points to port. Parameters of the kind, such as range_max_m, are written
+    next to the other keys in YAML, and in `parameters` here. position_m: position in the body frame. parameters: in
+    Python, the parameters of the kind; in YAML, they are next to the other keys. on: whether it is powered; without
+    power it has no readings. rate_hz: sampling rate; every step by default. latency_s: delay from the measurement to
+    its arrival. drop_out: the fraction of samples that is lost; a read then returns the last sample that was not lost,
+    marked invalid. noise: noise of all channels, if they have the same unit; noise_std: short for noise: {std: ...}.
+    channels: noise by channel, instead of `noise`.
     """
 
     kind: str
@@ -87,8 +88,8 @@ class SensorMount(Model):
         schema = super().__get_pydantic_json_schema__(core, handler)
         own = handler.resolve_ref_schema(schema)
         kinds = {}
-        for name in _core.sensor_kinds():
-            kind = _core.sensor_kind(name)
+        for kind in usable_sensor_kinds():
+            name = kind.name
             noises = dict.fromkeys(kind.channels, own["properties"]["noise"]["anyOf"][0])
             channels = {"type": "object", "properties": noises, "additionalProperties": False}
             kinds[name] = figures(kind.parameters) | {"description": kind.meaning}
@@ -101,11 +102,14 @@ class SensorMount(Model):
     def _gathers_parameters(cls, data: object) -> object:
         if not isinstance(data, Mapping) or "kind" not in data:
             return data
-        known = _core.sensor_kinds()
+        known = sensor_kinds()
         if data["kind"] not in known:
             hint = did_you_mean(str(data["kind"]), known)
             raise broken(f"must be one of {', '.join(known)}{hint}", at=("kind",), value=str(data["kind"]))
-        parameters = _core.sensor_kind(data["kind"]).parameters
+        try:
+            parameters = sensor_kind(data["kind"]).parameters
+        except ValueError as error:  # another package's, which is broken
+            raise broken(str(error), at=("kind",), value=str(data["kind"])) from None
         own = {key: value for key, value in data.items() if key not in parameters}
         for key in own:
             if key not in cls.model_fields:
@@ -118,8 +122,9 @@ class SensorMount(Model):
         return {**own, "parameters": {**own.get("parameters", {}), **given}}
 
     @model_validator(mode="after")
-    def _knows_its_channels(self) -> SensorMount:
-        known = _core.sensor_kind(self.kind).channels
+    def _check_channels(self) -> SensorMount:
+        kind = sensor_kind(self.kind)
+        known = kind.channels
         for name in self.channels:
             if name not in known:
                 raise broken(
@@ -129,6 +134,12 @@ class SensorMount(Model):
                 )
         if self.noise is not None and self.noise_std is not None:
             raise broken("give either noise or noise_std", at=("noise_std",), value=self.noise_std)
+        for noise in (self.noise, *self.channels.values()) if isinstance(kind, DerivedKind) else ():
+            for key in STATEFUL:
+                if noise is not None and getattr(noise, key):
+                    rule = f"must be 0 for '{self.kind}', whose errors have no memory"
+                    at = ("noise",) if noise is self.noise else ("channels",)
+                    raise broken(rule, at=(*at, key), value=getattr(noise, key))
         shared = {channel: known[channel][1] for channel in known if channel not in self.channels}
         if len(set(shared.values())) > 1 and not is_of_an_earlier_version():
             units = ", ".join(f"{channel} [{unit}]" for channel, unit in shared.items())

@@ -76,8 +76,8 @@ class SonarBand(Model):
     are not echoes. range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by
     default. beam_width_along_deg: beam width of the transmitter, across the plane of the fan, -3 dB one way.
     beam_width_across_deg: width of an unsteered receiving beam, within that plane, -3 dB one way. pulse_length_s,
-    bandwidth_hz: parameters of the pulse. source_level_db: re 1 uPa at 1 m. directivity_index_db: directivity of the
-    receiver. The last six are for physics mode: all or none.
+    bandwidth_hz: parameters of the pulse. source_level_db: re 1 uPa at 1 m. directivity_index_db: directivity of an
+    unsteered receiving beam. The last six are for physics mode: all or none.
     """
 
     frequency_hz: Annotated[FrequencyHz, ONCE_IN_KHZ]

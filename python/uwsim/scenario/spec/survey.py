@@ -21,7 +21,8 @@ class Survey(Model):
     sonar, positive nose down. voxel_m: edge of the map's voxels. ping_rate_hz: maximum ping rate of the sonar.
     outlier_filter: whether ranging.reject_uncertain and reject_outliers are used; by default, they are if the sonar is
     in physics mode. max_uncertainty_m: the limit of reject_uncertain, at 95 % confidence; by default half a voxel, so
-    that most of the remaining echoes fall into the right voxels. Uncertainties are only known in physics mode.
+    that most of the remaining echoes fall into the right voxels. Uncertainties are only known in physics mode, so all
+    multibeams of the scenario must then be in it. Both settings apply to every map, live ones too.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.spec_file import read_spec
@@ -24,6 +26,8 @@ DENSITIES_KG_M3 = (100.0, 10_000.0)
 """Plausible densities of whole vehicles: from an empty pressure hull to a solid lump of metal."""
 VOLUMES_M3 = (1e-6, 1e5)
 """Plausible volumes of hulls: from a thimble to twice the largest submarine."""
+
+MASSES = ("mass_kg", "density_kg_m3", "buoyancy")
 
 Force = Annotated[float, InRange(0, 1e6, "N")]
 Torque = Annotated[float, InRange(0, 1e6, "N m")]
@@ -142,6 +146,18 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 
+    @model_validator(mode="wrap")
+    @classmethod
+    def _names_all_absent_keys(cls, values: Any, handler: ModelWrapValidatorHandler[VehicleModel]) -> VehicleModel:
+        """Where nothing but keys is missing, name all of them: pydantic would stop at the first broken rule."""
+        try:
+            return handler(values)
+        except ValidationError as error:
+            if not isinstance(values, Mapping) or not all(_is_absence(each) for each in error.errors()):
+                raise
+            absent = [*_absent(values)]
+            raise ValidationError.from_exception_data(error.title, absent) if absent else error from None
+
     @model_validator(mode="after")
     def _has_collision_pieces_if_needed(self) -> VehicleModel:
         if self.collision == "pieces" and self.collision_pieces is None:
@@ -152,9 +168,9 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
 
     @model_validator(mode="after")
     def _has_one_mass(self) -> VehicleModel:
-        given = [key for key in ("mass_kg", "density_kg_m3", "buoyancy") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise broken(f"exactly one of mass_kg, density_kg_m3 and buoyancy must be given, not {len(given)}")
+        given = sum(getattr(self, key) is not None for key in MASSES)
+        if given != 1:
+            raise _not_one_mass(given)
         if self.inertia_kg_m2 is not None:
             smallest, middle, largest = sorted(self.inertia_kg_m2)
             if largest > smallest + middle:
@@ -192,6 +208,29 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
         if full is not None:
             return np.array(full, np.float64)
         return np.diag(np.zeros(6) if diagonal is None else np.array(diagonal, np.float64))
+
+
+def _not_one_mass(given: int) -> PydanticCustomError:
+    return broken(f"exactly one of {MASSES[0]}, {MASSES[1]} and {MASSES[2]} must be given, not {given}")
+
+
+def _is_absence(error: ErrorDetails) -> bool:
+    rule = str(error.get("ctx", {}).get("rule", ""))
+    return len(error["loc"]) <= 1 and (error["type"] == "missing" or rule in ("missing", str(_not_one_mass(0))))
+
+
+def _absent(values: Mapping[str, Any]) -> Iterator[InitErrorDetails]:
+    """Yield an error for each key, or choice of keys, that a vehicle's file lacks."""
+
+    def lacks(*keys: str) -> bool:
+        return all(values.get(key) is None for key in keys)
+
+    needed = [key for key in ("name", "mesh", "centre_of_mass_m") if lacks(key)]
+    needed += [key for key in ("linear_damping", "quadratic_damping") if lacks(key, f"{key}_matrix")]
+    needed += [key for key in ("max_force_n", "max_torque_nm") if lacks(key) and not values.get("thrusters")]
+    yield from (InitErrorDetails(type="missing", loc=(key,), input=values) for key in needed)
+    if lacks(*MASSES):
+        yield InitErrorDetails(type=_not_one_mass(0), loc=(), input=values)
 
 
 def load_vehicle(source: str | Path, folder: Path | None = None) -> VehicleModel:

@@ -17,8 +17,9 @@ class School(Model):
     """A school of fish, which stands still.
 
     position_m: its middle. size_m: diameters of the ellipsoid that it fills evenly. count: number of fish.
-    target_strength_db: target strength of each fish, re 1 m2; by default 20 log10 L - 67.5 for a length L of 30 cm
-    (Foote 1987, J. Acoust. Soc. Am. 82:981, for cod-like fish from above at 38 kHz; cited from memory).
+    target_strength_db: target strength of each fish, re 1 m2; the default is that of a fish of 30 cm, rounded:
+    20 log10 L - 67.4 with the length L in cm is -37.9 dB (Foote 1987, J. Acoust. Soc. Am. 82:981, for physoclists such
+    as cod from above at 38 kHz).
     """
 
     kind: Literal["school"]

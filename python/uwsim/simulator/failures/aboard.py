@@ -58,9 +58,9 @@ class Aboard:
         """Give each vehicle the failsafe defined in the scenario or in its own file; return them by vehicle."""
         self._vehicles = vehicles
         for name, vehicle in vehicles.items():
-            vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
-            vehicle.gate.note = partial(write_note, events, agenda, name)
-            self._holds[name] = vehicle.gate.holds = Holds(
+            vehicle.helm.changed = partial(_note_all_stop, events, agenda, name)
+            vehicle.helm.note = partial(write_note, events, agenda, name)
+            self._holds[name] = vehicle.helm.holds = Holds(
                 vehicle, agenda=agenda, events=events, step_s=scenario.step_s
             )
         for entry in scenario.vehicles:
@@ -74,7 +74,7 @@ class Aboard:
                 tick=lambda: agenda.tick, water_kg=partial(self._faults.water_kg, entry.name),
                 link_silence_s=None if network is None else partial(network.silence_s, entry.name),
             )  # fmt: skip
-            self._failsafes[entry.name] = vehicle.gate.failsafe = failsafe
+            self._failsafes[entry.name] = vehicle.helm.failsafe = failsafe
             agenda.add(failsafe, Rank.FAILSAFE, failsafe.act)
         return self._failsafes
 
@@ -86,7 +86,7 @@ class Aboard:
         for holds in self._holds.values():
             holds.restart()
         for vehicle in self._vehicles.values():
-            vehicle.gate.restore(all_stopped=False)
+            vehicle.helm.restore(all_stopped=False)
 
     def save(self) -> dict[str, Any]:
         """Return everything that future steps depend on, as JSON values."""
@@ -105,7 +105,7 @@ class Aboard:
         for name, failsafe in self._failsafes.items():
             failsafe.restore(failsafes[FAILSAFE_OF + name])
         for name, vehicle in self._vehicles.items():
-            vehicle.gate.restore(all_stopped=name in state.all_stopped)
+            vehicle.helm.restore(all_stopped=name in state.all_stopped)
         for name, holds in self._holds.items():
             holds.restart()
             if name in state.holds:

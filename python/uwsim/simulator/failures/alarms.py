@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Cause = Literal["battery", "leak", "thruster", "sensor"]
+FailsafeCause = Literal["silence"] | Cause
+FAILSAFE_CAUSES: tuple[str, ...] = ("silence", *get_args(Cause))
 LOOK_S = 0.5  # time between two checks
 WET_KG = 0.05  # mass of water that a leak sensor in the bilge detects
 WEAK = 0.7  # fraction of the commanded thrust below which a motor counts as failed

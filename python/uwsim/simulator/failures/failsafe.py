@@ -15,7 +15,7 @@ from uwsim.navigation.control.controller import Controller
 from uwsim.scenario.spec.failsafe import Failsafe as Figures
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.failures import manoeuvres
-from uwsim.simulator.failures.alarms import LOOK_S, Alarms, Cause
+from uwsim.simulator.failures.alarms import LOOK_S, Alarms, Cause, FailsafeCause
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.manoeuvres import Beginning
 from uwsim.simulator.failures.steered import ZERO, Steered
@@ -39,7 +39,7 @@ class FailsafeState(State):
     """A saved failsafe. pilot: state of its Controller, if it is steering. lit, counts, last: state of its Alarms."""
 
     state: Literal["", "hold", "surface", "return", "go_on"]
-    cause: Literal["", "silence", "battery", "leak", "thruster", "sensor"]
+    cause: Literal[""] | FailsafeCause
     heard_tick: Tick
     free_tick: Tick
     was_free: bool
@@ -124,13 +124,18 @@ class Failsafe(Sealed):
         return tuple(self._alarms.lit)
 
     @property
+    def is_steering(self) -> bool:
+        """True while the reaction moves the vehicle."""
+        return self._state in ("hold", "surface", "return")
+
+    @property
     def has_control(self) -> bool:
-        """Whether the failsafe is steering, so that commands have no effect.
+        """True while the failsafe steers, so that commands have no effect.
 
         Without a link, the failsafe does not have control during a silence, because any command ends the silence.
         """
         is_ended_by_commands = self._cause == SILENCE and self._link_silence_s is None
-        return self._state in ("hold", "surface", "return") and not is_ended_by_commands
+        return self.is_steering and not is_ended_by_commands
 
     def note_command(self) -> None:
         """Register a command, which ends a silence; with a link, only a command that arrived over the link does."""
@@ -190,7 +195,7 @@ class Failsafe(Sealed):
         self._steered.last = tuple(saved.efforts)
         self._pilot = None
         if saved.pilot is not None:
-            self._take_pilot().memory = saved.pilot
+            self._created_pilot().memory = saved.pilot
 
     # Checking and steering
 
@@ -263,7 +268,7 @@ class Failsafe(Sealed):
     def _end(self) -> None:
         if not self._state:
             return
-        if self._state != "go_on" and self._vehicle.released:
+        if self.is_steering and self._vehicle.released:
             self._steered.set_effort()
         self._events.add(self._tick(), self._vehicle.name, "failsafe_ends", cause=self._cause)
         self._state = self._cause = ""
@@ -274,7 +279,7 @@ class Failsafe(Sealed):
         if self._vehicle.all_stopped:  # restarts from the vehicle's position when all stop is released
             self._began, self._pilot = self._beginning(tick), None
             return
-        pilot, time_s = self._take_pilot(), tick * self._step_s
+        pilot, time_s = self._created_pilot(), tick * self._step_s
         if self._state == "hold":
             manoeuvres.hold(pilot, self._began)
         elif self._state == "surface":
@@ -287,7 +292,7 @@ class Failsafe(Sealed):
         sample = None if sensor is None else sensor.sample()
         return float(sample.value) if sample is not None and sample.valid else math.inf
 
-    def _take_pilot(self) -> Controller:
+    def _created_pilot(self) -> Controller:
         if self._pilot is None:
             self._pilot = Controller(self._steered, PERIOD_S, settings=self._vehicle.control)
         return self._pilot

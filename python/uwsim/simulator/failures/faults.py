@@ -1,7 +1,8 @@
 """Faults: failures that begin on schedule, at random or on request, and end after their duration.
 
 A fault acts through existing simulator parameters, such as a thruster's health or the ballast, overriding the values
-from the scenario and the user (`effects`); sensor readings are falsified where they are read (`distortion`).
+from the scenario and the user; sensor readings are falsified where they are read (`distortion`). What a kind changes
+is in its file, in uwsim.scenario.spec.faults.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ from uwsim.base.sealed import Sealed
 from uwsim.instruments.distortion import Distortion
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.fault import FaultModel, LeakFault, LinkLoss, SensorFault
+from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle
 from uwsim.scenario.spec.scenario import Scenario
-from uwsim.simulator.failures import effects
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.fault import Fault, FaultState, checked_fault
 from uwsim.simulator.network import Network
+from uwsim.simulator.parameters.tree import find
 from uwsim.simulator.vehicle import Vehicle
 
 FILL_S = 1.0  # interval at which the water from a leak is updated
@@ -124,7 +125,7 @@ class Faults(Sealed):
 
     def link_is_down(self, vehicle: str) -> bool:
         """Return whether all messages between the station and a vehicle are blocked."""
-        return any(_cuts_off(fault, vehicle) for fault in self._faults.values())
+        return any(f.is_active and f.vehicle == vehicle and f.spec.cuts_link for f in self._faults.values())
 
     def inject(self, kind: str, *, name: str | None = None, **figures: Any) -> str:
         """Start a fault now; return its name. See docs/guides/faults.md for kinds and parameters.
@@ -136,7 +137,7 @@ class Faults(Sealed):
         begins = {} if {"at_s", "rate_per_h"} & figures.keys() else {"at_s": self._agenda.tick * step_s}
         spec = checked_fault({**given, **begins})
         # in the journal's form, so that a replay has the same state
-        spec = spec.model_copy(update={"name": spec.name or self._free_name(spec.kind)})  # type: ignore[attr-defined]
+        spec = spec.model_copy(update={"name": spec.name or self._free_name(spec.kind)})
         if spec.at_s is not None and round(spec.at_s / step_s) < self._agenda.tick:
             raise ValueError(f"faults.inject: at_s = {spec.at_s} s: is in the past")
         fault = self._add(spec, self._agenda.tick)
@@ -165,11 +166,15 @@ class Faults(Sealed):
 
     def overlay(self, scenario: Scenario) -> dict[str, Any]:
         """Return, by name, the parameter values with which faults override those of a scenario."""
-        found: dict[str, Any] = {}
+        found = _Overlay(scenario)
         for fault in self._faults.values():
             if fault.is_active or fault.water_kg > 0:
-                effects.lay(fault.spec, fault.vehicle, fault.water_kg, scenario, found)
+                fault.spec.apply(found, self._faulty(fault.vehicle, scenario), fault.water_kg)
         return found
+
+    def _faulty(self, vehicle: str, scenario: Scenario) -> FaultyVehicle:
+        model = next(entry.model for entry in scenario.vehicles if entry.name == vehicle)
+        return FaultyVehicle(vehicle, model, self._vehicles[vehicle].sensors, self._vehicles[vehicle].sonars)
 
     @property
     def due_tick(self) -> int:
@@ -179,8 +184,8 @@ class Faults(Sealed):
     def _due(self, fault: Fault) -> int:
         if fault.end_tick is None:
             return fault.begin_tick
-        is_filling = isinstance(fault.spec, LeakFault) and fault.water_kg < (fault.spec.kg_max or math.inf)
-        return min(fault.end_tick, fault.filled_tick + self._ticks(FILL_S)) if is_filling else fault.end_tick
+        fill_tick = fault.filled_tick + self._ticks(FILL_S)
+        return min(fault.end_tick, fill_tick) if self._water_kg(fault, fill_tick) > fault.water_kg else fault.end_tick
 
     def act(self, tick: int) -> None:
         """Begin, update and end the faults that are due."""
@@ -222,12 +227,12 @@ class Faults(Sealed):
     def _add(self, spec: FaultModel, tick: int) -> Fault:
         vehicle = spec.vehicle or next(iter(self._vehicles))
         self._check(spec, vehicle)
-        name = spec.name or self._free_name(spec.kind)  # type: ignore[attr-defined]
+        name = spec.name or self._free_name(spec.kind)
         if name in self._faults:
             raise ValueError(f"name = {name!r}: is already in use")
         fault = self._faults[name] = Fault(name, spec, vehicle, 0)
         fault.begin_tick = self._next_begin(fault, tick)
-        if isinstance(spec, LinkLoss) and not self._link_carries:
+        if spec.cuts_link and not self._link_carries:
             warnings.warn(
                 f"fault '{name}': without a link in the scenario it does nothing here but to be an event",
                 UserWarning,
@@ -238,7 +243,7 @@ class Faults(Sealed):
     def _check(self, spec: FaultModel, vehicle: str) -> None:
         if vehicle not in self._vehicles:
             raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(self._vehicles)}")
-        effects.check(spec, self._vehicles[vehicle], self._scenario)
+        spec.check(self._faulty(vehicle, self._scenario))
 
     def _free_name(self, kind: str) -> str:
         names = [kind, *(f"{kind}_{number}" for number in range(2, len(self._faults) + 3))]
@@ -265,8 +270,7 @@ class Faults(Sealed):
         fault.count += 1
         fault.end_tick = NEVER if spec.for_s is None else tick + self._ticks(spec.for_s)
         fault.began_tick = fault.filled_tick = tick
-        if isinstance(spec, SensorFault):
-            effects.distort(spec, self._vehicles[fault.vehicle])
+        spec.begin(self._faulty(fault.vehicle, self._scenario))
         self._cut_off(fault)
         figures = spec.model_dump(exclude={"name", "vehicle", "at_s", "rate_per_h"}, exclude_none=True)
         self._events.add(tick, fault.vehicle, "fault", fault=fault.name, **figures, **drawn)
@@ -275,25 +279,36 @@ class Faults(Sealed):
         self._fill(fault, tick)
         fault.end_tick = None
         fault.begin_tick = self._next_begin(fault, tick)
-        if isinstance(fault.spec, SensorFault):
-            self._vehicles[fault.vehicle].sensors[fault.spec.sensor].distort(None)
+        fault.spec.end(self._faulty(fault.vehicle, self._scenario))
         self._cut_off(fault)
         self._events.add(tick, fault.vehicle, "fault_ends", fault=fault.name)
 
     def _cut_off(self, fault: Fault) -> None:
-        if self._network is not None and isinstance(fault.spec, LinkLoss):
+        if self._network is not None and fault.spec.cuts_link:
             self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another fault may still be active
 
     def _fill(self, fault: Fault, tick: int) -> None:
-        """Update the mass of water let in by a leak."""
-        if isinstance(fault.spec, LeakFault):
-            came_kg = fault.spec.kg_per_s * (tick - fault.filled_tick) * self._scenario.step_s
-            fault.water_kg = min(fault.water_kg + came_kg, fault.spec.kg_max or math.inf)
-            fault.filled_tick = tick
+        """Update the mass of water that a fault has let in."""
+        water_kg = self._water_kg(fault, tick)
+        if water_kg > fault.water_kg:
+            fault.water_kg, fault.filled_tick = water_kg, tick
+
+    def _water_kg(self, fault: Fault, tick: int) -> float:
+        return fault.spec.water_kg_after(fault.water_kg, tick - fault.filled_tick, self._scenario.step_s)
 
     def _ticks(self, duration_s: float) -> int:
         return max(1, min(round(duration_s / self._scenario.step_s), NEVER))
 
 
-def _cuts_off(fault: Fault, vehicle: str) -> bool:
-    return fault.is_active and fault.vehicle == vehicle and isinstance(fault.spec, LinkLoss)
+class _Overlay(dict[str, Any]):
+    """Parameters changed by faults, by name; others are read from a scenario. Raises ValueError for unknown names."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        super().__init__()
+        self._scenario = scenario
+
+    def __missing__(self, name: str) -> Any:
+        node = find(self._scenario, name)
+        if node is None:
+            raise ValueError(f"{name}: is not a parameter")
+        return node.value

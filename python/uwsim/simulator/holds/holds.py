@@ -14,6 +14,7 @@ from uwsim.base.commands.holds import EXCLUSIVE, HOLDS
 from uwsim.navigation.control.controller import Controller
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.steered import ZERO
+from uwsim.simulator.helm import Reason
 from uwsim.simulator.holds.aided import Aided
 from uwsim.simulator.holds.listener import COMPASS, EVERY_HOLD, Listener
 from uwsim.simulator.holds.state import HoldsState
@@ -25,7 +26,6 @@ BRAKING_S = 5.0  # longest time between letting go of the stick and holding
 AT_REST = {"heading": 0.03, "depth": 0.03, "altitude": 0.03, "position": 0.05, "speed": math.inf}
 """The rate [rad/s or m/s] below which the vehicle counts as at rest, so that the target is set."""
 MISSES = ("dvl",)  # kinds of sensor that occasionally miss a reading
-STEERING = ("hold", "surface", "return")
 HEAVE_INTEGRAL, YAW_INTEGRAL, VELOCITY, TURN = 2, 5, 6, 9  # indices into Controller.memory
 
 
@@ -73,8 +73,7 @@ class Holds:
         """Activate exactly these holds; those already active keep their targets. Raises ValueError."""
         names = [name for name in HOLDS if on.get(name)]
         self._require(names)
-        if self._vehicle.failsafe is not None:
-            self._vehicle.failsafe.note_command()
+        self._vehicle.helm.note_command()
         self.note = ""
         if not names:
             self._end_all("")
@@ -86,7 +85,7 @@ class Holds:
             self._pilot = None
         self._braking = {name: self._braking.get(name, tick) for name in names}
         self.targets = {name: self.targets.get(name) for name in names}
-        self._vehicle.gate.is_driven = True
+        self._vehicle.helm.is_driven = True
         self._attend(tick)
 
     @property
@@ -99,15 +98,12 @@ class Holds:
         where = f"vehicle '{self._vehicle.name}': hold"
         if not names:
             return
-        self._vehicle.gate.require_no_stop("hold")
+        self._vehicle.helm.require("hold")
         for pair in EXCLUSIVE:
             if all(name in names for name in pair):
                 raise ValueError(f"{where}: {pair[0]} and {pair[1]}: only one of them can be held")
         if not self._vehicle.released:
             raise ValueError(f"{where}: is docked: release it first")
-        failsafe = self._vehicle.failsafe
-        if failsafe is not None and failsafe.has_control:
-            raise ValueError(f"{where}: its failsafe steers ({failsafe.state}: {failsafe.cause})")
         for name in names:
             if lack := self._listener.lack(name):
                 raise ValueError(f"{where}: {name}: {lack}")
@@ -142,9 +138,9 @@ class Holds:
         self.due_tick = tick + self._period_ticks
         failsafe = self._vehicle.failsafe
         if not self._vehicle.released:
-            self.end("the vehicle is docked")
-        elif failsafe is not None and failsafe.state in STEERING:
-            self.end("the failsafe steers")
+            self.end(Reason.DOCKED)
+        elif failsafe is not None and failsafe.is_steering:
+            self.end(Reason.FAILSAFE)
         else:
             self._listen(tick)
             if self.targets:
@@ -173,7 +169,7 @@ class Holds:
         self._pilot = None
         self._aided.held = self._held_axes()
         if saved.memory is not None:
-            self._take_pilot().memory = saved.memory
+            self._created_pilot().memory = saved.memory
         self._attend(saved.next_control)
 
     # Instruments
@@ -255,7 +251,7 @@ class Holds:
             free[2], wanted_m_s[2] = self._height_m(position_m[2], altitude_m), 0.0
         (heading_rad,) = self.targets.get("heading") or [yaw_rad]
 
-        pilot = self._take_pilot()
+        pilot = self._created_pilot()
         self._aided.held = self._held_axes()
         before = pilot.memory
         pilot.hold(free, heading_rad, velocity_world_m_s=wanted_m_s)
@@ -285,7 +281,7 @@ class Holds:
             memory[YAW_INTEGRAL], memory[TURN + 2] = before[YAW_INTEGRAL], turning_rad_s
         pilot.memory = memory
 
-    def _take_pilot(self) -> Controller:
+    def _created_pilot(self) -> Controller:
         if self._pilot is None:
             self._pilot = Controller(self._aided, PERIOD_S, settings=self._vehicle.control)
         return self._pilot

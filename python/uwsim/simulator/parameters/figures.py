@@ -1,15 +1,16 @@
-"""Parameters specific to a kind of sensor or imaging sonar; their tables are in the native core."""
+"""Parameters specific to a kind of sensor or imaging sonar; see their tables."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from uwsim import _core
-from uwsim.instruments.sonars import imaging
-from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, STRENGTHS, ImagingMount
+from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind
+from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, ImagingMount
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.sensor_figure import SensorFigure
+from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.simulator.parameters.field_type import FieldType
 
 NOISE_UNITS = {"density": "{}/sqrt(Hz)", "walk": "{}/sqrt(s)", "bias_time_s": "s"}
@@ -20,15 +21,16 @@ def sensor_figures(mount: SensorMount) -> dict[str, tuple[FieldType, tuple[float
     """Return the type and values of each parameter specific to a sensor's kind, by name."""
     return {
         name: (_type(figure), tuple(mount.parameters.get(name) or (figure.by_default,) * figure.width))
-        for name, figure in _core.sensor_kind(mount.kind).parameters.items()
+        for name, figure in sensor_kind(mount.kind).parameters.items()
     }
 
 
 def imaging_figures(mount: ImagingMount) -> dict[str, tuple[FieldType, Any]]:
     """Return the type and value of each imaging sonar parameter, by YAML key; angles are in degrees."""
-    model = imaging.KINDS[mount.kind].model(**mount.figures)
+    kind = imaging_kind(mount.kind)
+    model = kind.model(**mount.figures)
     figures: dict[str, tuple[FieldType, Any]] = {}
-    for name, figure in _core.imaging_kind(mount.kind).parameters.items():
+    for name, figure in kind.parameters.items():
         value, optional = getattr(model, name), not math.isnan(figure.by_default)
         if name.endswith(RADIANS):
             degrees = float(f"{math.degrees(value):.12g}")  # the value as written in the file, without rounding errors
@@ -39,7 +41,7 @@ def imaging_figures(mount: ImagingMount) -> dict[str, tuple[FieldType, Any]]:
     return figures
 
 
-def _type(figure: _core.Parameter, *, optional: bool = False, in_degrees: bool = False) -> FieldType:
+def _type(figure: SensorFigure, *, optional: bool = False, in_degrees: bool = False) -> FieldType:
     low, high, unit = figure.low, figure.high, figure.unit
     if in_degrees:
         low, high, unit = math.degrees(low), math.degrees(high), "deg"
@@ -53,7 +55,7 @@ def noise_unit(scenario: Scenario, place: tuple[str | int, ...]) -> str:
     while not isinstance(at, SensorMount):
         part = below.pop(0)
         at = at[part] if isinstance(part, int) or isinstance(at, dict) else getattr(at, str(part))
-    channels = {name: unit for name, (_, unit) in _core.sensor_kind(at.kind).channels.items()}
+    channels = {name: unit for name, (_, unit) in sensor_kind(at.kind).channels.items()}
     units = {channels[str(below[1])]} if below[0] == "channels" else set(channels.values())
     figure = next(part for part in reversed(below) if isinstance(part, str))
     if figure == "bias_time_s":

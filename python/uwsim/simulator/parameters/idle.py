@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from uwsim import _core
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.water import ONE_WATER, TableProfile, Water
@@ -41,7 +41,7 @@ def _of_water(water: Water, field: str) -> str:
 
 
 def _of_sensor(sensor: SensorMount, field: str) -> str:
-    kind = _core.sensor_kind(sensor.kind)
+    kind = sensor_kind(sensor.kind)
     channels = set(kind.channels)
     if field == "noise" and channels <= set(sensor.channels):
         return "each channel has its own" if channels else "this kind has no noise"

@@ -12,7 +12,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import _core
 from uwsim.campaigns.datasets.formats.npz import archive
 from uwsim.campaigns.datasets.formats.pixels import png
 from uwsim.campaigns.datasets.sequences.calibration import (
@@ -24,14 +23,15 @@ from uwsim.campaigns.datasets.sequences.calibration import (
 )
 from uwsim.campaigns.datasets.sequences.euroc import Files, Rows, write_sensor
 from uwsim.channels import Channel, Table
-from uwsim.channels.cameras import compressed_image, info_message
-from uwsim.channels.instruments import sample_message
-from uwsim.channels.pictures import RATE_HZ
+from uwsim.channels.delivery.pictures import RATE_HZ
+from uwsim.channels.families.cameras import compressed_image, info_message
+from uwsim.channels.families.instruments import sample_message
 from uwsim.channels.source import Source
 from uwsim.instruments.cameras import Camera
 from uwsim.instruments.sensors import Sensor
 from uwsim.instruments.sonars.imaging import SideScan
 from uwsim.instruments.sonars.mounted import ImagingSonar
+from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.simulator.simulator import Simulator
 
 Say = Callable[[Channel, Any, int], None]
@@ -40,10 +40,7 @@ PNG_FORMAT = "rgb8; png compressed bgr8"
 TRUTH_HZ = 200.0
 LOWEST_DB, STEP_DB = -100.0, 0.01
 """Sonar levels are stored in 16 bits: level = LOWEST_DB + STEP_DB * value; 0: no level."""
-IMU_COLUMNS = (
-    *(f"w_RS_S_{axis} [rad s^-1]" for axis in "xyz"),
-    *(f"a_RS_S_{axis} [m s^-2]" for axis in "xyz"),
-)
+IMU_COLUMNS = (*(f"w_RS_S_{axis} [rad s^-1]" for axis in "xyz"), *(f"a_RS_S_{axis} [m s^-2]" for axis in "xyz"))
 TRUTH_COLUMNS = (
     *(f"p_RS_R_{axis} [m]" for axis in "xyz"),
     *(f"q_RS_{axis} []" for axis in "wxyz"),
@@ -79,7 +76,7 @@ class Sampled:
         self.sensor: Sensor[Any] = source.of(sim).sensors[name]
         self.mount = source.model(sim).sensors[name]
         self._stream = self.sensor.stream()
-        fields = dict(_core.sensor_kind(self.sensor.kind).fields)
+        fields = dict(sensor_kind(self.sensor.kind).fields)
         self._width = 6 if self.sensor.kind == "imu" else sum(width for width, _ in fields.values())
         self._rows = Rows(folder, IMU_COLUMNS if self.sensor.kind == "imu" else (*_columns(fields), "valid []"))
 

@@ -18,11 +18,12 @@ from typing import Any
 from uwsim.base.agenda import Rank, next_tick
 from uwsim.base.atomic_file import unfinished
 from uwsim.base.folder_lock import LOCK, alone_in
+from uwsim.base.own_files import is_own, mark
 from uwsim.campaigns.datasets.sequences.calibration import camera_chain, imu_noise, kalibr_imu, mounted
 from uwsim.campaigns.datasets.sequences.euroc import write_yaml
 from uwsim.campaigns.datasets.sequences.instruments import Imaged, Instrument, Pinged, Sampled, Seen, Truth
 from uwsim.channels import Channel, Table
-from uwsim.channels.feed import Reading
+from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.source import Source
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
@@ -112,7 +113,9 @@ def _source(table: Table, sim: Simulator, vehicle: str | None) -> Source:
 def _made(into: Path) -> Iterator[Path]:
     """Yield a folder beside `into`; rename it to `into` after the block, or remove it if the block fails."""
     folder = into.with_name(into.name + UNFINISHED)
-    made_folder(folder)
+    if folder.is_dir() and not is_own(folder) and any(folder.iterdir()):
+        raise ValueError(f"--out {into}: '{folder.name}' is beside it, and uwsim did not make it: choose another --out")
+    mark(made_folder(folder), unfinished=True)
     with alone_in(folder), unfinished(folder):
         for left in folder.iterdir():  # left by a process that was killed
             if left.name != LOCK:

@@ -22,6 +22,7 @@ PEERS = {
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),
     "navigation": ("filterpy", "filterpy"),
+    "daylight": ("pvlib", "pvlib"),
 }
 """Python package and distribution of each peer; peers under `uwsim` have stored results or are linked with it."""
 

@@ -8,7 +8,6 @@ coefficients: undisturbed pressure plus added mass times the water's acceleratio
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.axes import AXES
+from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate.check import Check, relative, within
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
@@ -38,7 +38,7 @@ def checks() -> list[Check]:
     Force errors are relative to the largest force along the axis, moment errors to the largest heave force times half
     the hull's length.
     """
-    kept = json.loads(RESULTS.read_text(encoding="utf-8"))
+    kept = read_json(RESULTS)
     group = f"Capytaine {kept['capytaine']}"
     found = []
     for name, hull in kept["hulls"].items():

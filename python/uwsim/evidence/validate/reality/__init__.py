@@ -1,7 +1,8 @@
 """The reality suite: comparisons with data measured by others, in files that are not part of the package.
 
 docs/inside/reality.md lists where each file comes from, and which differences remain unexplained. A data set is a
-module with FILE, relative to the data folder, and `checks(data, out) -> list[Check]`, and an entry in DATA_SETS.
+module with FILE, relative to the data folder, and `checks(data, out) -> list[Check]`, and an entry in DATA_SETS. The
+group of each check begins with its kind (kinds.py): whether the simulator predicts the measured value or was given it.
 """
 
 from __future__ import annotations
@@ -11,13 +12,14 @@ from importlib import import_module
 from pathlib import Path
 
 from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.reality.kinds import PREDICTED
 
 DATA_SETS = ("thrust", "instruments", "bathymetry", "soundings", "arm_tilts")
 SOURCES = "docs/inside/reality.md lists the sources"
 
 
 def run(out: Path | None, data: Path | None) -> list[Check]:
-    """Return the checks of all data sets in the folder `data`; draw their figures into the folder `out`.
+    """Return the checks of all data sets in the folder `data`, predictions first; draw figures into the folder `out`.
 
     A data set whose file is missing is skipped with a warning. Raises ValueError if there is no folder or none of the
     files.
@@ -33,4 +35,4 @@ def run(out: Path | None, data: Path | None) -> list[Check]:
             warnings.warn(f"validate reality: {name} is left out: no {data / module.FILE}; {SOURCES}", stacklevel=2)
     if not found:
         raise ValueError(f"validate reality: no data in {data}; {SOURCES}")
-    return found
+    return sorted(found, key=lambda check: not check.group.startswith(PREDICTED))

@@ -2,8 +2,9 @@
 
 The sea floor is a Bathymetric Attributed Grid of NOAA survey F00788: depths and their uncertainties at nodes 8 m apart.
 A multibeam sonar at known positions surveys it in lines, and the depth at a node is the mean of the soundings in its
-cell. Positions and attitudes have no error, so the differences are due to the sonar, the speckle and the relief within
-a cell.
+cell. The measured depths are the simulator's own terrain: the check shows that a survey returns them, and predicts
+nothing. Positions and attitudes have no error, so the differences are due to the sonar, the speckle and the relief
+within a cell.
 """
 
 from __future__ import annotations
@@ -21,15 +22,16 @@ from rasterio.windows import bounds as window_bounds
 
 from uwsim import _core
 from uwsim.evidence.validate.check import Check, at_most
+from uwsim.evidence.validate.reality.kinds import AS_MEASURED
 from uwsim.evidence.validate.sonar_table import WATERS, Cell, acoustics
 from uwsim.figures.style import save_figure
 from uwsim.instruments.sonars.soundings import sound_points, sound_speed_profile
-from uwsim.scenario.build.terrain_raster import raster_heights
-from uwsim.scenario.spec.terrain import RasterTerrain
+from uwsim.scenario.terrains.elevations import raster_heights
+from uwsim.scenario.terrains.raster import RasterTerrain
 
 Array = NDArray[np.float64]
 FILE = "bathymetry/F00788_SR_8m.bag"
-GROUP = "NOAA F00788"
+GROUP = f"{AS_MEASURED}: NOAA F00788"
 WINDOW = Window(15, 120, 50, 50)
 """The largest square of the grid without a gap."""
 NODE_M, SPACING_M, EDGE = 8.0, 4.0, 3

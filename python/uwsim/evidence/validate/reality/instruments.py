@@ -1,4 +1,7 @@
-"""Compares the noise of packaged instruments with measurements by others at sea and in rivers.
+"""Compares the noise of simulated instruments with measurements by others at sea and in rivers.
+
+Most of these values are in the instruments' files and are reproduced. Two follow from others: the scatter of the
+RiverPro along x, y and z from the noise of its beams, and the scatter of the Workhorse along z from that along x and y.
 
 Doppler velocity (DVL). Snapir, an ECA A18D with an RDI Workhorse Navigator, 13 runs off Haifa, 2022-06-08 (A-KIT data,
 ansfl/A-KIT): robust standard deviations of 5 to 6 mm/s along x and y and 2 to 3 mm/s along z against the post-processed
@@ -23,7 +26,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.texts.csv_table import read_csv
 from uwsim.evidence.validate.check import Check, relative, within
+from uwsim.evidence.validate.reality.kinds import AS_MEASURED, PREDICTED
 from uwsim.figures.style import save_figure
 from uwsim.scenario import Scenario, load_vehicle
 from uwsim.scenario.spec.sensor import SensorMount
@@ -31,6 +36,8 @@ from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
 FILE = "dvl/RiverPro_test01_decoded.csv"
+WORKHORSE = "Workhorse Navigator, DVL"
+PING1D, UGPS = f"{AS_MEASURED}: Ping1D, echosounder", f"{AS_MEASURED}: Underwater GPS"
 SNAPIR_M_S = {"x": 0.0055, "y": 0.0055, "z": 0.0025}
 RIVERPRO_M_S = {"x": 0.05, "y": 0.05, "z": 0.018}
 RIVERPRO_SLANT_RAD = math.radians(20)
@@ -53,20 +60,21 @@ def checks(data: Path, out: Path | None) -> list[Check]:
     fixes, valid = _samples(load_vehicle("bluerov2_heavy").sensors["usbl"], AT_UGPS_M)
     steps = fixes[:, 3] / UGPS_STEP_M
     return [
-        *_axis_checks("RiverPro, DVL", river, RIVERPRO_M_S, 0.3),
-        *_axis_checks("Workhorse Navigator, DVL", snapir, SNAPIR_M_S, 0.15),
-        relative("Ping1D, echosounder", "noise at 8 m", PING1D_M, noise(height[:, 0]), 0.15, "m"),
-        _in_band("Ping1D, echosounder", "share of lost pings", PING1D_LOST, 1 - arrived),
-        _in_band("Underwater GPS", "share of valid fixes", UGPS_VALID, valid),
-        within("Underwater GPS", "range in steps of 0.047 m", round(steps[0]), float(steps[0]), 1.0, 1e-6),
-        _in_band("Underwater GPS", "noise of the azimuth", UGPS_BEARING_DEG, math.degrees(fixes[:, 4].std()), "deg"),
+        *_axis_checks(f"{PREDICTED}: RiverPro, DVL", river, RIVERPRO_M_S, 0.3),
+        *_axis_checks(f"{PREDICTED}: {WORKHORSE}", snapir, SNAPIR_M_S, 0.15, "z"),
+        *_axis_checks(f"{AS_MEASURED}: {WORKHORSE}", snapir, SNAPIR_M_S, 0.15, "xy"),
+        relative(PING1D, "noise at 8 m", PING1D_M, noise(height[:, 0]), 0.15, "m"),
+        _in_band(PING1D, "share of lost pings", PING1D_LOST, 1 - arrived),
+        _in_band(UGPS, "share of valid fixes", UGPS_VALID, valid),
+        within(UGPS, "range in steps of 0.047 m", round(steps[0]), float(steps[0]), 1.0, 1e-6),
+        _in_band(UGPS, "noise of the azimuth", UGPS_BEARING_DEG, math.degrees(fixes[:, 4].std()), "deg"),
     ]
 
 
 def read_beams(path: Path) -> Array:
     """Return the bottom velocities (4, n) along the beams, for the pings in which all four are valid."""
-    rows = np.genfromtxt(path, delimiter=",", names=True)
-    beams = np.array([rows[f"vel_bt_{beam}_m_s"] for beam in (1, 2, 3, 4)])
+    table = read_csv(path)
+    beams = np.array([table.numbers(f"vel_bt_{beam}_m_s", may_lack=True) for beam in (1, 2, 3, 4)])
     return np.asarray(beams[:, (np.abs(beams) < NO_LOCK_M_S).all(axis=0)], np.float64)
 
 
@@ -95,10 +103,13 @@ def _riverpro(beam_std_m_s: float) -> SensorMount:
     return SensorMount.model_validate({"kind": "dvl", "rate_hz": 5, "beam_slant_deg": slant_deg, "channels": channels})
 
 
-def _axis_checks(group: str, readings: Array, expected_m_s: dict[str, float], tolerance: float) -> list[Check]:
+def _axis_checks(
+    group: str, readings: Array, expected_m_s: dict[str, float], tolerance: float, axes: str = "xyz"
+) -> list[Check]:
     return [
         relative(group, f"noise along {axis}", expected, noise(readings[:, k]), tolerance, "m/s")
         for k, (axis, expected) in enumerate(expected_m_s.items())
+        if axis in axes
     ]
 
 

@@ -7,12 +7,14 @@ differences.
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.reality.kinds import PREDICTED
 from uwsim.evidence.validate.sound import SURVEYS, survey_check_of, survey_left_s
 from uwsim.figures.style import save_figure
 
@@ -34,4 +36,5 @@ def checks(data: Path, out: Path | None) -> list[Check]:
         panel.legend(fontsize=8)
         save_figure(figure, out / "reality_soundings.png")
         plt.close(figure)
-    return [survey_check_of(path, values, SURVEYS[path.name]) for path, values in left_s.items()]
+    found = [survey_check_of(path, values, SURVEYS[path.name]) for path, values in left_s.items()]
+    return [replace(check, group=f"{PREDICTED}: {check.group}") for check in found]

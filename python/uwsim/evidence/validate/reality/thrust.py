@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections import defaultdict
 from pathlib import Path
 
@@ -11,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.texts.csv_table import read_csv
 from uwsim.evidence.validate.check import Check, at_most
+from uwsim.evidence.validate.reality.kinds import AS_MEASURED, PREDICTED
 from uwsim.figures.style import save_figure
 from uwsim.scenario.spec.actuator import load_thruster
 
@@ -36,10 +37,11 @@ UNITS = {"force_kgf": ("thrust", "kgf"), "current_a": ("current", "A"), "rpm": (
 def read_sheets(path: Path) -> dict[float, Sheet]:
     """Return the measured columns, keyed by voltage."""
     columns: dict[float, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
-    with path.open() as file:
-        for row in csv.DictReader(file):
-            for name in ("pwm_us", *UNITS):
-                columns[float(row["voltage_v"])][name].append(float(row[name]))
+    table = read_csv(path)
+    volts = table.numbers("voltage_v")
+    for name in ("pwm_us", *UNITS):
+        for voltage_v, value in zip(volts, table.numbers(name), strict=True):
+            columns[float(voltage_v)][name].append(float(value))
     return {volts: {name: np.array(values) for name, values in sheet.items()} for volts, sheet in columns.items()}
 
 
@@ -67,19 +69,19 @@ def checks(data: Path, out: Path | None) -> list[Check]:
     found = []
     for volts, measured in sorted(sheets.items()):
         for name, miss in misses(packaged, volts, measured).items():
-            found.append(_check(f"{volts:g} V, packaged", name, PACKAGED[name], miss))
+            found.append(_check(AS_MEASURED, f"{volts:g} V, packaged", name, PACKAGED[name], miss))
     for volts, limits in LEFT_OUT.items():
         others = " and ".join(f"{other:g}" for other in _neighbours(volts, sheets))
         for name, miss in misses(without(volts, sheets), volts, sheets[volts]).items():
-            found.append(_check(f"{volts:g} V from {others} V", name, limits[name], miss))
+            found.append(_check(PREDICTED, f"{volts:g} V from {others} V", name, limits[name], miss))
     if out is not None:
         _draw(sheets, packaged, out / "reality_thrust.png")
     return found
 
 
-def _check(label: str, name: str, limit: float, miss: float) -> Check:
+def _check(kind: str, label: str, name: str, limit: float, miss: float) -> Check:
     quantity, unit = UNITS[name]
-    return at_most(GROUP, f"{label}: rms {quantity}", limit, miss, unit)
+    return at_most(f"{kind}: {GROUP}", f"{label}: rms {quantity}", limit, miss, unit)
 
 
 def _neighbours(volts: float, sheets: dict[float, Sheet]) -> tuple[float, float]:

@@ -11,26 +11,15 @@ vehicle it is `rov.pose.world_from_body @ imaging.pose_matrix(mount_m, pitch_rad
 in the ground or in a solid receives only noise.
 """
 
-from uwsim.instruments.sonars.imaging import forward_looking, side_scan, single_beam
-from uwsim.instruments.sonars.imaging.acoustics import Acoustics, ImagingKind, Place, check
+from uwsim.instruments.sonars.imaging.acoustics import Acoustics, Place, check
 from uwsim.instruments.sonars.imaging.forward_looking import ForwardLooking, SonarImage, look_ahead
 from uwsim.instruments.sonars.imaging.side_scan import SideScan, Waterfall, look_aside
 from uwsim.instruments.sonars.imaging.single_beam import Profiles, SingleBeam, profile
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, pose_matrix
 
-KINDS: dict[str, ImagingKind] = {
-    kind.model.kind: kind for kind in (forward_looking.KIND, side_scan.KIND, single_beam.KIND)
-}
-"""All kinds, keyed by their names in YAML.
-
-A new kind needs a C++ file, a Python file, and an entry in each language's table.
-"""
-
 __all__ = [
-    "KINDS",
     "Acoustics",
     "ForwardLooking",
-    "ImagingKind",
     "Matrix",
     "Place",
     "Profiles",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Protocol
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.spec.imaging_kind import core_kind, own_figures
 
 Levels = NDArray[np.float32]
 Labels = NDArray[np.uint16]
@@ -66,7 +67,7 @@ class Acoustics:
     """
 
     kind: ClassVar[str] = ""
-    """Name of the kind in _core.imaging_kinds() and in YAML."""
+    """Name of the kind in YAML; see uwsim.scenario.spec.imaging_kind."""
 
     frequency_hz: float
     source_level_db: float
@@ -94,19 +95,6 @@ class Acoustics:
         return np.asarray((np.arange(self.range_bins) + 0.5) * self.bin_m, np.float64)
 
 
-@dataclass(frozen=True)
-class ImagingKind:
-    """A kind of imaging sonar.
-
-    model: the class of its parameters, whose defaults are those of a typical instrument. ping: called as ping(sim,
-    world_from_sonar, model, name, *arguments); pings once from a vehicle at the current time and returns the kind's
-    result.
-    """
-
-    model: type[Acoustics]
-    ping: Callable[..., Any]
-
-
 def check(model: Acoustics, sim: Place | None = None) -> None:
     """Raise ValueError, naming the parameter, if a model is invalid.
 
@@ -124,16 +112,22 @@ def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
     if not isinstance(model.strengths_db, Mapping):
         raise ValueError(f"sonar.strengths_db = {model.strengths_db!r}: must be dB by name")
     given = {entry.name: getattr(model, entry.name) for entry in fields(model) if entry.name != "strengths_db"}
-    parameters = _core.imaging_kind(model.kind).parameters
+    for name, figure in own_figures(type(model)).items():
+        value = _number(name, given.pop(name), figure.type)
+        if not figure.low <= value <= figure.high:
+            rule = f"must be in [{figure.low:g}, {figure.high:g}] {figure.unit}".rstrip()
+            raise ValueError(f"sonar.{name} = {value:g} {figure.unit}".rstrip() + f": {rule}")
+    kind = core_kind(type(model))
+    parameters = _core.imaging_kind(kind).parameters
     figures = {
         name: _number(name, value, parameters[name].type)
         for name, value in given.items()
         if value is not None or np.isnan(parameters[name].by_default)  # None leaves the parameter at the core's default
     }
     if sim is None:
-        return _core.ImagingSonar(model.kind, figures)
+        return _core.ImagingSonar(kind, figures)
     strengths_db, materials = _strengths_by_label(sim, model)
-    return _core.ImagingSonar(model.kind, figures, strengths_db, materials)
+    return _core.ImagingSonar(kind, figures, strengths_db, materials)
 
 
 def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: float) -> Levels:

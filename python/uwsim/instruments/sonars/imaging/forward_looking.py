@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim.instruments.sonars.imaging.acoustics import (
     Acoustics,
-    ImagingKind,
     Labels,
     Levels,
     Place,
@@ -21,9 +20,12 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     whole_number,
 )
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+from uwsim.scenario.spec.imaging_kind import ImagingKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+PLOT_PIXELS = 600
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,10 +79,17 @@ class SonarImage:
         )
 
     def plot(self) -> Figure:
-        """Return a matplotlib Figure of the levels."""
-        from uwsim.instruments.sonars.imaging.plots import plot_fan  # imported here, since matplotlib takes a second
+        """Return a matplotlib Figure of the levels in the sonar's plane."""
+        from uwsim.instruments.sonars.imaging.pixels import polar_pixels, shown_range
+        from uwsim.instruments.sonars.imaging.plots import picture  # imported here, since matplotlib takes a second
 
-        return plot_fan(self)
+        model, half_rad = self.model, 0.5 * self.model.field_of_view_rad
+        fan = polar_pixels(self.level_db, model.range_max_m, model.field_of_view_rad, PLOT_PIXELS)
+        half_m = model.range_max_m * float(np.sin(min(half_rad, 0.5 * np.pi)))
+        back_m = min(model.range_max_m * float(np.cos(half_rad)), 0.0)
+        extent_m = (-half_m, half_m, back_m, model.range_max_m)
+        limits_db = shown_range(self.level_db, self.noise_db[:, None])
+        return picture(fan.level_db, extent_m, limits_db, repr(self), "to starboard [m]", "ahead [m]")
 
     def _repr_png_(self) -> bytes:
         from uwsim.instruments.sonars.imaging.plots import png

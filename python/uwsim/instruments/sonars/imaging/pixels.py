@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates, uniform_filter1d
-
-from uwsim.instruments.sonars.imaging.forward_looking import SonarImage
 
 Levels = NDArray[np.float32]
 
@@ -34,7 +33,19 @@ class FanPixels:
     extent_m: tuple[float, float, float, float]
 
 
-def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
+class Fan(Protocol):
+    """A picture by range and bearing, such as a SonarImage. model: has range_max_m and field_of_view_rad."""
+
+    @property
+    def model(self) -> Any:
+        """The sonar's model."""
+
+    @property
+    def level_db(self) -> Levels:
+        """The levels (ranges, bearings)."""
+
+
+def fan_pixels(image: Fan, height: int = 900) -> FanPixels:
     """Return a forward-looking picture (ranges, bearings) warped to its plane. Raises ValueError for height <= 0."""
     model = image.model
     return polar_pixels(image.level_db, model.range_max_m, model.field_of_view_rad, height)

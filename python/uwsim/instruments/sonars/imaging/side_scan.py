@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim.instruments.sonars.imaging.acoustics import (
     Acoustics,
-    ImagingKind,
     Labels,
     Levels,
     Place,
@@ -22,6 +21,7 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     whole_number,
 )
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+from uwsim.scenario.spec.imaging_kind import ImagingKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,12 +78,14 @@ class Waterfall:
         return f"<Waterfall: {pings} pings x {bins} ranges to {reach}, {level_span(self.picture_db())}>"
 
     def plot(self) -> Figure:
-        """Return a matplotlib Figure of the levels."""
-        from uwsim.instruments.sonars.imaging.plots import (
-            plot_waterfall,  # imported here, since matplotlib takes a second
-        )
+        """Return a matplotlib Figure of the lines over slant range, the first at the top, port on the left."""
+        from uwsim.instruments.sonars.imaging.pixels import shown_range
+        from uwsim.instruments.sonars.imaging.plots import picture  # imported here, since matplotlib takes a second
 
-        return plot_waterfall(self)
+        reach_m, levels = self.model.range_max_m, self.picture_db()
+        extent_m = (-reach_m, reach_m, len(levels) - 0.5, -0.5)
+        limits_db = shown_range(levels, np.concatenate([self.noise_db[::-1], self.noise_db])[None])
+        return picture(levels, extent_m, limits_db, repr(self), "slant range to starboard [m]", "ping", is_square=False)
 
     def _repr_png_(self) -> bytes:
         from uwsim.instruments.sonars.imaging.plots import png

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim.instruments.sonars.imaging.acoustics import (
     Acoustics,
-    ImagingKind,
     Labels,
     Levels,
     Place,
@@ -21,6 +20,7 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     whole_number,
 )
 from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+from uwsim.scenario.spec.imaging_kind import ImagingKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,12 +75,18 @@ class Profiles:
         )
 
     def plot(self) -> Figure:
-        """Return a matplotlib Figure of the levels."""
-        from uwsim.instruments.sonars.imaging.plots import (
-            plot_profiles,  # imported here, since matplotlib takes a second
-        )
+        """Return a matplotlib Figure of the levels by direction and range, with the detections as dots."""
+        from uwsim.instruments.sonars.imaging.pixels import shown_range
+        from uwsim.instruments.sonars.imaging.plots import picture  # imported here, since matplotlib takes a second
 
-        return plot_profiles(self)
+        degrees = np.degrees(self.angles_rad)
+        extent = (float(degrees.min()) - 0.5, float(degrees.max()) + 0.5, 0.0, self.model.range_max_m)
+        levels = self.level_db[np.argsort(degrees)].T[::-1]
+        limits_db = shown_range(self.level_db, self.noise_db[None])
+        across, up = "direction, to port [deg]", "range [m]"
+        figure = picture(levels, extent, limits_db, repr(self), across, up, is_square=False)
+        figure.axes[0].plot(degrees, self.ranges_m, ".", color="#4cc9f0", markersize=3)
+        return figure
 
     def _repr_png_(self) -> bytes:
         from uwsim.instruments.sonars.imaging.plots import png

@@ -6,7 +6,7 @@ import { watchDialogs } from './dialogs/dialog.js';
 import { showGamepads } from './dialogs/gamepad.js';
 import { showKeys } from './dialogs/keys.js';
 import { showMenu } from './dialogs/menu.js';
-import { byId, toast, write } from './dom.js';
+import { byId, targetOf, toast, write } from './dom.js';
 import { Bindings, keyName } from './drive/bindings.js';
 import { explainIdleKeys } from './drive/hint.js';
 import { HoldButtons } from './drive/holds.js';
@@ -17,6 +17,7 @@ import { Inspection } from './panel/inspection.js';
 import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
 import { Flights } from './replay/flights.js';
+import { showRecording } from './replay/rec_lamp.js';
 import { Timeline } from './replay/timeline.js';
 import { SceneView } from './map3d/scene.js';
 import { StartScreen } from './start.js';
@@ -59,6 +60,7 @@ explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
 const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
+showRecording(station);
 const start = new StartScreen(station, (catalog) => flights.show(catalog.flights));
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
@@ -69,16 +71,16 @@ watchDialogs((isOpen) => {
 });
 addEventListener('blur', () => aim.stop());
 byId('vehicle').addEventListener('change', (event) => {
-  pilot.letGo();
-  vehicle = station.description.vehicles.find(({ name }) => name === event.target.value);
-  event.target.blur();
+  pilot.release();
+  vehicle = station.description?.vehicles.find(({ name }) => name === targetOf(event).value);
+  targetOf(event).blur();
   begin();
 });
 byId('help').addEventListener('click', () => openKeys());
 byId('menu').addEventListener('click', () => openMenu());
 addEventListener('keydown', (event) => {
   if (
-    event.target.matches('input, select, textarea') ||
+    targetOf(event).matches('input, select, textarea') ||
     event.ctrlKey ||
     event.metaKey ||
     event.altKey ||
@@ -94,35 +96,36 @@ addEventListener('keydown', (event) => {
 });
 
 station.addEventListener('state', () => {
-  const isRunning = station.isRunning && station.description !== null;
+  const description = station.isRunning ? station.description : null;
+  const isRunning = description !== null;
   byId('station').hidden = !isRunning;
   byId('start').hidden = isRunning || station.state.phase === '';
   if (station.state.phase === 'idle') start.show();
-  document.title = isRunning ? WORDS.titleOf(station.description.scenario) : WORDS.title;
+  document.title = description ? WORDS.titleOf(description.scenario) : WORDS.title;
   if (isRunning) lease.takeOnce();
   showBanner();
 });
 station.addEventListener('close', showBanner);
 station.addEventListener('open', showBanner);
 setInterval(() => station.isBlind && showBanner(), 500);
-station.addEventListener('trouble', (event) => toast(event.detail, 'error'));
+station.addEventListener('trouble', (event) => toast(/** @type {CustomEvent} */ (event).detail, 'error'));
 station.addEventListener('session', begin);
 station.addEventListener('description', describe);
 
 // Show the vehicle that the controls act on.
 function describe() {
-  const { description } = station;
+  const description = /** @type {import('./wire/messages.js').Description} */ (station.description);
   vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
   holds.begin(vehicle);
   inspection.begin(vehicle);
-  byId('inspect').hidden = Boolean(description.is_supervised);
+  byId('inspect').hidden = Boolean(description.is_supervised || description.has_exercise);
 }
 
 // Show another simulator, or the same one from its start.
 function begin() {
-  const { description } = station;
+  const description = /** @type {import('./wire/messages.js').Description} */ (station.description);
   for (const end of ends) end();
   describe();
   pilot.vehicle = vehicle.name;
@@ -150,8 +153,8 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
       TYPES.Telemetry,
       (message) => {
         tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
-        scene.takeTelemetry(name, message);
-        if (name === vehicle.name) chart.takeTelemetry(message);
+        scene.showTelemetry(name, message);
+        if (name === vehicle.name) chart.showTelemetry(message);
       },
       { throttle_rate: 150 },
     ),
@@ -162,8 +165,8 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
         scan,
         'sensor_msgs/LaserScan',
         (message) => {
-          scene.takeScan(name, message, tilt_rad);
-          if (name === vehicle.name) fan.take(message);
+          scene.showScan(name, message, tilt_rad);
+          if (name === vehicle.name) fan.show(message);
         },
         SCAN,
       ),
@@ -174,7 +177,7 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
         map,
         TYPES.MapChanges,
         (changes) => {
-          scene.takeMap(changes);
+          scene.showMap(changes);
           panel.showMap(scene.store);
         },
         MAP,

@@ -2,7 +2,9 @@
 
 const DEG = 180 / Math.PI;
 
-export function attitude([x, y, z, w]) {
+/** @param {ArrayLike<number> & Iterable<number>} orientation */
+export function attitude(orientation) {
+  const [x, y, z, w] = orientation;
   const ahead = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)];
   const roll = Math.atan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y));
   return {

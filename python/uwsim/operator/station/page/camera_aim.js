@@ -15,13 +15,15 @@ const TURNS = {
 };
 
 export class CameraAim {
-  #vehicle = null;
+  /** @type {import('./wire/messages.js').VehicleDescription | null} */
+  #vehicle = null; // from the first session
   #motors = [];
   #angles = new Map(); // camera: the requested { pan, tilt }
   #timer = 0;
 
   constructor(station, views) {
-    [this.station, this.views] = [station, views];
+    this.station = station;
+    this.views = views;
     this.element = el('div', { className: 'aim', role: 'group', 'aria-label': WORDS.turnTheCamera });
     for (const [action, [, , sign, name]] of Object.entries(TURNS))
       this.element.append(this.#button(action, sign, name));
@@ -62,7 +64,7 @@ export class CameraAim {
   }
 
   get #isLarge() {
-    return this.#motors.find(({ camera }) => this.views.large === `${this.#vehicle.prefix}${camera}`);
+    return this.#motors.find(({ camera }) => this.views.large === `${this.#vehicle?.prefix}${camera}`);
   }
 
   get #motor() {
@@ -79,6 +81,7 @@ export class CameraAim {
   }
 
   #aim(camera) {
+    if (!this.#vehicle) return;
     const { pan, tilt } = this.#angles.get(camera);
     attempt(this.station.command('aim_camera', this.#vehicle.name, { camera, pan_rad: pan, tilt_rad: tilt }));
   }

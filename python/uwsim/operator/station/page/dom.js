@@ -3,9 +3,36 @@ import { LANGUAGE, STRINGS } from './strings.js';
 
 const WORDS = STRINGS.common;
 
-export const byId = (id) => document.getElementById(id);
+/** An element that the document or a module of the page has made, so that it exists; what it is depends on its name.
+ * @typedef {HTMLElement & Pick<HTMLInputElement, 'value' | 'disabled' | 'checked' | 'min' | 'max'>
+ *   & Pick<HTMLDialogElement, 'open' | 'close' | 'showModal'> & Pick<HTMLFormElement, 'elements'>} Known
+ */
 
-// Make an element: el('button', { type: 'button', onclick, 'aria-label': '...' }, 'text', child).
+/** @type {(id: string) => Known} */
+export const byId = (id) => /** @type {Known} */ (document.getElementById(id));
+
+/** The first element below `root` that a selector matches.
+ * @type {(root: ParentNode, selector: string) => Known}
+ */
+export const first = (root, selector) => /** @type {Known} */ (root.querySelector(selector));
+
+/** All elements below `root` that a selector matches.
+ * @type {(root: ParentNode, selector: string) => NodeListOf<Known>}
+ */
+export const all = (root, selector) => root.querySelectorAll(selector);
+
+/** The element that an event happened to.
+ * @type {(event: Event) => Known}
+ */
+export const targetOf = (event) => /** @type {Known} */ (event.target);
+
+/** Make an element: el('button', { type: 'button', onclick, 'aria-label': '...' }, 'text', child).
+ * @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, any>} attributes
+ * @param {(Node | string | null | undefined)[]} children
+ * @returns {HTMLElementTagNameMap[T]}
+ */
 export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -17,6 +44,15 @@ export function el(tag, attributes = {}, ...children) {
   element.append(...children.filter((child) => child !== null && child !== undefined));
   return element;
 }
+
+/** The canvas's context for drawing.
+ * @template {HTMLCanvasElement | OffscreenCanvas} T
+ * @param {T} canvas
+ */
+export const pen = (canvas) =>
+  /** @type {T extends HTMLCanvasElement ? CanvasRenderingContext2D : OffscreenCanvasRenderingContext2D} */ (
+    canvas.getContext('2d')
+  );
 
 // Write text only if it differs, to avoid a needless layout ten times a second.
 export function write(element, text) {

@@ -261,16 +261,21 @@ function boundsText({ low, high, optional }) {
 }
 
 // A slider over the bounds or, where these are too wide, from zero to twice the scenario's value.
-function sliderOf(parameter, input, set) {
-  const { name, type, low, high, default: usual } = parameter;
-  if (type !== 'number' || typeof usual !== 'number' || low === null || !PHYSICAL.test(name)) return null;
+// The ends and the step of a parameter's slider, or null if it has no bounds.
+export function sliderBounds({ type, low, high, default: usual }) {
+  if (type !== 'number' || typeof usual !== 'number' || low === null) return null;
   const [least, most] = high - low <= WIDE ? [low, high] : [Math.max(low, Math.min(0, 2 * usual)), 2 * Math.abs(usual)];
   if (!(most > least)) return null;
+  return { min: String(least), max: String(Math.min(high, most)), step: String((most - least) / SLIDER_STEPS) };
+}
+
+function sliderOf(parameter, input, set) {
+  const { name } = parameter;
+  const bounds = PHYSICAL.test(name) && sliderBounds(parameter);
+  if (!bounds) return null;
   return el('input', {
     type: 'range',
-    min: String(least),
-    max: String(Math.min(high, most)),
-    step: String((most - least) / SLIDER_STEPS),
+    ...bounds,
     'aria-label': WORDS.slider(name),
     oninput: ({ target }) => fill(input, Number(target.value)),
     onchange: ({ target }) => set(Number(target.value)),

@@ -2,34 +2,24 @@
 import './localize.js';
 import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
-import { Inspector } from './inspector.js';
+import { FaultForm } from './fault_form.js';
+import { Inspector, sliderBounds } from './inspector.js';
 import { STRINGS } from './strings.js';
 import * as messages from './wire/messages.js';
+import { accepted } from './wire/rosbridge.js';
 import { bridgeUrl, Station } from './wire/station.js';
 
 const WORDS = STRINGS.instructor;
 const ASK_MS = 500;
-// Faults by name: their arguments, and the kind of part that fails.
-const FAULTS = {
-  sensor_stuck: [(part) => ({ kind: 'sensor', sensor: part, mode: 'stuck' }), 'sensors'],
-  sensor_off: [(part) => ({ kind: 'sensor', sensor: part, mode: 'off' }), 'sensors'],
-  sensor_bias: [(part) => ({ kind: 'sensor', sensor: part, mode: 'bias', bias: 1 }), 'sensors'],
-  thruster: [(part) => ({ kind: 'thruster', thruster: part }), 'thrusters'],
-  leak: [() => ({ kind: 'leak', kg_per_s: 0.05, kg_max: 2 }), ''],
-  battery: [() => ({ kind: 'battery', thrust: 0.5 }), ''],
-  current: [() => ({ kind: 'current', velocity_world_m_s: [0, 0.2, 0], for_s: 20 }), ''],
-  sonar: [() => ({ kind: 'sonar' }), ''],
-  link: [() => ({ kind: 'link' }), ''],
+// Parameters with a slider, and their titles.
+const SLIDERS = {
+  'water.current_world_m_s.x': WORDS.current,
+  'water.current_world_m_s.y': WORDS.currentNorth,
+  'optics.particles_per_m3': WORDS.haze,
+  'optics.sun_elevation_deg': WORDS.sun,
+  mission_time_s: WORDS.batteryLife,
 };
-// Sliders: parameter, title, unit, bounds, step.
-const SLIDERS = [
-  ['water.current_world_m_s.x', WORDS.current, 'm/s', -1, 1, 0.05],
-  ['water.current_world_m_s.y', WORDS.currentNorth, 'm/s', -1, 1, 0.05],
-  ['optics.particles_per_m3', WORDS.haze, '1/m³', 0, 64, 1],
-  ['optics.sun_elevation_deg', WORDS.sun, '°', -6, 90, 1],
-  ['mission_time_s', WORDS.batteryLife, 's', 10, 7200, 10],
-];
-const WATERS = ['I', 'IA', 'IB', 'II', 'III', '1C', '3C', '5C', '7C', '9C']; // Jerlov's, from clear to turbid
+const WATER = 'optics.jerlov';
 
 // The station with parameters accessed through the instructor's own services.
 class InstructorStation extends Station {
@@ -48,7 +38,7 @@ class InstructorStation extends Station {
   }
 
   async described() {
-    return JSON.parse((await messages.parameters(this.bridge)).descriptions_json);
+    return JSON.parse((await accepted(messages.parameters(this.bridge))).descriptions_json);
   }
 
   async parameterNames() {
@@ -86,25 +76,20 @@ const pause = button(WORDS.pause, () => attempt(station.instruct(station.state.p
 const moments = el('div', { className: 'instructor-row' });
 const faults = el('div', { className: 'instructor-row' });
 const log = el('ol', { className: 'instructor-log', tabIndex: 0 });
-const kind = el(
-  'select',
-  { 'aria-label': WORDS.fault, onchange: () => showParts() },
-  ...Object.keys(FAULTS).map((name) => el('option', { value: name }, WORDS.kinds[name])),
-);
-const part = el('select', { 'aria-label': WORDS.part });
-const inject = button(WORDS.add, () => attempt(station.command('inject_fault', FAULTS[kind.value][0](part.value))));
-const sliders = SLIDERS.map(([name, title, unit, min, max, step]) => {
+const form = new FaultForm((args) => attempt(station.command('inject_fault', args)));
+const sliders = Object.entries(SLIDERS).map(([name, title]) => {
   const value = el('output', { className: 'reading' }, '–');
-  const input = el('input', { type: 'range', min, max, step, 'aria-label': title });
-  input.addEventListener('input', () => write(value, `${input.value} ${unit}`));
+  const input = el('input', { type: 'range', 'aria-label': title });
+  const row = el('label', { className: 'instructor-slider', hidden: true }, title, input, value);
+  const found = { name, unit: '', value, input, row };
+  input.addEventListener('input', () => write(value, `${input.value} ${found.unit}`));
   input.addEventListener('change', () => attempt(station.setParameters({ [name]: Number(input.value) })));
-  return { name, unit, value, input, row: el('label', { className: 'instructor-slider' }, title, input, value) };
+  return found;
 });
-const water = el(
-  'select',
-  { 'aria-label': WORDS.visibility, onchange: () => attempt(station.setParameters({ 'optics.jerlov': water.value })) },
-  ...WATERS.map((name) => el('option', { value: name }, name)),
-);
+const water = el('select', {
+  'aria-label': WORDS.visibility,
+  onchange: () => attempt(station.setParameters({ [WATER]: water.value })),
+});
 
 byId('instructor').append(
   section(WORDS.truth, truth),
@@ -121,12 +106,7 @@ byId('instructor').append(
     el('h3', {}, WORDS.moments),
     moments,
   ),
-  section(
-    WORDS.faults,
-    el('div', { className: 'instructor-row' }, kind, part, inject),
-    el('h3', {}, WORDS.active),
-    faults,
-  ),
+  section(WORDS.faults, form.element, el('h3', {}, WORDS.active), faults),
   section(
     WORDS.water,
     ...sliders.map(({ row }) => row),
@@ -173,7 +153,7 @@ async function look() {
     const isFirst = seen === null;
     seen = found;
     show();
-    if (isFirst) showParts();
+    if (isFirst) form.offer((await accepted(messages.faultKinds(station.bridge))).kinds, found.vehicles[0]);
   } catch {
     /* the connection is lost: keep the last overview, with its time */
   }
@@ -240,23 +220,22 @@ function buttons(row, keys, made) {
   row.replaceChildren(...keys.map((key) => button(...made(key))));
 }
 
-function showParts() {
-  const of = FAULTS[kind.value][1];
-  const names = (of && seen?.vehicles[0][of]) || [];
-  part.replaceChildren(...names.map((name) => el('option', { value: name }, name)));
-  part.hidden = names.length === 0;
-}
-
 async function showParameters() {
   if (!station.isAdmitted) return;
-  const values = await station.parameterValues();
-  for (const { name, unit, value, input, row } of sliders) {
-    row.hidden = !(name in values);
+  const described = new Map((await station.described()).map((parameter) => [parameter.name, parameter]));
+  for (const slider of sliders) {
+    const { input, row } = slider;
+    const parameter = described.get(slider.name);
+    const bounds = parameter && sliderBounds(parameter);
+    row.hidden = !bounds;
     if (row.hidden || document.activeElement === input) continue;
-    input.value = values[name];
-    write(value, `${+Number(values[name]).toFixed(3)} ${unit}`);
+    slider.unit = parameter.unit;
+    Object.assign(input, bounds, { value: parameter.value });
+    write(slider.value, `${+Number(parameter.value).toFixed(3)} ${parameter.unit}`);
   }
-  if (values['optics.jerlov']) water.value = values['optics.jerlov'];
+  const { value, choices = [] } = described.get(WATER) ?? {};
+  if (water.options.length === 0) water.append(...choices.map((name) => el('option', { value: name }, name)));
+  if (value) water.value = value;
 }
 
 globalThis.instructor = { station, inspector }; // for the browser's console and tests

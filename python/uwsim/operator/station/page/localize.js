@@ -1,10 +1,11 @@
 // Inserts the texts of the document itself: data-text, data-label and data-tip contain keys of its table.
+import { all } from './dom.js';
 import { LANGUAGE, STRINGS } from './strings.js';
 
 const WORDS = STRINGS.document;
 
 document.documentElement.lang = LANGUAGE;
-for (const element of document.querySelectorAll('[data-text]')) element.textContent = WORDS[element.dataset.text];
-for (const element of document.querySelectorAll('[data-label]'))
-  element.setAttribute('aria-label', WORDS[element.dataset.label]);
-for (const element of document.querySelectorAll('[data-tip]')) element.title = WORDS[element.dataset.tip];
+for (const element of all(document, '[data-text]')) element.textContent = WORDS[element.dataset.text ?? ''];
+for (const element of all(document, '[data-label]'))
+  element.setAttribute('aria-label', WORDS[element.dataset.label ?? '']);
+for (const element of all(document, '[data-tip]')) element.title = WORDS[element.dataset.tip ?? ''];

@@ -19,25 +19,27 @@ export function instruments(message, time_s) {
     time_s: known(time_s, 3),
     depth_m: known(message?.depth, 2),
     altitude_m: known(message?.distance_to_seabed, 2),
-    heading_deg: isPlaced ? known(attitude(message.orientation).heading_deg, 1) % 360 : null,
+    heading_deg: isPlaced ? Number(known(attitude(message.orientation).heading_deg, 1)) % 360 : null,
     position_m: isPlaced ? [...message.position].map((value) => known(value, 2)) : null,
   };
 }
 
-// Two lines: position and time, then the instruments' values. old_s: the age of the values, 0 while they are fresh.
+/** Two lines: position and time, then the instruments' values. old_s: the age of the values, 0 while they are fresh.
+ * @returns {[string, string]}
+ */
 export function overlayLines({ scenario, vehicle, view }, values, old_s = 0) {
   const { heading_deg: heading, position_m: at } = values;
   return [
     [scenario, vehicle, view, clockText(values.time_s ?? NaN, 1), old_s > 0 ? WORDS.old(fixed(old_s, 0)) : '']
       .filter(Boolean)
       .join(' · '),
-    WORDS.values({
-      depth: length(values.depth_m),
-      altitude: length(values.altitude_m),
-      heading: heading === null ? '–' : `${String(Math.round(heading) % 360).padStart(3, '0')}°`,
-      east: at ? fixed(at[0], 1) : '–',
-      north: at ? fixed(at[1], 1) : '–',
-    }),
+    WORDS.values(
+      length(values.depth_m),
+      length(values.altitude_m),
+      heading === null ? '–' : `${String(Math.round(heading) % 360).padStart(3, '0')}°`,
+      at ? fixed(at[0], 1) : '–',
+      at ? fixed(at[1], 1) : '–',
+    ),
   ];
 }
 

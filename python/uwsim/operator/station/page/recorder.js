@@ -1,6 +1,6 @@
 // Snapshots with the instruments' values in their metadata, and recordings of the large view with these values below the
 // picture, beside a table of the telemetry.
-import { byId, toast } from './dom.js';
+import { byId, pen, toast } from './dom.js';
 import { BAND_PX, burn, instruments, overlayLines } from './overlay.js';
 import { withText } from './png_text.js';
 import { STRINGS } from './strings.js';
@@ -45,12 +45,16 @@ const COLUMNS = {
 const COLUMN_NAMES = Object.keys(COLUMNS);
 
 export class Recorder {
+  /** @type {{ rows: string[], chunks: Blob[], stem: string, recorder?: MediaRecorder, bytes?: number, timer?: number, type?: string } | null} */
   #running = null; // { recorder, chunks, bytes, rows, timer, type, stem }
   shown = []; // the lines below the last recorded picture
 
   // comment(): returns the comment to show in pictures.
   constructor(station, telemetry, views, comment) {
-    [this.station, this.telemetry, this.views, this.comment] = [station, telemetry, views, comment];
+    this.station = station;
+    this.telemetry = telemetry;
+    this.views = views;
+    this.comment = comment;
     byId('snapshot').addEventListener('click', () => this.snapshot());
     byId('record').addEventListener('click', () => this.toggle());
     telemetry.addEventListener('change', () => this.#note());
@@ -127,7 +131,7 @@ export class Recorder {
     recorder.ondataavailable = ({ data }) => {
       chunks.push(data);
       running.bytes += data.size;
-      if (running === this.#running && running.bytes > FILE_BYTES) this.#goOn();
+      if (running === this.#running && running.bytes > FILE_BYTES) this.#continue();
     };
     recorder.start(1000);
     this.#compose(canvas); // a busy page may call the timer late
@@ -136,19 +140,20 @@ export class Recorder {
   }
 
   // Save the recording so far, and continue in a new file.
-  #goOn() {
-    const { stem } = this.#running;
+  #continue() {
+    const stem = this.#running?.stem;
     this.#stop();
     this.#start();
     toast(WORDS.more(stem));
   }
 
   #stop() {
+    if (!this.#running) return;
     const { recorder, chunks, rows, timer, type, stem } = this.#running;
     this.#running = null;
     clearInterval(timer);
     save(new Blob([rows.join('\n'), '\n'], { type: 'text/csv' }), `${stem}.csv`);
-    if (!recorder) return;
+    if (!recorder || !type) return;
     recorder.onstop = () => {
       const video = new Blob(chunks, { type });
       if (video.size) save(video, `${stem}.${type.includes('mp4') ? 'mp4' : 'webm'}`);
@@ -159,7 +164,7 @@ export class Recorder {
 
   // The large view with its overlays, and the values below it.
   #compose(target) {
-    const context = target.getContext('2d');
+    const context = pen(target);
     context.fillStyle = '#05080a';
     context.fillRect(0, 0, target.width, target.height);
     this.#shownCanvas((canvas) => paste(context, canvas));
@@ -175,7 +180,7 @@ export class Recorder {
     if (!this.#running) return;
     const { message, stamp_s } = this.telemetry;
     this.#running.rows.push(COLUMN_NAMES.map((name) => COLUMNS[name](message, stamp_s)).join());
-    if (this.#running.rows.length > FILE_ROWS) this.#goOn();
+    if (this.#running.rows.length > FILE_ROWS) this.#continue();
   }
 
   #stem(what) {

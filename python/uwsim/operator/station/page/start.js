@@ -1,5 +1,5 @@
 // The start screen: starts a simulator, or connects to a running one.
-import { byId, el, write } from './dom.js';
+import { byId, el, first, write } from './dom.js';
 import { Preview } from './preview.js';
 import { number, options } from './start_inputs.js';
 import { STRINGS } from './strings.js';
@@ -18,13 +18,22 @@ export class StartScreen {
   #timer = 0;
   #checks = 0;
   #preview = new Preview();
+  /** @type {HTMLElement} */
+  ownSet;
+  /** @type {HTMLElement} */
+  paceSet;
+  /** @type {HTMLElement} */
+  rosSet;
+  /** @type {HTMLElement} */
+  otherSet;
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
-  // taken(catalog): called when the catalog has arrived.
-  constructor(station, taken = () => {}) {
-    [this.station, this.taken] = [station, taken];
-    this.form = byId('start-form');
-    this.button = this.form.querySelector('button[type=submit]');
+  // onCatalog(catalog): called when the catalog has arrived.
+  constructor(station, onCatalog) {
+    this.station = station;
+    this.onCatalog = onCatalog;
+    this.form = /** @type {HTMLFormElement} */ (document.getElementById('start-form'));
+    this.button = first(this.form, 'button[type=submit]');
     this.form.addEventListener('submit', (event) => {
       event.preventDefault();
       this.#submit();
@@ -38,16 +47,16 @@ export class StartScreen {
   async show() {
     if (this.catalog && !this.#isOld) return;
     this.#isOld = false;
-    this.#say(WORDS.asking);
+    this.#showMessage(WORDS.asking);
     try {
       this.catalog = await this.station.catalog();
     } catch (error) {
-      this.#say(error.message, 'error');
+      this.#showMessage(error.message, 'error');
       return;
     }
     this.#build();
-    this.taken(this.catalog);
-    this.#say('');
+    this.onCatalog(this.catalog);
+    this.#showMessage('');
     this.#check(); // the server builds the simulator for a valid choice in advance, so that it is ready at Start
   }
 
@@ -170,7 +179,7 @@ export class StartScreen {
   }
 
   get isElsewhere() {
-    return this.form.elements.where?.value === 'there';
+    return new FormData(this.form).get('where') === 'there';
   }
 
   #showWhere() {
@@ -290,7 +299,7 @@ export class StartScreen {
     const others = Object.entries(errors)
       .filter(([name]) => !this.#fields.has(name))
       .map(([, text]) => text);
-    this.#say(others.join(' '), others.length ? 'error' : '');
+    this.#showMessage(others.join(' '), others.length ? 'error' : '');
     return Object.keys(errors).length > 0;
   }
 
@@ -306,19 +315,19 @@ export class StartScreen {
       return;
     }
     this.button.disabled = true;
-    this.#say('Starting …');
+    this.#showMessage(WORDS.starting);
     try {
       const answer = await this.station.start(this.choice);
-      if (answer.success) this.#say('');
-      else if (this.#mark(answer.errors ?? {})) this.form.querySelector('[aria-invalid=true]')?.focus();
-      if (!answer.success && answer.message) this.#say(answer.message, 'error');
+      if (answer.success) this.#showMessage('');
+      else if (this.#mark(answer.errors ?? {})) first(this.form, '[aria-invalid=true]')?.focus();
+      if (!answer.success && answer.message) this.#showMessage(answer.message, 'error');
     } catch (error) {
-      this.#say(error.message, 'error');
+      this.#showMessage(error.message, 'error');
     }
     this.button.disabled = false;
   }
 
-  #say(text, kind = '') {
+  #showMessage(text, kind = '') {
     const message = byId('start-message');
     write(message, text);
     message.dataset.kind = kind;

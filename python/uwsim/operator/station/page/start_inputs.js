@@ -12,7 +12,9 @@ export function options(choices) {
   return select;
 }
 
-// A number field that accepts any text: an invalid number is sent as it is, and the server reports the reason.
+/** A number field that accepts any text: an invalid number is sent as it is, and the server reports the reason.
+ * @param {{ min: number, max?: number, step: number }} bounds
+ */
 export function number({ min, max, step }) {
   return el('input', {
     type: 'text',

@@ -10,10 +10,11 @@ const LATE_SIM_S = 2; // lag behind the simulated time, for example over an acou
 export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
+  /** @type {import('./wire/messages.js').Telemetry | null} */
   message = null;
   vehicle = ''; // the vehicle's name
   joints = new Map(); // the angles [rad] of the vehicle's motors, by name
-  #heardMs = -Infinity;
+  #receivedMs = -Infinity;
 
   constructor(station) {
     super();
@@ -27,9 +28,11 @@ export class Telemetry extends EventTarget {
     [this.message, this.vehicle] = [null, vehicle];
     this.joints = new Map();
     this.#closings = new Map();
-    this.#heardMs = -Infinity;
+    this.#receivedMs = -Infinity;
     const { bridge } = this.station;
-    this.#ends = [bridge.subscribe(topic, TYPES.Telemetry, (message) => this.#take(message), { throttle_rate: 150 })];
+    this.#ends = [
+      bridge.subscribe(topic, TYPES.Telemetry, (message) => this.#receive(message), { throttle_rate: 150 }),
+    ];
     if (joints)
       this.#ends.push(
         bridge.subscribe(
@@ -57,16 +60,16 @@ export class Telemetry extends EventTarget {
     return soonest(this.#closings);
   }
 
-  #take(message) {
+  #receive(message) {
     this.message = message;
-    this.#heardMs = performance.now();
+    this.#receivedMs = performance.now();
     this.#approach(STRINGS.telemetry.bed, message.distance_to_seabed, message.header);
     this.dispatchEvent(new Event('change'));
   }
 
   #approach(name, range_m, header) {
     if (!this.#closings.has(name)) this.#closings.set(name, new Closing());
-    this.#closings.get(name).take(range_m, seconds(header.stamp));
+    this.#closings.get(name).add(range_m, seconds(header.stamp));
   }
 
   get stamp_s() {
@@ -85,7 +88,7 @@ export class Telemetry extends EventTarget {
     if (state.paused) return false;
     const slow = state.factor > 0 && state.factor < 1 ? 1 / state.factor : 1;
     return (
-      performance.now() - this.#heardMs > LATE_MS * Math.min(slow, 20) ||
+      performance.now() - this.#receivedMs > LATE_MS * Math.min(slow, 20) ||
       this.lag_s > LATE_SIM_S * Math.max(1, state.factor || 1)
     );
   }

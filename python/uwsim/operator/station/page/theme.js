@@ -6,7 +6,7 @@ const prefersLight = matchMedia('(prefers-color-scheme: light)');
 
 export function theme() {
   const kept = localStorage.getItem(STORED);
-  return THEMES.includes(kept) ? kept : 'system';
+  return kept && THEMES.includes(kept) ? kept : 'system';
 }
 
 export function setTheme(kind) {

@@ -1,5 +1,5 @@
 // The top bar: vehicle, lights, tilt, gain, camera, time.
-import { attempt, byId, clockText, el, fixed, write } from './dom.js';
+import { all, attempt, byId, clockText, el, fixed, targetOf, write } from './dom.js';
 import { STRINGS } from './strings.js';
 
 const WORDS = STRINGS.topbar;
@@ -15,19 +15,20 @@ const QUALITIES = {
 const LATE_SHARE = 0.95;
 
 export class TopBar {
+  /** @type {import('./wire/messages.js').VehicleDescription | null} */
   #vehicle = null;
   #lights = [];
   #tiltTimer = 0;
   #wantedTilt = NaN;
 
   constructor(station, telemetry, pilot, views) {
-    [this.station, this.telemetry, this.pilot, this.views] = [station, telemetry, pilot, views];
+    this.station = station;
+    this.telemetry = telemetry;
+    this.pilot = pilot;
+    this.views = views;
     byId('dock').addEventListener('click', () => this.releaseOrDock());
     byId('undock').addEventListener('click', () => this.undock());
-    for (const [id, sign] of [
-      ['tilt-up', 1],
-      ['tilt-down', -1],
-    ]) {
+    for (const [id, sign] of Object.entries({ 'tilt-up': 1, 'tilt-down': -1 })) {
       byId(id).addEventListener('pointerdown', () => this.tilt(sign, true));
       byId(id).addEventListener('pointerup', () => this.tilt(sign, false));
       byId(id).addEventListener('pointerleave', () => this.tilt(sign, false));
@@ -42,15 +43,15 @@ export class TopBar {
     byId('pause').addEventListener('click', () => this.pauseOrResume());
     byId('step').addEventListener('click', () => this.step());
     byId('speed').addEventListener('change', (event) => {
-      attempt(station.control('speed', { speed: Number(event.target.value) }));
-      event.target.blur();
+      attempt(station.control('speed', { speed: Number(targetOf(event).value) }));
+      targetOf(event).blur();
     });
     this.#makeCameraModes();
     station.addEventListener('state', () => this.showState());
     telemetry.addEventListener('change', () => this.#showVehicle());
     // Space is a driving key, so it must not press the last clicked button again.
     byId('station').addEventListener('pointerup', (event) => {
-      event.target.closest('button, a')?.blur();
+      /** @type {HTMLElement | null} */ (targetOf(event).closest('button, a'))?.blur();
     });
   }
 
@@ -79,7 +80,7 @@ export class TopBar {
       ...this.#lights,
     );
     byId('lights').hidden = this.#lights.length === 0;
-    byId('tilt').parentElement.hidden = !vehicle.tilt;
+    /** @type {HTMLElement} */ (byId('tilt').parentElement).hidden = !vehicle.tilt;
     byId('speed').replaceChildren(
       ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? WORDS.max : `${speed}×`)),
     );
@@ -89,18 +90,18 @@ export class TopBar {
   releaseOrDock() {
     const isFree = this.telemetry.message?.released;
     attempt(
-      this.station.command(isFree ? 'dock' : 'release', this.#vehicle.name),
+      this.station.command(isFree ? 'dock' : 'release', this.#vehicle?.name),
       isFree ? WORDS.docked : WORDS.released,
     );
   }
 
   undock() {
-    attempt(this.station.command('undock', this.#vehicle.name), WORDS.undocked);
+    attempt(this.station.command('undock', this.#vehicle?.name), WORDS.undocked);
   }
 
   light(name, on) {
-    if (this.#vehicle.lamps.includes(name))
-      attempt(this.station.command('set_lamp', this.#vehicle.name, { lamp: name, on }));
+    if (this.#vehicle?.lamps.includes(name))
+      attempt(this.station.command('set_lamp', this.#vehicle?.name, { lamp: name, on }));
   }
 
   // Turn the head while the button is held, at the server's rate.
@@ -134,11 +135,12 @@ export class TopBar {
     write(byId('clock'), clockText(state.time, 1));
     byId('rosbridge').hidden = !state.rosbridge;
     write(byId('rosbridge'), state.rosbridge ? WORDS.ros(state.rosbridge.replace(/^wss?:\/\//, '')) : '');
-    byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble));
+    byId('rosbridge').title = state.rosbridge_refusals;
+    byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble || state.rosbridge_refusals));
     const speed = byId('speed');
     if (document.activeElement !== speed) {
       const wanted = String(+(+state.speed).toFixed(6));
-      if (![...speed.options].some(({ value }) => value === wanted))
+      if (![...all(speed, 'option')].some(({ value }) => value === wanted))
         speed.append(el('option', { value: wanted }, `${wanted}×`));
       speed.value = wanted;
     }
@@ -159,10 +161,11 @@ export class TopBar {
   }
 
   #aim(wanted_rad, isLast = false) {
+    if (!this.#vehicle?.tilt) return;
     const { min_rad, max_rad } = this.#vehicle.tilt;
     const elevation_rad = Math.max(min_rad, Math.min(max_rad, wanted_rad));
     if (!isLast || Number.isFinite(elevation_rad))
-      attempt(this.station.command('aim', this.#vehicle.name, { elevation_rad }));
+      attempt(this.station.command('aim', this.#vehicle?.name, { elevation_rad }));
   }
 
   #isLit(k) {

@@ -5,7 +5,7 @@ export const UNITS = Object.keys(METRES);
 
 export function unit() {
   const kept = globalThis.localStorage?.getItem(STORED);
-  return UNITS.includes(kept) ? kept : 'metres';
+  return kept && UNITS.includes(kept) ? kept : 'metres';
 }
 
 export const setUnit = (name) => localStorage.setItem(STORED, name);

@@ -4,6 +4,7 @@ import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.dialog;
 
+/** @type {(isOpen: boolean) => void} */
 let onChange = () => {};
 
 // Call listener(isOpen) when a dialog opens or the last one closes.

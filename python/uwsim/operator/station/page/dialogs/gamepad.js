@@ -23,7 +23,7 @@ const button = (text, onclick, attributes = {}) => el('button', { type: 'button'
 export function showGamepads(gamepads) {
   const dialog = byId('gamepad-dialog');
   const index = connectedPads()[0]?.index;
-  let step = null; // the pending calibration or assignment: take(pad) returns whether it is complete
+  let step = null; // the pending calibration or assignment: step(pad) returns whether it is complete
   let outputs = [];
 
   const pad = () => connectedPads().find((each) => each.index === index);
@@ -44,7 +44,7 @@ export function showGamepads(gamepads) {
     listen(WORDS.push(NAMES[effort]), (from) => {
       const seen = new Calibration(from.axes);
       return (now) => {
-        seen.take(now.axes);
+        seen.add(now.axes);
         const pulled = now.buttons.findIndex(({ value }, k) => value > 0.6 && (from.buttons[k]?.value ?? 0) < 0.3);
         if (!seen.moved && pulled < 0) return;
         const changed = profile();
@@ -62,8 +62,8 @@ export function showGamepads(gamepads) {
       keep(changed);
     });
   const calibrate = () => {
-    const seen = new Calibration(pad().axes);
-    step = (now) => seen.take(now.axes);
+    const seen = new Calibration(pad()?.axes ?? []);
+    step = (now) => seen.add(now.axes);
     write(status, WORDS.moveAll);
     done.hidden = false;
     done.onclick = () => keep({ ...profile(), ranges: seen.ranges });

@@ -1,5 +1,5 @@
 // The pause menu, which pauses the simulation while it is open.
-import { attempt, byId, el, toast } from '../dom.js';
+import { attempt, byId, el, first, toast } from '../dom.js';
 import { setTheme, theme, THEMES } from '../theme.js';
 import { setUnit, unit, UNITS } from '../units.js';
 import { keepName } from '../wire/name.js';
@@ -71,7 +71,7 @@ export function showMenu(station, { keys, gamepad }) {
       ? []
       : [el('hr'), el('div', { className: 'stack' }, quit)]),
   );
-  dialog.querySelector('.stack button:not(:disabled)')?.focus();
+  first(dialog, '.stack button:not(:disabled)')?.focus();
   dialog.addEventListener(
     'close',
     () => {

@@ -209,7 +209,7 @@ export class Bindings {
 
 function readStored() {
   try {
-    return JSON.parse(localStorage.getItem(STORED)) ?? {};
+    return JSON.parse(localStorage.getItem(STORED) ?? '{}');
   } catch {
     return {};
   }

@@ -5,7 +5,9 @@ import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.gamepad;
 
-export const connectedPads = () => [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
+/** @returns {Gamepad[]} */
+export const connectedPads = () =>
+  [...(navigator.getGamepads?.() ?? [])].flatMap((pad) => (pad?.connected ? [pad] : []));
 
 export class Gamepads {
   #pressed = new Set();

@@ -38,7 +38,7 @@ export function reason(station, message, bindings) {
     return state.driver ? WORDS.driven(state.driver) : WORDS.noHelm;
   }
   if (message?.alarms?.includes(ALL_STOPPED)) return WORDS.allStop;
-  if (state.paused) return WORDS.paused;
+  if (state.paused) return station.awaitsBegin ? WORDS.notBegun : WORDS.paused;
   const [key] = bindings.keysOf('release').map(keyName);
   if (message?.released === false) return WORDS.docked(key);
   return message?.battery === 0 ? WORDS.empty : '';

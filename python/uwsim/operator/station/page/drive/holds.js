@@ -51,12 +51,15 @@ export function shownHolds({ holds = [], hold_targets: targets = [] } = {}) {
 
 export class HoldButtons {
   #vehicle = '';
+  /** @type {string[] | null} */
   #requested = null; // names, from a press until the telemetry shows them, so that two quick presses add up
   #requestedMs = -Infinity;
   #buttons = {};
 
   constructor(station, telemetry, pilot, keyOf) {
-    [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
+    this.station = station;
+    this.telemetry = telemetry;
+    this.pilot = pilot;
     for (const [name, { title, short }] of Object.entries(HOLDS)) {
       const key = keyOf(`hold.${name}`);
       this.#buttons[name] = el(

@@ -99,7 +99,7 @@ export class Calibration {
     this.#ranges = axes.map((rest) => ({ rest, low: rest, high: rest }));
   }
 
-  take(axes) {
+  add(axes) {
     axes.forEach((value, k) => {
       const range = this.#ranges[k];
       if (!range || !Number.isFinite(value)) return;
@@ -128,10 +128,10 @@ export class Calibration {
   // The axis that has moved farthest and the sign of its motion, or null.
   get moved() {
     let found = null;
-    this.#ranges.forEach(({ rest, low, high }, axis) => {
+    for (const [axis, { rest, low, high }] of this.#ranges.entries()) {
       const far = Math.max(rest - low, high - rest);
       if (far > (found?.far ?? 0.4)) found = { axis, sign: high - rest >= rest - low ? 1 : -1, far };
-    });
+    }
     return found && { axis: found.axis, sign: found.sign };
   }
 }
@@ -143,7 +143,7 @@ export class Profiles {
   constructor(storage = globalThis.localStorage) {
     this.storage = storage;
     try {
-      this.#kept = JSON.parse(storage.getItem(STORED)) ?? {};
+      this.#kept = JSON.parse(storage.getItem(STORED) ?? '{}');
     } catch {
       this.#kept = {};
     }

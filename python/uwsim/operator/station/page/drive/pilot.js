@@ -1,5 +1,5 @@
 // Converts keys, gamepads and touch to efforts, sent on each change and five times a second while held.
-import { toast } from '../dom.js';
+import { targetOf, toast } from '../dom.js';
 import { AXES } from '../wire/messages.js';
 import { ALL_STOP } from './bindings.js';
 import { Gamepads } from './gamepad.js';
@@ -35,17 +35,17 @@ export class Pilot extends EventTarget {
     });
     this.touch = new Touch({ changed: () => this.#read(), allowed: () => this.mayAct });
     this.gamepads = new Gamepads(actNow, toast);
-    addEventListener('blur', () => this.letGo());
-    addEventListener('pagehide', () => this.letGo());
+    addEventListener('blur', () => this.release());
+    addEventListener('pagehide', () => this.release());
     document.addEventListener('visibilitychange', () => {
-      if (document.hidden) this.letGo();
+      if (document.hidden) this.release();
     });
     document.addEventListener('focusin', (event) => {
-      if (event.target.matches('input, select, textarea')) this.letGo();
+      if (targetOf(event).matches('input, select, textarea')) this.release();
     });
-    station.addEventListener('close', () => this.letGo());
+    station.addEventListener('close', () => this.release());
     station.addEventListener('state', () => {
-      if (!station.isPilot) this.letGo();
+      if (!station.isPilot) this.release();
     });
     requestAnimationFrame(() => this.#poll());
   }
@@ -81,11 +81,11 @@ export class Pilot extends EventTarget {
   // Disable all controls while a dialog is open.
   suspend(isSuspended) {
     this.#isOpen = !isSuspended;
-    if (isSuspended) this.letGo();
+    if (isSuspended) this.release();
   }
 
   // Release all controls, and send zeros even if zeros were the last efforts sent, since those may have been lost.
-  letGo() {
+  release() {
     this.keys.drop();
     this.gamepads.disarm();
     this.touch.drop();
@@ -98,7 +98,7 @@ export class Pilot extends EventTarget {
 
   // Set all efforts to zero even if keys are held; each key must be pressed again.
   stop() {
-    this.letGo();
+    this.release();
     this.#send();
   }
 

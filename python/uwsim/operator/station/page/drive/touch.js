@@ -28,7 +28,7 @@ export class Touch {
 
   drop() {
     this.axes = {};
-    for (const stick of this.element.children) stick.firstChild.style.transform = '';
+    for (const knob of this.element.querySelectorAll('i')) knob.style.transform = '';
   }
 
   #stick(side) {

@@ -60,17 +60,20 @@ export class Marks {
   group = new Group();
   count = 0;
   #material = new LineBasicMaterial({ color: 0xff6ad5 });
+  #lines = [];
 
   add([x, y, z]) {
     const geometry = new BufferGeometry();
     const lines = [x, y, z - 4, x, y, z + 4, x - 1, y, z, x + 1, y, z, x, y - 1, z, x, y + 1, z];
     geometry.setAttribute('position', new BufferAttribute(new Float32Array(lines), 3));
-    this.group.add(new LineSegments(geometry, this.#material));
+    this.#lines.push(new LineSegments(geometry, this.#material));
+    this.group.add(this.#lines.at(-1));
     this.count += 1;
   }
 
   clear() {
-    for (const line of this.group.children) line.geometry.dispose();
+    for (const line of this.#lines) line.geometry.dispose();
+    this.#lines = [];
     this.group.clear();
     this.count = 0;
   }
@@ -80,11 +83,12 @@ export class Vessel {
   group = new Group(); // in the world, at the vehicle's pose
   track = new Track();
   #fan;
+  #positions = new BufferAttribute(new Float32Array((FAN_RAYS + 1) * 3), 3); // of the fan
 
   constructor() {
     this.material = new MeshLambertMaterial({ color: 0xffc14d, emissive: 0x4a3200 });
     const geometry = new BufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(new Float32Array((FAN_RAYS + 1) * 3), 3));
+    geometry.setAttribute('position', this.#positions);
     geometry.setIndex(Array.from({ length: FAN_RAYS - 1 }, (_, k) => [0, k + 1, k + 2]).flat());
     this.#fan = new Mesh(
       geometry,
@@ -104,14 +108,14 @@ export class Vessel {
 
   // Move the vehicle to its true pose, from which the sonar maps, or else to the estimated one.
   move({ position, true_position: truth, is_truth: isTruth, orientation }) {
-    this.group.position.set(...(isTruth ? truth : position));
-    this.group.quaternion.set(...orientation);
+    this.group.position.fromArray(isTruth ? truth : position);
+    this.group.quaternion.fromArray(orientation);
     this.track.add(this.group.position);
   }
 
   // Draw the newest ping. tilt_rad: the head's tilt, positive up. Beams without an echo end at the maximum range.
   setFan({ angle_min, angle_increment, ranges, range_max }, tilt_rad) {
-    const positions = this.#fan.geometry.attributes.position;
+    const positions = this.#positions;
     positions.setXYZ(0, 0, 0, 0);
     const [cos, sin] = [Math.cos(tilt_rad), Math.sin(tilt_rad)];
     for (let k = 0; k < FAN_RAYS; k += 1) {
@@ -126,6 +130,6 @@ export class Vessel {
   }
 
   showFan(isShown) {
-    this.#fan.visible = isShown && this.#fan.geometry.attributes.position.version > 0;
+    this.#fan.visible = isShown && this.#positions.version > 0;
   }
 }

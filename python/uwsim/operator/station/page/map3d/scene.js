@@ -42,8 +42,22 @@ export class SceneView {
   #isDue = true;
   #drawnMs = -Infinity;
   #scenery = [];
+  /** @type {ReturnType<typeof makeTerrain> | null} */
   #terrain = null;
+  /** Undefined without WebGL 2, as are the camera, its controls and the renderer.
+   * @type {import('three').Scene}
+   */
+  scene;
+  /** @type {import('three').PerspectiveCamera} */
+  camera;
+  /** @type {OrbitControls} */
+  controls;
+  /** @type {import('three').WebGLRenderer} */
+  renderer;
+  /** @type {FrameGate} */
+  gate;
   #followed = '';
+  #lookAngle = 0; // from behind the vehicle, at which nothing hides it [rad]
   #hasLooked = false; // whether the camera has been aimed at the vehicle's first pose
 
   constructor() {
@@ -93,6 +107,9 @@ export class SceneView {
     const glb = async (url) => (await loader.parseAsync(await (await load(url)).arrayBuffer(), '')).scene;
     for (const { url, label } of found.meshes) this.#addScenery(dressed(await glb(url), label));
     for (const { name, url } of found.vehicles) this.vessels.get(name)?.setHull(await glb(url));
+    const free = found.vehicles.find(({ name }) => name === this.#followed);
+    this.#lookAngle = free?.look_rad ?? 0;
+    if (this.#hasLooked && this.#lookAngle) this.look(false);
     this.#isDue = true;
   }
 
@@ -121,13 +138,13 @@ export class SceneView {
     this.#followed = name;
   }
 
-  takeMap(changes) {
+  showMap(changes) {
     if (changes.snapshot) this.voxels.clear();
     this.voxels.changed(this.store.apply(changes));
     this.#isDue = true;
   }
 
-  takeTelemetry(name, message) {
+  showTelemetry(name, message) {
     const vessel = this.vessels.get(name);
     if (!vessel) return;
     const before = vessel.group.position.clone();
@@ -136,7 +153,7 @@ export class SceneView {
     this.#isDue = true;
   }
 
-  takeScan(name, scan, tilt_rad) {
+  showScan(name, scan, tilt_rad) {
     this.vessels.get(name)?.setFan(scan, tilt_rad);
     this.#applyLayers();
     this.#isDue = true;
@@ -161,7 +178,10 @@ export class SceneView {
     const vessel = this.vessels.get(this.#followed);
     const target = vessel ? vessel.group.position : new Vector3(0, 0, -20);
     const ahead = vessel ? new Vector3(1, 0, 0).applyQuaternion(vessel.group.quaternion) : new Vector3(0, 1, 0);
-    const away = isFromAbove ? new Vector3(0, -0.1, 130) : new Vector3(-34 * ahead.x, -34 * ahead.y, 24);
+    const away = isFromAbove
+      ? new Vector3(0, -0.1, 130)
+      : new Vector3(-34 * ahead.x, -34 * ahead.y, 24).applyAxisAngle(new Vector3(0, 0, 1), this.#lookAngle);
+    this.#lookAngle = 0; // at the start alone: in flight, the view is from behind
     this.controls.target.copy(target);
     this.camera.position.copy(target).add(away);
     this.controls.update();

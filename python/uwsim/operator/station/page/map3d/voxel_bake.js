@@ -1,12 +1,12 @@
 // Blocks of voxels as points: position and shade in four bytes per point. Coarser levels OR 2, 4 or 8 voxels per axis.
-import { EDGE } from './voxel_store.js';
+import { BLOCK_EDGE } from '../wire/messages.js';
 
 export const CHUNK_BLOCKS = 8; // along an axis
-export const CHUNK_CELLS = CHUNK_BLOCKS * EDGE; // 128, which fits in a byte
+export const CHUNK_CELLS = CHUNK_BLOCKS * BLOCK_EDGE; // 128, which fits in a byte
 export const LEVELS = 4;
 
 const tops = new Int16Array(CHUNK_CELLS * CHUNK_CELLS);
-const seen = new Uint8Array(EDGE ** 3);
+const seen = new Uint8Array(BLOCK_EDGE ** 3);
 const LIGHT = [-0.5, 0.62]; // from the north-west, as maps are shaded
 
 // Return Uint8Array of (x, y, z, shade), cells of the level within the chunk whose first block is at (cx, cy, cz).
@@ -16,9 +16,9 @@ export function bake(blocks, [cx, cy, cz], level) {
   tops.fill(-1, 0, wide * wide);
   for (const block of blocks) {
     const [bx, by, bz] = [
-      (block.x - cx) * (EDGE >> level),
-      (block.y - cy) * (EDGE >> level),
-      (block.z - cz) * (EDGE >> level),
+      (block.x - cx) * (BLOCK_EDGE >> level),
+      (block.y - cy) * (BLOCK_EDGE >> level),
+      (block.z - cz) * (BLOCK_EDGE >> level),
     ];
     reduced(block.rows, level, (x, y, z) => {
       const column = (by + y) * wide + bx + x;
@@ -39,7 +39,7 @@ export function bake(blocks, [cx, cy, cz], level) {
 
 // Call visit for each cell of the level in which at least one voxel is occupied.
 function reduced(rows, level, visit) {
-  const edge = EDGE >> level;
+  const edge = BLOCK_EDGE >> level;
   if (level > 0) seen.fill(0, 0, edge ** 3);
   for (let row = 0; row < rows.length; row += 1) {
     const [y, z] = [(row & 0xf) >> level, (row >> 4) >> level];

@@ -10,6 +10,7 @@ import {
   Sphere,
   Vector3,
 } from '../vendor/three.js';
+import { BLOCK_EDGE } from '../wire/messages.js';
 import { bake, CHUNK_BLOCKS, CHUNK_CELLS, LEVELS } from './voxel_bake.js';
 
 const BAKE_MS = 8; // per frame
@@ -89,9 +90,9 @@ export class VoxelPoints {
     const waiting = [];
     for (const chunk of this.#chunks.values()) {
       this.#centre
-        .set(...chunk.at)
+        .fromArray(chunk.at)
         .addScalar(CHUNK_BLOCKS / 2)
-        .multiplyScalar(16 * edge);
+        .multiplyScalar(BLOCK_EDGE * edge);
       chunk.distance = Math.max(camera.position.distanceTo(this.#centre) - 0.7 * CHUNK_CELLS * edge, 1);
       const voxelPx = (pxPerMetreAt1 * edge) / chunk.distance;
       chunk.wanted = Math.min(LEVELS - 1, this.bias + Math.max(0, Math.floor(Math.log2(1.5 / voxelPx))));
@@ -116,7 +117,7 @@ export class VoxelPoints {
     const cell = edge * 2 ** chunk.level;
     const half = 0.5 * CHUNK_CELLS * edge;
     geometry.boundingSphere = new Sphere(new Vector3(half, half, half), half * Math.sqrt(3));
-    const [x, y, z] = chunk.at.map((k) => k * 16 * edge);
+    const [x, y, z] = chunk.at.map((k) => k * BLOCK_EDGE * edge);
     const material = new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: VERTEX,

@@ -1,7 +1,8 @@
 // The occupied voxels of the map, in blocks of 16 x 16 x 16 bits, as they are transmitted.
 
-export const EDGE = 16; // cells of a block along an axis
-const ROWS = EDGE * EDGE; // one 16-bit row of x for each y and z
+import { BLOCK_EDGE } from '../wire/messages.js';
+
+const ROWS = BLOCK_EDGE * BLOCK_EDGE; // one 16-bit row of x for each y and z
 const OCCUPIED = 0x8000;
 
 const keyOf = (x, y, z) => (x + 32768) * 2 ** 32 + (y + 32768) * 65536 + (z + 32768);

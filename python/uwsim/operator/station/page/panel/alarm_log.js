@@ -9,10 +9,15 @@ const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.proximity }
 export class AlarmLog {
   entries = []; // { time_s, text }, newest first
   collisions = 0; // since the last acknowledgement
+  /** @type {Record<string, any> | null} */
   #last = null;
 
-  // Process the telemetry at a simulated time; return whether the entries have changed. contact: see Telemetry.
-  take(message, time_s, contact = null) {
+  /** Process the telemetry at a simulated time; return whether the entries have changed. contact: see Telemetry.
+   * @param {Partial<import('../wire/messages.js').Telemetry>} message
+   * @param {number} time_s
+   * @param {{ name: string } | null} contact
+   */
+  update(message, time_s, contact = null) {
     const last = this.#last;
     const was = this.entries[0];
     const now = {

@@ -6,16 +6,20 @@ import { STRINGS } from '../strings.js';
 const WORDS = STRINGS.alarms;
 
 const STORED = 'uwsim.sound';
-// Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
+/** Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
+ * @type {Record<string, { title: string, level: string, field: string, beep: [number, number], period_ms: number }>}
+ */
 const LAMPS = {
   range: { title: WORDS.range, level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
   proximity: { title: WORDS.proximity, level: 'warn', field: 'proximity_warning', beep: [740, 0.1], period_ms: 1500 },
   collision: { title: WORDS.collision, level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
+/** @type {{ beep: [number, number], period_ms: number }} */
 const SILENCE = { beep: [300, 0.4], period_ms: 1000 }; // nothing arrives from the simulator
 
 export class Alarms {
+  /** @type {AudioContext | null} */
   #audio = null;
   #beepedMs = {};
   #lamps = {};
@@ -93,7 +97,7 @@ export class Alarms {
   }
 
   show(message, isStale, { time_s = NaN, contact = null } = {}) {
-    if (message && !isStale && this.log.take(message, time_s, contact)) this.#showLog();
+    if (message && !isStale && this.log.update(message, time_s, contact)) this.#showLog();
     const { collisions } = this.log;
     this.acknowledge.hidden = collisions === 0;
     write(this.acknowledge, WORDS.acknowledgeAll(collisions));

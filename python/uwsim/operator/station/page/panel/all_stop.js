@@ -12,7 +12,8 @@ export class AllStop {
   #wasSet = false;
 
   constructor(station, pilot) {
-    [this.station, this.pilot] = [station, pilot];
+    this.station = station;
+    this.pilot = pilot;
     this.lamp = byId('all-stop');
     this.lamp.addEventListener('click', () => this.press());
     this.text = el('p', {});
@@ -43,7 +44,7 @@ export class AllStop {
   // Show the state from the telemetry.
   show(message, isStale) {
     const isSet = (message?.alarms ?? []).includes(ALL_STOPPED);
-    if (isSet && !this.#wasSet) this.pilot.letGo(); // a held key must not move the vehicle after the release
+    if (isSet && !this.#wasSet) this.pilot.release(); // a held key must not move the vehicle after the release
     this.#wasSet = isSet;
     this.element.hidden = !isSet;
     this.element.classList.toggle('is-stale', isStale);

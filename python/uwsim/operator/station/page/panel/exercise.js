@@ -1,5 +1,5 @@
 // The current exercise, if any: its task, score so far, goals, broken limits, and the score sheet at the end.
-import { clockText, el, write } from '../dom.js';
+import { attempt, clockText, el, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { exercise } from '../wire/messages.js';
 
@@ -7,8 +7,22 @@ const WORDS = STRINGS.exercise;
 const ASK_MS = 1000;
 const text = (points) => String(+points.toFixed(1));
 
+// The aids that may be used or were used, with their cost and the seconds of use.
+function aidsText(aids) {
+  if (aids.length === 0) return WORDS.noAids;
+  const each = aids.map((aid) => {
+    const notes = [
+      aid.cost_per_s > 0 ? WORDS.perSecond(+aid.cost_per_s.toFixed(3)) : '',
+      aid.used_s > 0 ? WORDS.used(text(aid.used_s)) : '',
+    ].filter(Boolean);
+    return WORDS.aids[aid.kind] + (notes.length ? ` (${notes.join(', ')})` : '');
+  });
+  return `${WORDS.aidsAre}: ${each.join(', ')}`;
+}
+
 export class ExercisePanel {
   #timer = 0;
+  /** @type {import('../wire/messages.js').ExerciseState | null} */
   state = null; // as last reported
 
   constructor(station) {
@@ -17,6 +31,14 @@ export class ExercisePanel {
     this.score = el('output', { className: 'exercise-score', 'aria-label': WORDS.progress });
     this.brief = el('p');
     this.goals = el('ul', { className: 'exercise-goals' });
+    this.begins = el(
+      'button',
+      { type: 'button', className: 'primary exercise-begin', onclick: () => this.#begin() },
+      WORDS.begin,
+    );
+    this.waits = el('div', { hidden: true }, el('p', {}, WORDS.waits), this.begins);
+    this.aids = el('p', { className: 'exercise-aids' });
+    this.invalid = el('p', { className: 'exercise-note', role: 'status' });
     this.note = el('p', { className: 'exercise-note', role: 'status' });
     this.sheet = el('a', { className: 'exercise-sheet', download: 'sheet.html', hidden: true }, WORDS.sheet);
     this.title = el('span', {}, WORDS.heading);
@@ -26,7 +48,10 @@ export class ExercisePanel {
       el('h2', {}, this.title, this.left),
       this.score,
       el('details', { open: true }, el('summary', {}, WORDS.brief), this.brief),
+      this.waits,
       this.goals,
+      this.aids,
+      this.invalid,
       this.note,
       this.sheet,
     );
@@ -34,9 +59,15 @@ export class ExercisePanel {
 
   begin({ has_exercise }) {
     clearInterval(this.#timer);
+    this.station.awaitsBegin = false;
     this.element.hidden = !has_exercise;
     if (!has_exercise) return;
     this.#timer = setInterval(() => this.#ask(), ASK_MS);
+    this.#ask();
+  }
+
+  async #begin() {
+    await attempt(this.station.control('begin'));
     this.#ask();
   }
 
@@ -56,21 +87,31 @@ export class ExercisePanel {
     write(this.left, WORDS.left(clockText(Math.max(state.limit_s - state.time_s, 0))));
     write(this.score, WORDS.score(text(state.score), text(state.points)));
     write(this.brief, state.brief);
+    this.station.awaitsBegin = !state.has_begun;
+    this.waits.hidden = state.has_begun;
+    this.begins.disabled = !this.station.isPilot;
+    write(this.aids, aidsText(state.aids));
+    write(this.invalid, state.is_valid ? '' : WORDS.notValid(state.invalid_because));
     if (this.goals.children.length !== state.goals.length) {
       this.goals.replaceChildren(...state.goals.map(({ title }) => el('li', {}, el('span', {}, title), el('b'))));
     }
     state.goals.forEach(({ points, share }, k) => {
-      const item = this.goals.children[k];
+      const item = /** @type {HTMLElement} */ (this.goals.children[k]);
       item.dataset.met = String(share >= 1);
       write(item.lastChild, `${text(points * share)} / ${text(points)}`);
     });
     const notes = [
       state.lost > 0 ? `${WORDS.lost(text(state.lost))}: ${state.broken.map(({ title }) => title).join(', ')}` : '',
-      state.is_over ? WORDS.over(state.has_passed, state.ended_because) : '',
+      state.is_over ? ended(state) : '',
       state.error,
     ];
     write(this.note, notes.filter(Boolean).join('. '));
     this.sheet.hidden = !state.has_sheet;
     this.sheet.href = this.station.href('/exercise/sheet.html');
   }
+}
+
+function ended({ has_passed, is_valid, ended_because }) {
+  if (has_passed) return WORDS.passed(ended_because);
+  return is_valid ? WORDS.notPassed(ended_because) : WORDS.ended(ended_because);
 }

@@ -1,23 +1,12 @@
 // The vehicle's failsafe: its action, the reason, its findings, and the button that takes back control.
 import { attempt, el, write } from '../dom.js';
-import { ALL_STOPPED } from '../wire/messages.js';
+import { ALL_STOPPED, FAILSAFE_ACTIONS, FAILSAFE_CAUSES } from '../wire/messages.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.failsafe;
 
-const DOING = {
-  hold: WORDS.hold,
-  surface: WORDS.surface,
-  return: WORDS.comesBack,
-  go_on: WORDS.goOn,
-};
-const CAUSES = {
-  silence: WORDS.silence,
-  battery: WORDS.battery,
-  leak: WORDS.leak,
-  thruster: WORDS.thruster,
-  sensor: WORDS.sensor,
-};
+const DOING = Object.fromEntries(FAILSAFE_ACTIONS.map((action) => [action, WORDS[action]]));
+const CAUSES = Object.fromEntries(FAILSAFE_CAUSES.map((cause) => [cause, WORDS[cause]]));
 
 export class Failsafe {
   #vehicle = '';

@@ -1,10 +1,9 @@
 // Inspection: the comment shown in pictures, and notes with category, picture and position.
 import { attempt, clockText, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
-import { notes as request } from '../wire/messages.js';
+import { NOTE_CATEGORIES, notes as request } from '../wire/messages.js';
 
 const WORDS = STRINGS.inspection;
-const CATEGORIES = ['observation', 'defect', 'leak', 'debris', 'growth'];
 const PLACES = ['view', 'vehicle'];
 const TEXT_MOST = 200;
 
@@ -30,10 +29,11 @@ export class Inspection extends EventTarget {
 
   constructor(station, views) {
     super();
-    [this.station, this.views] = [station, views];
+    this.station = station;
+    this.views = views;
     this.comment = line(WORDS.comment, 'comment');
     this.text = line(WORDS.text, 'note-text');
-    this.category = choice(WORDS.category, CATEGORIES, WORDS.categories);
+    this.category = choice(WORDS.category, NOTE_CATEGORIES, WORDS.categories);
     this.place = choice(WORDS.place, PLACES, WORDS.places);
     this.set = el('button', { type: 'submit' }, WORDS.set);
     this.button = el('button', { type: 'submit', id: 'add-note' }, WORDS.add);
@@ -123,7 +123,7 @@ export class Inspection extends EventTarget {
 
   #submit(event, act) {
     event.preventDefault();
-    document.activeElement?.blur(); // the keys drive again
+    /** @type {HTMLElement | null} */ (document.activeElement)?.blur(); // the keys drive again
     act();
   }
 
@@ -144,8 +144,10 @@ export class Inspection extends EventTarget {
     }
   }
 
-  #show({ success, notes }) {
-    if (!success) return;
+  /** @param {import('../wire/messages.js').NotesState | import('../wire/messages.js').Refused} answer */
+  #show(answer) {
+    if (!answer.success) return;
+    const { notes } = answer;
     this.notes = notes;
     write(this.count, notes.length ? String(notes.length) : '');
     this.list.replaceChildren(

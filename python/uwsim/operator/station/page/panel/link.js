@@ -10,6 +10,7 @@ const POOR = 0.8; // quality
 const SILENT_S = 5;
 const LATE = 2.5; // over a slow modem, in multiples of the interval between the last two messages
 const NONE = 'none';
+/** @type {[string, string, (message: import('../wire/messages.js').Link) => string][]} */
 const VALUES = [
   [WORDS.quality, '%', (m) => fixed(100 * m.quality, 0)],
   [WORDS.delay, 'ms', (m) => fixed(1000 * m.delay, 0)],
@@ -25,9 +26,12 @@ function faultText(loss) {
 }
 
 export class Link {
+  /** @type {(() => void) | null} */
   #end = null;
   #silence = 0; // from the last message
   #interval = 0;
+  /** @type {((isAboard: boolean) => void) | undefined} */
+  onAboard; // called when the operator switches to the vehicle's own view
 
   constructor(station) {
     this.station = station;
@@ -35,7 +39,7 @@ export class Link {
     this.aboard = el('input', { type: 'checkbox' });
     this.aboard.addEventListener('change', () => this.onAboard?.(this.aboard.checked));
     this.truth = el('label', { className: 'aboard', hidden: true }, this.aboard, ' ', WORDS.aboard);
-    this.values = VALUES.map(([, , read]) => [el('span', {}, '–'), read]);
+    this.values = VALUES.map(() => el('span', {}, '–'));
     this.element = el(
       'section',
       { id: 'link', className: 'link', hidden: true },
@@ -48,7 +52,7 @@ export class Link {
             'div',
             {},
             el('dt', {}, name),
-            el('dd', {}, this.values[k][0], unit ? el('span', { className: 'unit' }, unit) : null),
+            el('dd', {}, this.values[k], unit ? el('span', { className: 'unit' }, unit) : null),
           ),
         ),
       ),
@@ -56,7 +60,7 @@ export class Link {
     );
   }
 
-  // views: those of describe. onAboard(isAboard) is called when the operator switches to the vehicle's own view.
+  // views: those of describe.
   begin({ link }, views) {
     this.#end?.();
     this.#end = null;
@@ -66,7 +70,7 @@ export class Link {
       this.aboard.checked = false;
       this.onAboard?.(false);
     }
-    for (const [value] of this.values) write(value, '–');
+    for (const value of this.values) write(value, '–');
     this.#silence = this.#interval = 0;
     write(this.note, '');
     if (link) this.#end = this.station.bridge.subscribe(link, TYPES.Link, (message) => this.#show(message));
@@ -75,7 +79,7 @@ export class Link {
   #show(message) {
     const isPlain = message.modem === NONE;
     this.element.hidden = isPlain && !(message.fault_loss > 0);
-    for (const [value, read] of this.values) write(value, isPlain ? '–' : read(message));
+    for (const [k, [, , read]] of VALUES.entries()) write(this.values[k], isPlain ? '–' : read(message));
     if (message.silence_at_station < this.#silence) this.#interval = this.#silence;
     this.#silence = message.silence_at_station;
     const isBad =

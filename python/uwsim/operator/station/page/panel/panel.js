@@ -115,7 +115,9 @@ export class Panel {
 
   // inspection: see Inspection.
   constructor(container, station, telemetry, pilot, inspection) {
-    [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
+    this.station = station;
+    this.telemetry = telemetry;
+    this.pilot = pilot;
     this.allStop = new AllStop(station, pilot);
     this.failsafe = new Failsafe(station);
     this.link = new Link(station);

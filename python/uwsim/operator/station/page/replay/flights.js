@@ -8,6 +8,7 @@ const WORDS = STRINGS.flights;
 export function begunText(begun) {
   const at = new Date(begun);
   const { lang } = document.documentElement;
+  /** @type {Intl.DateTimeFormatOptions} */
   const style = { dateStyle: 'medium', timeStyle: 'medium' };
   return Number.isNaN(at.getTime()) ? '' : at.toLocaleString(lang === 'en' ? 'en-GB' : lang, style);
 }
@@ -36,9 +37,10 @@ export class Flights {
     this.list.replaceChildren(...flights.map((flight) => this.#row(flight)));
   }
 
-  #row({ name, scenario, begun, duration_s, size_bytes, branched_from, refused }) {
+  #row({ name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, refused }) {
     const title = el('b', {}, begunText(begun) || name);
-    const about = scenario ? WORDS.about(scenario, clockText(duration_s), (size_bytes / 1e6).toFixed(1)) : '';
+    const duration = cut_off ? WORDS.cutOff(clockText(duration_s)) : clockText(duration_s);
+    const about = scenario ? WORDS.about(scenario, duration, (size_bytes / 1e6).toFixed(1)) : '';
     const wrong = el('small', { className: 'wrong', role: 'status' }, refused);
     const replay = el(
       'button',
@@ -66,20 +68,20 @@ export class Flights {
   async #open(name, wrong, button) {
     if (this.#isOpening) return;
     this.#isOpening = true;
-    this.#say(WORDS.reading);
+    this.#showMessage(WORDS.reading);
     try {
       const answer = await this.station.start({ flight: name, speed: 1 });
       const why = answer.success ? '' : (answer.errors?.flight ?? answer.message);
       write(wrong, why);
       button.disabled = Boolean(answer.errors?.flight);
-      this.#say('');
+      this.#showMessage('');
     } catch (error) {
-      this.#say(error.message, 'error');
+      this.#showMessage(error.message, 'error');
     }
     this.#isOpening = false;
   }
 
-  #say(text, kind = '') {
+  #showMessage(text, kind = '') {
     write(this.status, text);
     this.status.dataset.kind = kind;
   }

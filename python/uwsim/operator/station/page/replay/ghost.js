@@ -27,13 +27,18 @@ export function poseAt({ times_s: times, poses }, time_s) {
 }
 
 export class Ghost {
+  /** @type {{ flight: string, track: { times_s: number[], poses: number[][] }, times_s: number[], apart_m: number[] } | null} */
   found = null; // { flight, track, times_s, apart_m }
+  /** @type {number[] | null} */
   pose = null; // at the current time
+  /** @type {import('../map3d/actors.js').Vessel | null} */
   #vessel = null;
   #count = 0;
 
   constructor(station, scene, chart) {
-    [this.station, this.scene, this.chart] = [station, scene, chart];
+    this.station = station;
+    this.scene = scene;
+    this.chart = chart;
     chart.layers.push((context, frame) => this.#chartLayer(context, frame));
   }
 
@@ -70,8 +75,8 @@ export class Ghost {
     if (this.#vessel) {
       this.#vessel.group.visible = this.pose !== null;
       if (this.pose) {
-        this.#vessel.group.position.set(...this.pose.slice(0, 3));
-        this.#vessel.group.quaternion.set(...this.pose.slice(3));
+        this.#vessel.group.position.fromArray(this.pose);
+        this.#vessel.group.quaternion.fromArray(this.pose, 3);
       }
       this.scene.show();
     }
@@ -81,7 +86,7 @@ export class Ghost {
   // The distance [m] between the two flights at a time; NaN unless both cover it.
   apart(time_s) {
     const { times_s: times = [], apart_m: apart = [] } = this.found ?? {};
-    return times.length && time_s <= times.at(-1) + 0.5 ? (apart[lastBefore(times, time_s)] ?? NaN) : NaN;
+    return time_s <= (times.at(-1) ?? -Infinity) + 0.5 ? (apart[lastBefore(times, time_s)] ?? NaN) : NaN;
   }
 
   async #load(path) {

@@ -1,4 +1,5 @@
 // The part of the time line above its slider: events, and the distance between two flights, over time.
+import { pen } from '../dom.js';
 const HEIGHT = 46;
 const EVENTS_PX = 10;
 const COLOURS = { command: '--text-soft', alarm: '--alarm', collision: '--warn' };
@@ -11,7 +12,7 @@ export function drawPlot(canvas, { from_s, to_s, now_s, inset, events, ghost }) 
   [canvas.width, canvas.height] = [Math.round(width * ratio), HEIGHT * ratio];
   const style = getComputedStyle(canvas);
   const colour = (name) => style.getPropertyValue(name);
-  const c = canvas.getContext('2d');
+  const c = pen(canvas);
   c.setTransform(ratio, 0, 0, ratio, 0, 0);
   const x = (time_s) => inset + ((time_s - from_s) / Math.max(to_s - from_s, 1e-9)) * (width - 2 * inset);
   if (ghost) drawDistance(c, x, ghost, colour);

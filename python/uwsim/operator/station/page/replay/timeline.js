@@ -11,13 +11,15 @@ const option = (value, text) => el('option', { value }, text);
 
 export class Timeline {
   now_s = 0;
+  /** @type {import('../wire/messages.js').ReplayDescription | null} */
   #replay = null; // as described by the server
   #wanted_s = NaN; // the time to go to next
   #isSeeking = false;
   #isHeld = false; // whether the user is holding the slider
 
   constructor(station, telemetry, { scene, chart, panel }) {
-    [this.station, this.panel] = [station, panel];
+    this.station = station;
+    this.panel = panel;
     this.ghost = new Ghost(station, scene, chart);
     this.play = el('button', { type: 'button', className: 'strong', onclick: () => this.#playOrPause() });
     this.time = el('output', { className: 'reading', 'aria-label': WORDS.time });
@@ -41,8 +43,8 @@ export class Timeline {
       this.plot,
       this.apart,
     );
-    station.addEventListener('state', () => this.#be(station.state.time));
-    telemetry.addEventListener('change', () => this.#be(telemetry.stamp_s));
+    station.addEventListener('state', () => this.#follow(station.state.time));
+    telemetry.addEventListener('change', () => this.#follow(telemetry.stamp_s));
     new ResizeObserver(() => this.#draw()).observe(this.plot);
   }
 
@@ -50,7 +52,9 @@ export class Timeline {
     return this.#replay !== null;
   }
 
-  // Show the time line of a session, if it is a replay.
+  /** Show the time line of a session, if it is a replay.
+   * @param {import('../wire/messages.js').Description} description
+   */
   begin({ replay = null, branched_from: branchedFrom = '', scenario }) {
     this.#replay = replay;
     this.element.hidden = !replay;
@@ -59,17 +63,19 @@ export class Timeline {
     byId('scenario-name').title = branchedFrom ? WORDS.branched(branchedFrom) : '';
     this.ghost.show('');
     if (!replay) return;
-    [this.slider.min, this.slider.max] = [Math.floor(replay.start_s), Math.ceil(replay.end_s)]; // whole steps from 0
+    this.slider.min = String(Math.floor(replay.start_s)); // whole steps from 0
+    this.slider.max = String(Math.ceil(replay.end_s));
     this.events.replaceChildren(
       option('', WORDS.eventCount(replay.events.length)),
       ...replay.events.map(({ time_s, text }) => option(time_s, `${clockText(time_s, 1)} ${text}`)),
     );
     this.#offer(replay.flight, scenario);
-    this.#be(this.station.state.time);
+    this.#follow(this.station.state.time);
   }
 
   // Go to a time. While the server is moving to an earlier request's time, only the newest request is kept.
   async seek(time_s) {
+    if (!this.#replay) return;
     const { start_s, end_s } = this.#replay;
     this.#wanted_s = Math.max(start_s, Math.min(end_s, time_s));
     this.#show(this.#wanted_s);
@@ -83,7 +89,7 @@ export class Timeline {
     this.#isSeeking = false;
   }
 
-  #be(time_s) {
+  #follow(time_s) {
     if (!this.#replay || !Number.isFinite(time_s)) return;
     this.now_s = time_s;
     if (!this.#isSeeking) this.#show(time_s);
@@ -91,6 +97,7 @@ export class Timeline {
 
   #show(time_s) {
     const { station } = this;
+    if (!this.#replay) return;
     const { end_s } = this.#replay;
     const text = WORDS.at(clockText(time_s, 1), clockText(end_s, 1));
     write(this.time, text);

@@ -7,6 +7,7 @@ const WORDS = STRINGS.axis;
 const RAD = Math.PI / 180;
 const LEVEL = [0, 0, 0, 1];
 
+/** @type {(a: number[], b: number[]) => number[]} */
 function product([ax, ay, az, aw], [bx, by, bz, bw]) {
   return [
     aw * bx + ax * bw + ay * bz - az * by,
@@ -16,8 +17,10 @@ function product([ax, ay, az, aw], [bx, by, bz, bw]) {
   ];
 }
 
-const about = (axis, angle_rad) =>
-  [0, 1, 2].map((k) => (k === axis ? Math.sin(0.5 * angle_rad) : 0)).concat(Math.cos(0.5 * angle_rad));
+const about = (axis, angle_rad) => [
+  ...[0, 1, 2].map((k) => (k === axis ? Math.sin(0.5 * angle_rad) : 0)),
+  Math.cos(0.5 * angle_rad),
+];
 
 // pan (to port) and tilt (down) are a motor's angles [rad]; mount is yaw, pitch, roll [deg]. Return, in degrees, the
 // axis's elevation (up) and roll (to starboard) in the world, and its direction from the bow (starboard, down).

@@ -1,8 +1,8 @@
 // The chart: bed colours by depth, obstacles by name, tracks, measuring, and waypoints that the server saves and flies.
-import { attempt, el, fixed, toast, write } from '../dom.js';
+import { all, attempt, el, fixed, pen, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { inUnit, unitName } from '../units.js';
-import { plan as request } from '../wire/messages.js';
+import { PLAN_SPEEDS_M_S, plan as request } from '../wire/messages.js';
 import { attitude } from '../attitude.js';
 import { ChartFrame, heightAt, measured, pathLength } from './chart_frame.js';
 
@@ -30,16 +30,22 @@ export class ChartView {
   kind = 'chart';
   title = WORDS.title;
   frame = new ChartFrame();
+  vehicle = '';
   points = []; // waypoints [x, y, z], in odom
   flown = []; // [x, y]
   layers = []; // additional drawing functions (context, frame)
   #notes = []; // with position_m
   #isLarge = false;
+  /** @type {[number, number] | null} */
+  #place = null; // of the pointer
+  /** @type {{ canvas: OffscreenCanvas, heights: Float32Array, grid: any, surface_m: number } | null} */
   #bed = null; // { canvas, heights, grid, surface_m }
   #meshes = [];
   #ruler = [];
   #tool = '';
+  /** @type {{ from: number[], moved: number } | null} */
   #drag = null;
+  /** @type {import('../wire/messages.js').Telemetry | null} */
   #message = null;
   #timer = 0;
   #isFitted = false;
@@ -55,7 +61,7 @@ export class ChartView {
         text,
       );
     this.depth = number(WORDS.depth, 2, 0, 1000, 0.5);
-    this.speed = number(WORDS.speed, 0.5, 0.05, 3, 0.05);
+    this.speed = number(WORDS.speed, 0.5, ...PLAN_SPEEDS_M_S, 0.05);
     this.planName = el('input', { type: 'text', 'aria-label': WORDS.name, title: WORDS.name, value: 'plan' });
     this.fly = button(WORDS.fly, () => this.#ask('fly'));
     this.stop = button(WORDS.stop, () => this.#ask('stop'));
@@ -92,6 +98,7 @@ export class ChartView {
     const heights = new Float32Array(await (await load(found.terrain.url)).arrayBuffer());
     this.#meshes = found.meshes.filter(({ outline_m }) => outline_m?.length > 1);
     this.#bed = coloured(heights, found.terrain, found.surface_m ?? 0);
+    if (this.#place) this.#describe(this.#place); // the pointer already rests on the chart
     this.draw();
   }
 
@@ -100,7 +107,7 @@ export class ChartView {
     this.draw();
   }
 
-  takeTelemetry(message) {
+  showTelemetry(message) {
     this.#message = message;
     const [x, y] = message.position;
     const last = this.flown.at(-1);
@@ -113,13 +120,13 @@ export class ChartView {
   #change(act) {
     act();
     this.draw();
-    this.#tell();
+    this.#describe();
   }
 
   #choose(name) {
     this.#tool = this.#tool === name ? '' : name;
     this.#ruler = [];
-    for (const each of this.tools.querySelectorAll('[data-tool]'))
+    for (const each of all(this.tools, '[data-tool]'))
       each.setAttribute('aria-pressed', String(each.dataset.tool === this.#tool));
     this.draw();
   }
@@ -139,7 +146,7 @@ export class ChartView {
         this.#drag.from = at;
       }
       this.draw();
-      this.#tell(this.frame.place(at));
+      this.#describe(this.frame.place(at));
     });
     canvas.addEventListener('pointerup', (event) => {
       const isClick = this.#drag && this.#drag.moved <= CLICK_PX;
@@ -164,7 +171,7 @@ export class ChartView {
     } else if (this.#tool === 'measure') {
       this.#ruler = this.#ruler.length === 1 ? [this.#ruler[0], place] : [place];
       this.draw();
-      this.#tell();
+      this.#describe();
     }
   }
 
@@ -201,10 +208,12 @@ export class ChartView {
     }, REPORT_MS);
   }
 
-  #tell(place = null) {
+  /** @param {[number, number] | null} place */
+  #describe(place = null) {
+    this.#place = place;
     if (this.state?.is_flying) return;
     if (this.#ruler.length === 2) {
-      const { length_m, bearing_deg } = measured(...this.#ruler);
+      const { length_m, bearing_deg } = measured(this.#ruler[0], this.#ruler[1]);
       write(this.note, WORDS.measured(fixed(length_m, 1), fixed(bearing_deg, 0).padStart(3, '0')));
     } else if (place && this.#bed) {
       const deep_m = this.#bed.surface_m - heightAt(this.#bed.heights, this.#bed.grid, place);
@@ -235,12 +244,12 @@ export class ChartView {
       this.#fit();
       return;
     }
-    const c = canvas.getContext('2d');
+    const c = pen(canvas);
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.fillStyle = '#8fa3ad';
     c.fillRect(0, 0, width, height);
     c.font = `12px ${getComputedStyle(document.body).fontFamily}`;
-    if (this.#bed) this.#drawBed(c);
+    if (this.#bed) this.#drawBed(c, this.#bed);
     for (const { name, outline_m } of this.#meshes) this.#drawObstacle(c, name, outline_m);
     this.#drawLine(c, this.flown, FLOWN, []);
     this.#drawPlan(c);
@@ -251,8 +260,7 @@ export class ChartView {
     if (this.#isLarge) this.#drawScale(c);
   }
 
-  #drawBed(c) {
-    const { canvas, grid } = this.#bed;
+  #drawBed(c, { canvas, grid }) {
     const [x, y] = this.frame.at([
       grid.west_m - grid.spacing_m[0] / 2,
       grid.south_m + (grid.rows - 0.5) * grid.spacing_m[1],
@@ -329,7 +337,12 @@ export class ChartView {
 
   #drawVehicle(c) {
     if (!this.#message || !Number.isFinite(this.#message.position[0])) return;
-    drawVessel(c, this.frame.at(this.#message.position), attitude(this.#message.orientation).heading_deg, '#ffd166');
+    drawVessel(
+      c,
+      this.frame.at([...this.#message.position]),
+      attitude(this.#message.orientation).heading_deg,
+      '#ffd166',
+    );
   }
 
   #drawScale(c) {
@@ -364,7 +377,7 @@ export function drawVessel(c, [x, y], heading_deg, colour) {
 function coloured(heights, grid, surface_m) {
   const { rows, columns } = grid;
   const canvas = new OffscreenCanvas(columns, rows);
-  const context = canvas.getContext('2d');
+  const context = pen(canvas);
   const image = context.createImageData(columns, rows);
   const known = heights.filter(Number.isFinite);
   const low_m = known.reduce((least, value) => Math.min(least, value), Infinity);

@@ -11,11 +11,19 @@ export class ChartFrame {
     this.scale = Math.max(Math.min(width / Math.max(east - west, 1), height / Math.max(north - south, 1)), 0.01);
   }
 
+  /** The pixel of a place.
+   * @param {number[]} place
+   * @returns {[number, number]}
+   */
   at([x, y]) {
     const [width, height] = this.size;
     return [width / 2 + (x - this.middle[0]) * this.scale, height / 2 - (y - this.middle[1]) * this.scale];
   }
 
+  /** The place under a pixel.
+   * @param {number[]} pixel
+   * @returns {[number, number]}
+   */
   place([px, py]) {
     const [width, height] = this.size;
     return [this.middle[0] + (px - width / 2) / this.scale, this.middle[1] - (py - height / 2) / this.scale];
@@ -34,7 +42,9 @@ export class ChartFrame {
   }
 }
 
-// Length [m] and compass bearing [degrees] from one place to another.
+/** Length [m] and compass bearing [degrees] from one place to another.
+ * @type {(from: number[], to: number[]) => { length_m: number, bearing_deg: number }}
+ */
 export function measured([x0, y0], [x1, y1]) {
   const bearing = (Math.atan2(x1 - x0, y1 - y0) * 180) / Math.PI;
   return { length_m: Math.hypot(x1 - x0, y1 - y0), bearing_deg: (bearing + 360) % 360 };

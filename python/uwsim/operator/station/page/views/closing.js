@@ -12,7 +12,7 @@ export class Closing {
   time_s = Infinity; // time to contact; Infinity while nothing is being approached or in range
 
   // Process a range [m] (NaN or Infinity for none) measured at a simulated time [s].
-  take(range_m, time_s) {
+  add(range_m, time_s) {
     const step_s = time_s - this.#time_s;
     if (step_s === 0) return this.time_s;
     if (!Number.isFinite(range_m) || !(step_s > 0 && step_s < GAP_S)) this.#speed_m_s = NaN;

@@ -1,5 +1,5 @@
 // The newest ping of the multibeam in the plane of its fan: the sonar is below, up is ahead, right is starboard.
-import { el } from '../dom.js';
+import { el, pen } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { inUnit, unit, unitName } from '../units.js';
 import { Fan, ringStep } from './sonar_geometry.js';
@@ -20,9 +20,11 @@ export class FanView {
   name = 'fan';
   kind = 'fan';
   title = WORDS.sonar;
+  /** @type {{ angle_min: number, angle_max: number, angle_increment: number, ranges: ArrayLike<number>, range_max: number } | null} */
   #scan = null;
   #old = [];
   #isLarge = false;
+  /** @type {Fan | null} */
   shown = null; // the geometry last drawn
 
   constructor() {
@@ -45,7 +47,7 @@ export class FanView {
     this.#draw();
   }
 
-  take(scan) {
+  show(scan) {
     if (this.tools.isFrozen) return;
     if (this.#scan) this.#old = [...this.#old.slice(-MEMORY), this.#scan];
     this.#scan = scan;
@@ -60,7 +62,7 @@ export class FanView {
     if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
       [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     }
-    const c = canvas.getContext('2d');
+    const c = pen(canvas);
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.fillStyle = '#07131a';
     c.fillRect(0, 0, width, height);
@@ -68,32 +70,38 @@ export class FanView {
     const { angle_min: least, angle_max: most } = this.#scan;
     const reach = (this.#isLarge && this.tools.reach_m) || shownReach(this.#scan);
     const half_rad = Math.min(Math.max(Math.abs(least), Math.abs(most)), Math.PI / 2);
-    this.shown = new Fan({ reach_m: reach, half_rad, width, height, margin: this.#isLarge ? 34 : 6 });
-    const at = (range, angle) => this.shown.at(range, -angle); // a scan's angles increase to port
-    this.#rings(c);
+    const shown = new Fan({ reach_m: reach, half_rad, width, height, margin: this.#isLarge ? 34 : 6 });
+    this.shown = shown;
+    const at = (range, angle) => shown.at(range, -angle); // a scan's angles increase to port
+    this.#rings(c, shown);
     c.save();
-    this.shown.trace(c, reach, true); // echoes may lie beyond the range shown
+    shown.trace(c, reach, true); // echoes may lie beyond the range shown
     c.clip();
     for (const scan of this.#old) this.#echoes(c, at, scan, OLD, this.#isLarge ? 2 : 1);
     this.#water(c, at, this.#scan);
     this.#echoes(c, at, this.#scan, ECHO, this.#isLarge ? 3 : 1.6);
     c.restore();
-    if (this.#isLarge) this.#cursor(c);
+    if (this.#isLarge) this.#cursor(c, shown);
   }
 
-  #cursor(c) {
-    const found = this.tools.at && this.shown.read(...this.tools.at);
+  /** @param {CanvasRenderingContext2D} c
+   * @param {Fan} shown
+   */
+  #cursor(c, shown) {
+    const found = this.tools.at && shown.read(...this.tools.at);
     this.tools.read(found);
     if (!found) return;
     c.strokeStyle = CURSOR;
-    this.shown.trace(c, found.range_m);
-    c.moveTo(...this.shown.apex);
-    c.lineTo(...this.shown.at(this.shown.shown_m, found.bearing_rad));
+    shown.trace(c, found.range_m);
+    c.moveTo(...shown.apex);
+    c.lineTo(...shown.at(shown.shown_m, found.bearing_rad));
     c.stroke();
   }
 
-  #rings(c) {
-    const { shown } = this;
+  /** @param {CanvasRenderingContext2D} c
+   * @param {Fan} shown
+   */
+  #rings(c, shown) {
     c.strokeStyle = SOFT;
     c.fillStyle = INK;
     c.lineWidth = 1;
@@ -122,7 +130,7 @@ export class FanView {
       const degrees = Math.round((Math.abs(share) * shown.half_rad * 180) / Math.PI);
       const side = Math.abs(share) < 1 ? '' : ` ${share < 0 ? STRINGS.sonar.port : STRINGS.sonar.starboard}`;
       const [x, y] = shown.at(shown.shown_m, share * shown.half_rad);
-      c.fillText(`${degrees}°${side}`, x + (side && Math.sign(share) * 18), y - (side ? 18 : 14));
+      c.fillText(`${degrees}°${side}`, x + (side ? Math.sign(share) * 18 : 0), y - (side ? 18 : 14));
     }
     c.textAlign = 'left';
   }

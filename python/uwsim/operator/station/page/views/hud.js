@@ -1,4 +1,5 @@
 // The head-up display: heading, depth, altitude and attitude over the video, for a pilot who looks only at the picture.
+import { pen } from '../dom.js';
 import { attitude } from '../attitude.js';
 import { shownHolds } from '../drive/holds.js';
 import { inUnit, unitName } from '../units.js';
@@ -16,11 +17,15 @@ const STEEPEST = 70; // elevation of a camera's axis [deg] beyond which no horiz
 const HELD = '#7be0a2';
 
 export class Hud {
+  /** @type {{ axis: object | null, contact: object | null, tapes: Record<string, number> } | null} */
   shown = null; // what was drawn last: the camera's axis, the contact, the value on each tape
+
+  ink = INK;
+  soft = SOFT;
 
   constructor(canvas) {
     this.canvas = canvas;
-    this.context = canvas.getContext('2d');
+    this.context = pen(canvas);
   }
 
   clear() {
@@ -139,9 +144,11 @@ export class Hud {
   }
 
   // Draw a vertical tape with the value in a box at its middle. down: greater values below.
+  /** @type {(x: number, middle: number, tall: number, scale: number, values: { name: string, value: number,
+   *   side: string, target?: number | null, down?: boolean, color?: string }) => void} */
   #tape(x, middle, tall, scale, { name, value, side, target = null, down = false, color = this.ink }) {
     const { context: c } = this;
-    this.shown.tapes[name] = value;
+    if (this.shown) this.shown.tapes[name] = value;
     const isLeft = side === 'left';
     const wide = 46 * scale;
     const left = isLeft ? x : x - wide;

@@ -6,12 +6,13 @@ import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 import { SonarScreen } from './sonar_screen.js';
 import { STRINGS } from '../strings.js';
+import { SONAR_KINDS } from '../wire/messages.js';
 
 const WORDS = STRINGS.views;
 
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
-const KINDS = ['camera', 'chase', 'scene', 'chart', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
+const KINDS = ['camera', 'chase', 'scene', 'chart', 'fan', ...SONAR_KINDS, 'station'];
 const AHEAD = /front/; // cameras that look ahead, where the server does not describe them
 const CAMERAS = new Set(['camera', 'station', 'chase']);
 const KEYS = 10;
@@ -41,7 +42,10 @@ export class Views extends EventTarget {
   // drawn: the views that this page draws itself, each { name, title, kind, element, setLarge(isLarge) }.
   constructor(station, telemetry, container, drawn) {
     super();
-    [this.station, this.telemetry, this.container, this.drawn] = [station, telemetry, container, drawn];
+    this.station = station;
+    this.telemetry = telemetry;
+    this.container = container;
+    this.drawn = drawn;
     telemetry.addEventListener('change', () => this.#drawHud());
     document.addEventListener('visibilitychange', () => this.#choosePictures());
     new ResizeObserver(() => this.#drawHud()).observe(container);
@@ -146,7 +150,7 @@ export class Views extends EventTarget {
     const picture = new Picture(this.station.bridge, sonar?.source ?? canvas);
     picture.addEventListener('drawn', () => {
       frame.element.classList.remove('is-stale');
-      sonar?.take();
+      sonar?.show();
     });
     return { ...frame, view, picture, isCamera, sonar, hud: hasHud ? new Hud(hudCanvas) : null };
   }
@@ -160,7 +164,9 @@ export class Views extends EventTarget {
 
   // Request no pictures for a hidden tab, so that none are rendered.
   #choosePictures() {
-    const [cameras, sonars] = [[], []];
+    const cameras = [];
+    const sonars = [];
+    /** @type {{ picture: any, topic: string } | null} */
     let large = null;
     for (const [name, { view, picture, isCamera }] of this.#views) {
       if (!picture || document.hidden) picture?.show('');

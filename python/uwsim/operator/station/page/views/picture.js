@@ -3,9 +3,11 @@ import { seconds } from '../wire/rosbridge.js';
 
 // Events: 'drawn'.
 export class Picture extends EventTarget {
+  /** @type {(() => void) | null} */
   #end = null;
   #topic = '';
   #isDrawing = false;
+  /** @type {{ topic: string, message: any, receivedMs: number } | null} */
   #waiting = null;
   #hasCredit = false;
   arrivedMs = -Infinity;
@@ -35,27 +37,27 @@ export class Picture extends EventTarget {
     this.#end = this.bridge.subscribe(
       topic,
       'sensor_msgs/CompressedImage',
-      (message) => this.#take(topic, message),
+      (message) => this.#receive(topic, message),
       options,
     );
   }
 
-  async #take(topic, message) {
-    this.#waiting = { topic, message, cameMs: Date.now() };
+  async #receive(topic, message) {
+    this.#waiting = { topic, message, receivedMs: Date.now() };
     if (this.#isDrawing) return;
     this.#isDrawing = true;
     while (this.#waiting) {
       const {
         topic: from,
         message: { data, format, header },
-        cameMs,
+        receivedMs,
       } = this.#waiting;
       this.#waiting = null;
       try {
         const bitmap = await createImageBitmap(
           new Blob([data], { type: `image/${/png/.test(format) ? 'png' : 'jpeg'}` }),
         );
-        if (from === this.#topic) this.#draw(bitmap, header.stamp, cameMs);
+        if (from === this.#topic) this.#draw(bitmap, header.stamp, receivedMs);
         bitmap.close();
       } catch {
         /* skip a damaged picture */
@@ -65,7 +67,7 @@ export class Picture extends EventTarget {
     this.#isDrawing = false;
   }
 
-  #draw(bitmap, stamp, cameMs) {
+  #draw(bitmap, stamp, receivedMs) {
     const { canvas } = this;
     if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
       [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
@@ -74,6 +76,6 @@ export class Picture extends EventTarget {
     this.arrivedMs = performance.now();
     this.drawn += 1;
     this.dispatchEvent(new Event('drawn'));
-    this.shown = [...this.shown.slice(-499), [seconds(stamp), cameMs, Date.now()]];
+    this.shown = [...this.shown.slice(-499), [seconds(stamp), receivedMs, Date.now()]];
   }
 }

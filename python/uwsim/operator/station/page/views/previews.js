@@ -7,6 +7,7 @@ const PATIENCE_MS = 3000; // maximum wait for a picture
 
 export class Previews {
   #streams = []; // { picture, topic }, the next one first
+  /** @type {{ picture: any, topic: string } | null} */
   #current = null;
   #begunMs = 0;
   #timer = 0;
@@ -15,7 +16,7 @@ export class Previews {
   // streams: the streams of all small views; none while the page is hidden.
   show(streams) {
     this.#streams = streams;
-    if (this.#current && !streams.some(({ topic }) => topic === this.#current.topic)) this.#end();
+    if (this.#current && !streams.some(({ topic }) => topic === this.#current?.topic)) this.#end();
     if (!this.#current) this.#next();
   }
 
@@ -39,6 +40,7 @@ export class Previews {
 
   #end() {
     clearTimeout(this.#timer);
+    if (!this.#current) return;
     const { picture, topic } = this.#current;
     this.#current = null;
     picture.removeEventListener('drawn', this.#drawn);

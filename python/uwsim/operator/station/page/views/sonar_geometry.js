@@ -1,13 +1,14 @@
 // The geometry and colours of a sonar's picture. Bearings are in radians, positive to starboard.
 
-// The colours in which the server draws, from the weakest to the strongest level (AMBER in pixels.py), and others.
+import { SONAR_COLOURS, SONAR_SPAN_DB } from '../wire/messages.js';
+
+// The colours in which the server draws, from the weakest to the strongest level, and others.
 export const PALETTES = {
-  amber: ['#000000', '#4a2503', '#c47a1a', '#ffd98a', '#fffbe8'],
+  amber: SONAR_COLOURS,
   grey: ['#000000', '#404040', '#808080', '#c0c0c0', '#ffffff'],
   green: ['#000000', '#06370d', '#118a2b', '#63dd6f', '#eaffe9'],
   ice: ['#000008', '#0b2c5c', '#1f78b4', '#7fd0e8', '#ffffff'],
 };
-export const SPAN_DB = 25; // between the first and the last colour: BELOW_MEDIAN_DB + ABOVE_MEDIAN_DB in pixels.py
 const STEPS = [0.5, 1, 2, 5, 10, 20, 25, 50, 100, 200, 500];
 const RINGS = 6;
 
@@ -24,12 +25,17 @@ export function reaches(reach_m) {
 // A fan with its apex below (or above, for one that looks down), as large as it fits into width x height.
 export class Fan {
   constructor({ reach_m, half_rad, shown_m = reach_m, width, height, margin, isDown = false }) {
-    Object.assign(this, { reach_m, half_rad, shown_m, isDown });
+    this.reach_m = reach_m;
+    this.half_rad = half_rad;
+    this.shown_m = shown_m;
+    this.isDown = isDown;
     const [side, back] = this.#bounds(shown_m);
     this.scale = Math.max(Math.min((height - 2 * margin) / (shown_m - back), (width / 2 - margin) / side), 1e-6);
+    /** @type {[number, number]} */
     this.apex = [width / 2, isDown ? margin - back * this.scale : height - margin + back * this.scale];
   }
 
+  /** @returns {[number, number]} */
   at(range_m, bearing_rad) {
     const [x, y] = this.apex;
     const ahead = range_m * this.scale * Math.cos(bearing_rad);
@@ -45,7 +51,9 @@ export class Fan {
     return range_m <= this.shown_m && Math.abs(bearing_rad) <= this.half_rad + 1e-9 ? { range_m, bearing_rad } : null;
   }
 
-  // The position of the server's picture, which shows the whole range: x, y, width, height.
+  /** The position of the server's picture, which shows the whole range: x, y, width, height.
+   * @returns {[number, number, number, number]}
+   */
   get picture() {
     const [side, back] = this.#bounds(this.reach_m);
     const [x, y] = this.apex;
@@ -72,7 +80,10 @@ export class Fan {
 // A side-scan's waterfall: range to either side of the middle, the newest line at the top.
 export class Waterfall {
   constructor({ reach_m, shown_m = reach_m, width, height }) {
-    Object.assign(this, { reach_m, shown_m, width, height });
+    this.reach_m = reach_m;
+    this.shown_m = shown_m;
+    this.width = width;
+    this.height = height;
     this.scale = width / 2 / shown_m;
   }
 
@@ -82,6 +93,7 @@ export class Waterfall {
     return { range_m: Math.abs(aside_m), bearing_rad: Math.sign(aside_m) * (Math.PI / 2) };
   }
 
+  /** @returns {[number, number, number, number]} */
   get picture() {
     return [this.width / 2 - this.reach_m * this.scale, 0, 2 * this.reach_m * this.scale, this.height];
   }
@@ -91,7 +103,7 @@ export class Waterfall {
 export function recolouring(name, gain_db) {
   const levels = levelOfBrightness();
   const table = Array.from({ length: levels.length }, (_, sum) =>
-    colourAt(PALETTES[name], Math.min(Math.max(levels[sum] + gain_db / SPAN_DB, 0), 1)),
+    colourAt(PALETTES[name], Math.min(Math.max(levels[sum] + gain_db / SONAR_SPAN_DB, 0), 1)),
   );
   return (pixels) => {
     for (let k = 0; k < pixels.length; k += 4) {

@@ -1,5 +1,5 @@
 // The picture of an imaging sonar, recoloured and enlarged as the pilot chooses, with range rings and bearings.
-import { el } from '../dom.js';
+import { el, pen } from '../dom.js';
 import { inUnit, unit, unitName } from '../units.js';
 import { Fan, reaches, recolouring, ringStep, Waterfall } from './sonar_geometry.js';
 import { bearingText, SonarTools } from './sonar_tools.js';
@@ -13,8 +13,10 @@ const LINES = 6;
 
 export class SonarScreen {
   #isLarge = false;
+  /** @type {{ raw: ImageData, width: number, height: number, canvas: OffscreenCanvas } | null} */
   #colours = null; // the picture as received, recoloured
   #last = '';
+  /** @type {Fan | Waterfall | null} */
   shown = null; // the geometry last drawn, for tests
 
   // sonar: { shape, range_m, fov_rad } of the view's description.
@@ -35,7 +37,7 @@ export class SonarScreen {
   }
 
   // A new picture is in the source.
-  take() {
+  show() {
     if (!this.tools.isFrozen) this.#recolour(true);
     this.draw();
   }
@@ -46,14 +48,14 @@ export class SonarScreen {
     if (!isNew && wanted === this.#last) return;
     if (isNew || !this.#colours) {
       const { width, height } = this.source;
-      this.#colours = { raw: this.source.getContext('2d').getImageData(0, 0, width, height), width, height };
-      this.#colours.canvas = new OffscreenCanvas(width, height);
+      const raw = pen(this.source).getImageData(0, 0, width, height);
+      this.#colours = { raw, width, height, canvas: new OffscreenCanvas(width, height) };
     }
     this.#last = wanted;
     const { raw, width, height, canvas } = this.#colours;
     const pixels = new ImageData(new Uint8ClampedArray(raw.data), width, height);
     recolouring(palette, gain_db)(pixels.data);
-    canvas.getContext('2d').putImageData(pixels, 0, 0);
+    pen(canvas).putImageData(pixels, 0, 0);
   }
 
   draw() {
@@ -64,7 +66,7 @@ export class SonarScreen {
     if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
       [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     }
-    const c = canvas.getContext('2d');
+    const c = pen(canvas);
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.fillStyle = '#05080a';
     c.fillRect(0, 0, width, height);
@@ -72,30 +74,34 @@ export class SonarScreen {
     this.#recolour(false);
     const { range_m: reach_m, fov_rad, shape } = this.sonar;
     const size = { reach_m, shown_m: this.#isLarge ? this.tools.reach_m : reach_m, width, height };
-    const isFan = shape !== 'waterfall';
-    this.shown = isFan
-      ? new Fan({ ...size, half_rad: fov_rad / 2, margin: this.#isLarge ? 58 : 4, isDown: shape === 'fan_down' })
-      : new Waterfall(size);
+    const shown =
+      shape === 'waterfall'
+        ? new Waterfall(size)
+        : new Fan({ ...size, half_rad: fov_rad / 2, margin: this.#isLarge ? 58 : 4, isDown: shape === 'fan_down' });
+    this.shown = shown;
     c.save();
-    if (isFan) {
-      this.shown.trace(c, this.shown.shown_m, true);
+    if (shown instanceof Fan) {
+      shown.trace(c, shown.shown_m, true);
       c.clip();
     }
-    c.drawImage(this.#colours.canvas, ...this.shown.picture);
+    c.drawImage(this.#colours.canvas, ...shown.picture);
     c.restore();
     if (!this.#isLarge) return;
     c.strokeStyle = LINE;
     c.lineWidth = 1;
     c.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     c.textBaseline = 'middle';
-    if (isFan) this.#fanLines(c);
-    else this.#waterfallLines(c);
-    this.#cursor(c, isFan);
+    if (shown instanceof Fan) this.#fanLines(c, shown);
+    else this.#waterfallLines(c, shown);
+    this.#cursor(c, shown);
   }
 
-  // The ranges of the rings, in metres, with their labels.
-  #rings() {
-    const reach = inUnit(this.shown.shown_m);
+  /** The ranges of the rings, in metres, with their labels.
+   * @param {Fan | Waterfall} shown
+   * @returns {[number, string][]}
+   */
+  #rings(shown) {
+    const reach = inUnit(shown.shown_m);
     const step = ringStep(reach);
     return Array.from({ length: Math.floor(reach / step + 1e-9) }, (_, k) => {
       const range = (k + 1) * step;
@@ -103,9 +109,11 @@ export class SonarScreen {
     });
   }
 
-  #fanLines(c) {
-    const { shown } = this;
-    for (const [range_m, text] of this.#rings()) {
+  /** @param {CanvasRenderingContext2D} c
+   * @param {Fan} shown
+   */
+  #fanLines(c, shown) {
+    for (const [range_m, text] of this.#rings(shown)) {
       shown.trace(c, range_m);
       c.stroke();
       const [x, y] = shown.at(range_m, shown.half_rad);
@@ -125,9 +133,12 @@ export class SonarScreen {
     }
   }
 
-  #waterfallLines(c) {
-    const { width, height, scale } = this.shown;
-    for (const [range_m, text] of this.#rings()) {
+  /** @param {CanvasRenderingContext2D} c
+   * @param {Waterfall} shown
+   */
+  #waterfallLines(c, shown) {
+    const { width, height, scale } = shown;
+    for (const [range_m, text] of this.#rings(shown)) {
       for (const side of [-1, 1]) {
         const x = width / 2 + side * range_m * scale;
         c.beginPath();
@@ -141,24 +152,27 @@ export class SonarScreen {
     label(c, bearingText(Math.PI / 2), width - 10, 60, 'right');
   }
 
-  #cursor(c, isFan) {
+  /** @param {CanvasRenderingContext2D} c
+   * @param {Fan | Waterfall} shown
+   */
+  #cursor(c, shown) {
     const { at } = this.tools;
-    const found = at && this.shown.read(...at);
+    const found = at && shown.read(at[0], at[1]);
     this.tools.read(found);
     if (!found) return;
     c.strokeStyle = CURSOR;
-    if (isFan) {
-      this.shown.trace(c, found.range_m);
+    if (shown instanceof Fan) {
+      shown.trace(c, found.range_m);
       c.stroke();
       c.beginPath();
-      c.moveTo(...this.shown.apex);
-      c.lineTo(...this.shown.at(this.shown.shown_m, found.bearing_rad));
+      c.moveTo(...shown.apex);
+      c.lineTo(...shown.at(shown.shown_m, found.bearing_rad));
     } else {
       c.beginPath();
       c.moveTo(at[0], 0);
-      c.lineTo(at[0], this.shown.height);
+      c.lineTo(at[0], shown.height);
       c.moveTo(0, at[1]);
-      c.lineTo(this.shown.width, at[1]);
+      c.lineTo(shown.width, at[1]);
     }
     c.stroke();
   }

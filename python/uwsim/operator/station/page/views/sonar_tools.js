@@ -58,6 +58,7 @@ export class SonarTools extends EventTarget {
   }
 
   // The cursor in the surface's pixels, or null.
+  /** @type {[number, number] | null} */
   at = null;
 
   // found: { range_m, bearing_rad } at the cursor, or null.

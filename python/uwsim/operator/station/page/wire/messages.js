@@ -1,8 +1,28 @@
 // Made by `python -m uwsim.operator.station.wire_js` from commands, messages and calls.py: do not edit.
 
+/** @typedef {{ stamp: { sec: number, nanosec: number }, frame_id: string }} Header */
+/** @typedef {ArrayLike<number> & Iterable<number>} Numbers */
+/** @typedef {{ call(service: string, args?: object): Promise<any> }} Caller */
+
 export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 // The alarm in the telemetry of a vehicle whose all stop is set.
 export const ALL_STOPPED = 'all stop';
+// The reasons for which a failsafe steers.
+export const FAILSAFE_CAUSES = ['silence', 'battery', 'leak', 'thruster', 'sensor'];
+export const FAILSAFE_ACTIONS = ['hold', 'surface', 'return', 'go_on'];
+// The silence of a pilot after which others may take the controls.
+export const FREE_S = 3.0;
+// The bounds of a plan's speed.
+export const PLAN_SPEEDS_M_S = [0.05, 3.0];
+// The cells along an axis of the map's blocks.
+export const BLOCK_EDGE = 16;
+// The kinds of views from imaging sonars.
+export const SONAR_KINDS = ['forward_looking', 'side_scan', 'single_beam'];
+// Those of sonar pictures, from the weakest to the strongest level.
+export const SONAR_COLOURS = ['#000000', '#4a2503', '#c47a1a', '#ffd98a', '#fffbe8'];
+// Between the first and the last of them.
+export const SONAR_SPAN_DB = 25.0;
+export const NOTE_CATEGORIES = ['observation', 'defect', 'leak', 'debris', 'growth'];
 // The arguments of the command `hold`.
 export const HOLDS = ['heading', 'depth', 'altitude', 'position', 'speed'];
 // The types of topics, by their last name.
@@ -54,6 +74,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} lost_by
  * @property {string} rosbridge
  * @property {string} rosbridge_trouble
+ * @property {string} rosbridge_refusals
  * @property {string} comment
  * @property {number} notes
  * @property {string} flight
@@ -61,11 +82,11 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  */
 
 /** @typedef {object} Telemetry
- * @property {object} header
- * @property {ArrayLike<number>} position
- * @property {ArrayLike<number>} position_std
- * @property {ArrayLike<number>} true_position
- * @property {ArrayLike<number>} orientation
+ * @property {Header} header
+ * @property {Numbers} position
+ * @property {Numbers} position_std
+ * @property {Numbers} true_position
+ * @property {Numbers} orientation
  * @property {boolean} is_truth
  * @property {number} speed
  * @property {number} angular_speed
@@ -79,8 +100,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} battery
  * @property {number} link_delay
  * @property {number} tilt
- * @property {ArrayLike<number>} thrusters
- * @property {ArrayLike<number>} efforts
+ * @property {Numbers} thrusters
+ * @property {Numbers} efforts
  * @property {boolean[]} lamps
  * @property {boolean} released
  * @property {boolean} range_warning
@@ -90,27 +111,27 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} failsafe
  * @property {string} failsafe_cause
  * @property {string[]} alarms
- * @property {ArrayLike<number>} linear_acceleration
- * @property {ArrayLike<number>} angular_acceleration
+ * @property {Numbers} linear_acceleration
+ * @property {Numbers} angular_acceleration
  * @property {string[]} gauges
- * @property {ArrayLike<number>} gauge_ages
+ * @property {Numbers} gauge_ages
  * @property {string[]} holds
- * @property {ArrayLike<number>} hold_targets
+ * @property {Numbers} hold_targets
  * @property {string} hold_note
  */
 
 /** @typedef {object} MapChanges
- * @property {object} header
+ * @property {Header} header
  * @property {number} sequence
  * @property {boolean} snapshot
  * @property {number} resolution
- * @property {ArrayLike<number>} blocks
- * @property {ArrayLike<number>} counts
- * @property {ArrayLike<number>} cells
+ * @property {Numbers} blocks
+ * @property {Numbers} counts
+ * @property {Numbers} cells
  */
 
 /** @typedef {object} Link
- * @property {object} header
+ * @property {Header} header
  * @property {string} modem
  * @property {number} quality
  * @property {number} delay
@@ -193,10 +214,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} turns
  */
 
-/** The layout of a sonar picture. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first.
-
-    fov_rad: the fan's angle; 0 for a waterfall.
-    
+/** The layout of a sonar picture. shape: `fan`, apex below; `fan_down`, apex above; `waterfall`, newest first. fov_rad: the fan's angle; 0 for a waterfall.
  * @typedef {object} SonarPicture
  * @property {'fan' | 'fan_down' | 'waterfall'} shape
  * @property {number} range_m
@@ -210,11 +228,11 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} large_only
  */
 
-/** A view: its topics and the size of its pictures, 0 if that varies.
+/** A view: its topics and the size of its pictures, 0 if that varies. kind: `camera`, `station`, `chase` or a sonar's.
  * @typedef {object} ViewDescription
  * @property {string} name
  * @property {string} title
- * @property {'camera' | 'station' | 'chase' | 'forward_looking' | 'side_scan' | 'profiling'} kind
+ * @property {string} kind
  * @property {string} vehicle
  * @property {string} frame_id
  * @property {number} width
@@ -264,8 +282,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string[]} commands
  * @property {boolean} has_exercise
  * @property {boolean} is_supervised
+ * @property {boolean} is_recorded
  * @property {ReplayDescription | null} replay
  * @property {string} branched_from
+ */
+
+/** A request to join the members. name: shown to the other members.
+ * @typedef {object} Join
+ * @property {string | null} [name]
  */
 
 /** The response to a Join. id: identifies this connection.
@@ -281,6 +305,23 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} message
  */
 
+/** A request to hand over the controls. to: the id of another member; empty releases the controls.
+ * @typedef {object} HandOver
+ * @property {string | null} [to]
+ */
+
+/** Efforts in [-1, 1], by default 0. stamp_ms: the time on the page's clock at which the keys were read.
+ * @typedef {object} Drive
+ * @property {string} vehicle
+ * @property {number | null} [surge]
+ * @property {number | null} [sway]
+ * @property {number | null} [heave]
+ * @property {number | null} [roll]
+ * @property {number | null} [pitch]
+ * @property {number | null} [yaw]
+ * @property {number | null} [stamp_ms]
+ */
+
 /** The response to a Drive. age_s: the delay of the command.
  * @typedef {object} Driven
  * @property {true} success
@@ -289,11 +330,33 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} age_s
  */
 
+/** A request to set or release all stop. on: false releases it.
+ * @typedef {object} AllStop
+ * @property {string} vehicle
+ * @property {boolean | null} [on]
+ */
+
 /** A command has taken effect at a tick, or has been sent over a link.
  * @typedef {object} Commanded
  * @property {true} success
  * @property {string} message
  * @property {number} tick
+ */
+
+/** A request to issue a command. name: one of the commands listed in the description. args: its arguments.
+ * @typedef {object} Order
+ * @property {string} name
+ * @property {string | null} [vehicle]
+ * @property {Record<string, any> | null} [args]
+ */
+
+/** An aid that the exercise allows, or that was used, and the points that it cost.
+ * @typedef {object} AidState
+ * @property {'autopilot' | 'hold' | 'program'} kind
+ * @property {boolean} is_allowed
+ * @property {number} used_s
+ * @property {number} cost_per_s
+ * @property {number} cost
  */
 
 /** A goal of an exercise. share: the fraction achieved, 0 to 1.
@@ -310,7 +373,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} time_s
  */
 
-/** The state of an exercise. points: the maximum; lost: deducted for limits; has_sheet: whether the sheet exists.
+/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "".
  * @typedef {object} ExerciseState
  * @property {true} success
  * @property {string} title
@@ -321,6 +384,11 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} points
  * @property {number} pass_points
  * @property {number} lost
+ * @property {number} attempt
+ * @property {boolean} has_begun
+ * @property {boolean} is_valid
+ * @property {string} invalid_because
+ * @property {AidState[]} aids
  * @property {boolean} is_over
  * @property {boolean} has_passed
  * @property {string} ended_because
@@ -328,6 +396,17 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {BrokenLimit[]} broken
  * @property {boolean} has_sheet
  * @property {string} error
+ */
+
+/** A request to become the instructor.
+ * @typedef {object} Supervise
+ * @property {string} token
+ */
+
+/** A request by the instructor. action, args: see docs/connections/station-wire.md.
+ * @typedef {object} Instruct
+ * @property {string} action
+ * @property {Record<string, any> | null} [args]
  */
 
 /** A vehicle's true state.
@@ -341,6 +420,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} collisions
  * @property {string[]} sensors
  * @property {string[]} thrusters
+ * @property {string[]} cameras
  */
 
 /** A moment to return to.
@@ -368,10 +448,47 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Instruction[]} log
  */
 
+/** A key of a kind of fault. part: the list in VehicleTruth of which it names an item, or "". width: the number of values. low, high: their bounds, or null. choices: the permitted values, or none for any. value: the one with which a form begins.
+ * @typedef {object} FaultField
+ * @property {string} name
+ * @property {string} meaning
+ * @property {boolean} is_number
+ * @property {boolean} is_optional
+ * @property {number} width
+ * @property {string} unit
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {any[]} choices
+ * @property {string} part
+ * @property {any} value
+ */
+
+/** A kind of fault that the instructor may inject, and its keys.
+ * @typedef {object} FaultKind
+ * @property {string} kind
+ * @property {string} meaning
+ * @property {FaultField[]} fields
+ */
+
+/** All kinds of faults, those of other packages last.
+ * @typedef {object} FaultKinds
+ * @property {true} success
+ * @property {FaultKind[]} kinds
+ */
+
 /** All parameters. descriptions_json: as returned by /simulation/describe_parameters.
  * @typedef {object} ParameterList
  * @property {true} success
  * @property {string} descriptions_json
+ */
+
+/** A request about a plan. action: report, save, fly or stop. points_m: x, y, z in odom. name: the file's name.
+ * @typedef {object} PlanRequest
+ * @property {string} action
+ * @property {string | null} [vehicle]
+ * @property {number[][] | null} [points_m]
+ * @property {number | null} [speed_m_s]
+ * @property {string | null} [name]
  */
 
 /** The state of the plan. reached: the number of the last waypoint reached.
@@ -381,6 +498,16 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} is_flying
  * @property {number} reached
  * @property {string} ended_because
+ */
+
+/** A request about notes. action: list, add or comment. view: a camera's, to add a picture. place: view or vehicle.
+ * @typedef {object} NotesRequest
+ * @property {string} action
+ * @property {string | null} [vehicle]
+ * @property {string | null} [text]
+ * @property {string | null} [category]
+ * @property {string | null} [place]
+ * @property {string | null} [view]
  */
 
 /** A note. position_m: in odom, null if unknown. picture: file name, or "".
@@ -400,6 +527,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} message
  * @property {string} comment
  * @property {NoteState[]} notes
+ */
+
+/** A request to change a view's pictures. width: 0 for the camera's own width.
+ * @typedef {object} SetView
+ * @property {string} name
+ * @property {number | null} [rate_hz]
+ * @property {number | null} [width]
+ * @property {number | null} [quality]
  */
 
 /** A vehicle of an offered scenario.
@@ -432,10 +567,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {'published' | 'instrument'} kind
  */
 
-/** The choice on the start screen. A missing or null field keeps the scenario's value.
-
-    rosbridge_*: the user's server.
-    
+/** The choice on the start screen. A missing or null field keeps the scenario's value. rosbridge_*: the user's server.
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
@@ -451,21 +583,19 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [flight]
  */
 
-/** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
+/** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty. cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
  * @typedef {object} RecordedFlight
  * @property {string} name
  * @property {string} scenario
  * @property {string} begun
  * @property {number} duration_s
+ * @property {boolean} cut_off
  * @property {number} size_bytes
  * @property {string} branched_from
  * @property {string} refused
  */
 
-/** All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued.
-
-    flights: newest first.
-    
+/** All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued. flights: newest first.
  * @typedef {object} Catalog
  * @property {OfferedScenario[]} scenarios
  * @property {Offered[]} vehicles
@@ -484,6 +614,15 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, string>} errors
  */
 
+/** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s: for the actions that need them.
+ * @typedef {object} Control
+ * @property {string} action
+ * @property {number | null} [steps]
+ * @property {number | null} [speed]
+ * @property {string | null} [name]
+ * @property {number | null} [time_s]
+ */
+
 /** The response of a service that failed. errors: by field of a choice.
  * @typedef {object} Refused
  * @property {false} success
@@ -493,76 +632,127 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} [age_s]
  */
 
-// Describe the running simulator and the names of its topics and services.
-/** @returns {Promise<Description | Refused>} */
+/** Describe the running simulator and the names of its topics and services.
+ * @param {Caller} bridge
+ * @returns {Promise<Description | Refused>}
+ */
 export const describe = (bridge) => bridge.call('/station/describe');
 
-// Join under a name.
-/** @returns {Promise<Joined | Refused>} */
+/** Join under a name.
+ * @param {Caller} bridge
+ * @param {Join} request
+ * @returns {Promise<Joined | Refused>}
+ */
 export const join = (bridge, { name }) => bridge.call('/station/join', { name });
 
-// Take control, if no other client has it.
-/** @returns {Promise<Done | Refused>} */
+/** Take control, if no other client has it.
+ * @param {Caller} bridge
+ * @returns {Promise<Done | Refused>}
+ */
 export const takeControl = (bridge) => bridge.call('/station/take_control');
 
-// Hand control over to another member.
-/** @returns {Promise<Done | Refused>} */
+/** Hand control over to another member.
+ * @param {Caller} bridge
+ * @param {HandOver} request
+ * @returns {Promise<Done | Refused>}
+ */
 export const handOver = (bridge, { to }) => bridge.call('/station/hand_over', { to });
 
-// Set efforts; for the pilot only.
-/** @returns {Promise<Driven | Refused>} */
+/** Set efforts; for the pilot only.
+ * @param {Caller} bridge
+ * @param {Drive} request
+ * @returns {Promise<Driven | Refused>}
+ */
 export const drive = (bridge, { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms }) =>
   bridge.call('/station/drive', { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms });
 
-// Set all stop for a vehicle, or, as the pilot, release it.
-/** @returns {Promise<Commanded | Refused>} */
+/** Set all stop for a vehicle, or, as the pilot, release it.
+ * @param {Caller} bridge
+ * @param {AllStop} request
+ * @returns {Promise<Commanded | Refused>}
+ */
 export const allStop = (bridge, { vehicle, on }) => bridge.call('/station/all_stop', { vehicle, on });
 
-// Issue another command; for the pilot only.
-/** @returns {Promise<Commanded | Refused>} */
+/** Issue another command; for the pilot only.
+ * @param {Caller} bridge
+ * @param {Order} request
+ * @returns {Promise<Commanded | Refused>}
+ */
 export const command = (bridge, { name, vehicle, args }) => bridge.call('/station/command', { name, vehicle, args });
 
-// Report how the exercise stands.
-/** @returns {Promise<ExerciseState | Refused>} */
+/** Report how the exercise stands.
+ * @param {Caller} bridge
+ * @returns {Promise<ExerciseState | Refused>}
+ */
 export const exercise = (bridge) => bridge.call('/station/exercise');
 
-// Become the instructor, with the instructor's token.
-/** @returns {Promise<Done | Refused>} */
+/** Become the instructor, with the instructor's token.
+ * @param {Caller} bridge
+ * @param {Supervise} request
+ * @returns {Promise<Done | Refused>}
+ */
 export const supervise = (bridge, { token }) => bridge.call('/station/supervise', { token });
 
-// Change the trainee's world, pause, save a moment or return to it; for the instructor only.
-/** @returns {Promise<Commanded | Refused>} */
+/** Change the trainee's world, pause, save a moment or return to it; for the instructor only.
+ * @param {Caller} bridge
+ * @param {Instruct} request
+ * @returns {Promise<Commanded | Refused>}
+ */
 export const instruct = (bridge, { action, args }) => bridge.call('/station/instruct', { action, args });
 
-// Report the truth; for the instructor only.
-/** @returns {Promise<Overview | Refused>} */
+/** Report the truth; for the instructor only.
+ * @param {Caller} bridge
+ * @returns {Promise<Overview | Refused>}
+ */
 export const overview = (bridge) => bridge.call('/station/overview');
 
-// Describe all parameters; for the instructor only.
-/** @returns {Promise<ParameterList | Refused>} */
+/** List the kinds of faults; for the instructor only.
+ * @param {Caller} bridge
+ * @returns {Promise<FaultKinds | Refused>}
+ */
+export const faultKinds = (bridge) => bridge.call('/station/fault_kinds');
+
+/** Describe all parameters; for the instructor only.
+ * @param {Caller} bridge
+ * @returns {Promise<ParameterList | Refused>}
+ */
 export const parameters = (bridge) => bridge.call('/station/parameters');
 
-// Save, fly, stop or report on a plan drawn on the chart.
-/** @returns {Promise<PlanState | Refused>} */
+/** Save, fly, stop or report on a plan drawn on the chart.
+ * @param {Caller} bridge
+ * @param {PlanRequest} request
+ * @returns {Promise<PlanState | Refused>}
+ */
 export const plan = (bridge, { action, vehicle, points_m, speed_m_s, name }) =>
   bridge.call('/station/plan', { action, vehicle, points_m, speed_m_s, name });
 
-// List inspection notes, add one, or set the comment.
-/** @returns {Promise<NotesState | Refused>} */
+/** List inspection notes, add one, or set the comment.
+ * @param {Caller} bridge
+ * @param {NotesRequest} request
+ * @returns {Promise<NotesState | Refused>}
+ */
 export const notes = (bridge, { action, vehicle, text, category, place, view }) =>
   bridge.call('/station/notes', { action, vehicle, text, category, place, view });
 
-// Change the rate, width and quality of a view.
-/** @returns {Promise<Done | Refused>} */
+/** Change the rate, width and quality of a view.
+ * @param {Caller} bridge
+ * @param {SetView} request
+ * @returns {Promise<Done | Refused>}
+ */
 export const setView = (bridge, { name, rate_hz, width, quality }) =>
   bridge.call('/station/set_view', { name, rate_hz, width, quality });
 
-// List the options of the start screen.
-/** @returns {Promise<Catalog | Refused>} */
+/** List the options of the start screen.
+ * @param {Caller} bridge
+ * @returns {Promise<Catalog | Refused>}
+ */
 export const catalog = (bridge) => bridge.call('/station/catalog');
 
-// Report the errors of a choice.
-/** @returns {Promise<ChoiceTaken | Refused>} */
+/** Report the errors of a choice.
+ * @param {Caller} bridge
+ * @param {Choice} request
+ * @returns {Promise<ChoiceTaken | Refused>}
+ */
 export const check = (
   bridge,
   {
@@ -595,8 +785,11 @@ export const check = (
     flight,
   });
 
-// Start a simulator from a choice.
-/** @returns {Promise<ChoiceTaken | Refused>} */
+/** Start a simulator from a choice.
+ * @param {Caller} bridge
+ * @param {Choice} request
+ * @returns {Promise<ChoiceTaken | Refused>}
+ */
 export const start = (
   bridge,
   {
@@ -629,7 +822,10 @@ export const start = (
     flight,
   });
 
-// Pause, step, restart, save, record and similar actions; for the pilot only.
-/** @returns {Promise<Commanded | Refused>} */
+/** Pause, step, restart, save, record and similar actions; for the pilot only.
+ * @param {Caller} bridge
+ * @param {Control} request
+ * @returns {Promise<Commanded | Refused>}
+ */
 export const control = (bridge, { action, steps, speed, name, time_s }) =>
   bridge.call('/station/control', { action, steps, speed, name, time_s });

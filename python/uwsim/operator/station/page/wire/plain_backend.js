@@ -20,16 +20,16 @@ const FIXED = {
 export class PlainBackend {
   isPlain = true;
   #bridge;
-  #learn;
+  #update;
   #session = 1;
   #time_s = 0;
 
-  // learn(state): receives the state in the format of /station/state.
-  constructor(bridge, learn) {
-    [this.#bridge, this.#learn] = [bridge, learn];
+  // update(state): receives the state in the format of /station/state.
+  constructor(bridge, update) {
+    [this.#bridge, this.#update] = [bridge, update];
   }
 
-  async join() {
+  async join(_name) {
     clearInterval(this.timer);
     this.timer = setInterval(() => this.#ask(), PACE_MS);
     this.#bridge.subscribe(
@@ -41,7 +41,7 @@ export class PlainBackend {
       { throttle_rate: 200 },
     );
     await this.#ask();
-    return { id: 'me' };
+    return { success: /** @type {const} */ (true), message: '', id: 'me' };
   }
 
   async describe() {
@@ -88,7 +88,7 @@ export class PlainBackend {
   }
 
   // A key of the published protocol, whose sway and yaw are to starboard.
-  async drive(vehicle, { surge, sway, heave, roll, pitch, yaw }) {
+  async drive(vehicle, { surge, sway, heave, roll, pitch, yaw }, _stampMs) {
     const prefix = vehicle === 'vehicle' ? '' : `${vehicle}/`;
     this.#bridge.publish(`/${prefix}key`, {
       position: { x: surge, y: -sway, z: heave },
@@ -110,7 +110,10 @@ export class PlainBackend {
     return this.#bridge.call(`${vehicle === 'vehicle' ? '/' : `/${vehicle}/`}all_stop`, { data: on });
   }
 
-  async control(action, { steps, speed, name } = {}) {
+  /** @param {string} action
+   * @param {{ steps?: number, speed?: number, name?: string }} args
+   */
+  async control(action, { steps, speed, name }) {
     if (action === 'quit') {
       location.search = '';
       return { success: true };
@@ -140,7 +143,7 @@ export class PlainBackend {
   async #ask() {
     try {
       const { speed, factor, lateness_s, paused, error } = await this.#bridge.call('/simulation/pace');
-      this.#learn({
+      this.#update({
         phase: 'running',
         session: this.#session,
         scenario: '',

@@ -13,8 +13,20 @@ export const seconds = (stamp) => (stamp.sec ?? stamp.secs) + 1e-9 * (stamp.nano
 
 export class ServiceError extends Error {}
 
+/** The answer of a service. Rejects with a ServiceError that contains the server's message if it refused.
+ * @template T
+ * @param {Promise<T>} promise
+ * @returns {Promise<Exclude<T, import('./messages.js').Refused>>}
+ */
+export async function accepted(promise) {
+  const answer = /** @type {any} */ (await promise);
+  if (answer.success === false) throw new ServiceError(answer.message);
+  return answer;
+}
+
 export class Rosbridge extends EventTarget {
   #url;
+  /** @type {WebSocket | null} */
   #socket = null;
   #decoder = new Decoder({ mapsAsObjects: true, int64AsNumber: true });
   #topics = new Map(); // name: { options, listeners }
@@ -23,7 +35,7 @@ export class Rosbridge extends EventTarget {
   #waitMs = FIRST_WAIT_MS;
   #timer = 0;
   #closed = false;
-  heardMs = -Infinity; // time of the last message received
+  receivedMs = -Infinity; // time of the last message received
 
   constructor(url) {
     super();
@@ -47,7 +59,7 @@ export class Rosbridge extends EventTarget {
 
   // Abandon a connection over which nothing arrives any longer, and reconnect.
   drop() {
-    this.#forsake();
+    this.#detach();
     this.#lost();
   }
 
@@ -113,7 +125,7 @@ export class Rosbridge extends EventTarget {
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => {
       this.#waitMs = FIRST_WAIT_MS;
-      this.heardMs = performance.now();
+      this.receivedMs = performance.now();
       for (const [topic, entry] of this.#topics) this.#sendSubscription(topic, entry);
       this.dispatchEvent(new Event('open'));
     };
@@ -122,8 +134,9 @@ export class Rosbridge extends EventTarget {
     this.#socket = socket;
   }
 
-  #forsake() {
+  #detach() {
     const socket = this.#socket;
+    if (!socket) return;
     socket.onopen = socket.onmessage = socket.onclose = null;
     this.#socket = null;
     socket.close();
@@ -146,13 +159,13 @@ export class Rosbridge extends EventTarget {
   }
 
   #send(operation) {
-    if (!this.connected) return false;
+    if (!this.#socket || !this.connected) return false;
     this.#socket.send(JSON.stringify(operation));
     return true;
   }
 
   #receive(data) {
-    this.heardMs = performance.now();
+    this.receivedMs = performance.now();
     this.bytes += data.byteLength ?? data.length;
     const operation = typeof data === 'string' ? JSON.parse(data) : this.#decoder.decode(new Uint8Array(data));
     if (operation.op === 'publish') {

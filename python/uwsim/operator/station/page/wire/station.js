@@ -1,7 +1,7 @@
 // The station as seen by the page: the state, this page's identity, and its requests.
 import * as messages from './messages.js';
 import { PlainBackend } from './plain_backend.js';
-import { Rosbridge } from './rosbridge.js';
+import { accepted, Rosbridge } from './rosbridge.js';
 import { StationBackend } from './station_backend.js';
 
 // The address of the rosbridge: this page's own server, or the one in the address bar (?rosbridge=ws://HOST:PORT).
@@ -17,16 +17,18 @@ export function bridgeUrl(location) {
 const SILENT_MS = 1500; // the state comes twice a second
 const DEAD_MS = 10000; // silence after which the page reconnects
 const WATCH_MS = 250;
-const FREE_S = 3; // silence of a pilot after which the server allows others to take the controls
 
 // Events: 'open', 'close', 'state', 'session' (another simulator, or a restart of the same), 'description' (its
 // parameters have changed), 'trouble' (detail: a sentence).
 export class Station extends EventTarget {
+  /** @type {any} */
   state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [], driver: '', lost_by: '' };
+  /** @type {import('./messages.js').Description | null} */
   description = null;
   id = '';
   flew = false; // whether this page had the controls in the last known state
   isSilent = false; // whether nothing arrives, although the connection seems open
+  /** @type {StationBackend | PlainBackend} */
   #backend;
   #isAsking = false;
   #formerId = '';
@@ -36,13 +38,13 @@ export class Station extends EventTarget {
     super();
     this.name = name;
     this.bridge = new Rosbridge(url);
-    this.#backend = new StationBackend(this.bridge, (state) => this.#learn(state));
+    this.#backend = new StationBackend(this.bridge, (state) => this.#update(state));
     this.bridge.addEventListener('open', () => this.#joined());
     this.bridge.addEventListener('close', () => {
       this.id = '';
       this.dispatchEvent(new Event('close'));
     });
-    this.bridge.addEventListener('refused', (event) => this.#complain(event.detail));
+    this.bridge.addEventListener('refused', (event) => this.#report(/** @type {CustomEvent} */ (event).detail));
     setInterval(() => this.#watch(), WATCH_MS);
   }
 
@@ -65,7 +67,7 @@ export class Station extends EventTarget {
 
   // Seconds since the last message.
   get silence_s() {
-    return (performance.now() - this.bridge.heardMs) / 1000;
+    return (performance.now() - this.bridge.receivedMs) / 1000;
   }
 
   // True if nothing arrives, so that everything on this page is out of date.
@@ -76,7 +78,7 @@ export class Station extends EventTarget {
   // True if this page lost the controls with its connection, and may take them back.
   get mayTakeBack() {
     const { state } = this;
-    const isFree = state.pilot === '' || (state.pilot === this.#formerId && this.pilotSilence > FREE_S);
+    const isFree = state.pilot === '' || (state.pilot === this.#formerId && this.pilotSilence > messages.FREE_S);
     return this.flew && !this.isBlind && this.id !== '' && !this.isPilot && isFree;
   }
 
@@ -98,7 +100,7 @@ export class Station extends EventTarget {
 
   // Change the name shown to the other members.
   async rename(name) {
-    const { id } = await this.#backend.join(name);
+    const { id } = await accepted(this.#backend.join(name));
     [this.name, this.id] = [name, id];
   }
 
@@ -181,14 +183,14 @@ export class Station extends EventTarget {
   async #joined() {
     this.dispatchEvent(new Event('open'));
     try {
-      this.id = (await this.#backend.join(this.name)).id;
+      this.id = (await accepted(this.#backend.join(this.name))).id;
     } catch (error) {
       if (this.isPlain || !/nobody offers/.test(error.message)) {
-        this.#complain(error.message);
+        this.#report(error.message);
         return;
       }
-      this.#backend = new PlainBackend(this.bridge, (state) => this.#learn(state));
-      this.id = (await this.#backend.join()).id;
+      this.#backend = new PlainBackend(this.bridge, (state) => this.#update(state));
+      this.id = (await accepted(this.#backend.join(this.name))).id;
     }
     this.dispatchEvent(new Event('state'));
   }
@@ -196,19 +198,19 @@ export class Station extends EventTarget {
   // Detect that nothing arrives. A page that was itself suspended cannot tell, so it waits again.
   #watch() {
     const now = performance.now();
-    if (now - this.#watchedMs > 3 * WATCH_MS) this.bridge.heardMs = now;
+    if (now - this.#watchedMs > 3 * WATCH_MS) this.bridge.receivedMs = now;
     this.#watchedMs = now;
     const was = this.isSilent;
-    this.isSilent = this.connected && now - this.bridge.heardMs > SILENT_MS;
-    if (this.isSilent && now - this.bridge.heardMs > DEAD_MS) this.bridge.drop();
+    this.isSilent = this.connected && now - this.bridge.receivedMs > SILENT_MS;
+    if (this.isSilent && now - this.bridge.receivedMs > DEAD_MS) this.bridge.drop();
     else if (this.isSilent || was) this.dispatchEvent(new Event('state'));
   }
 
-  #complain(sentence) {
+  #report(sentence) {
     this.dispatchEvent(new CustomEvent('trouble', { detail: sentence }));
   }
 
-  async #learn(state) {
+  async #update(state) {
     this.state = state;
     if (this.id !== '' && state.pilot === this.id) [this.flew, this.#formerId] = [true, this.id];
     else if (state.pilot !== '' && state.pilot !== this.#formerId) this.flew = false;
@@ -224,11 +226,11 @@ export class Station extends EventTarget {
       const description = await this.#backend.describe();
       if (description.success) {
         const isSame = this.description?.session === description.session;
-        this.description = description;
+        this.description = /** @type {import('./messages.js').Description} */ (description);
         this.dispatchEvent(new Event(isSame ? 'description' : 'session'));
       }
     } catch (error) {
-      this.#complain(error.message);
+      this.#report(error.message);
     } finally {
       this.#isAsking = false;
     }

@@ -5,9 +5,9 @@ export class StationBackend {
   isPlain = false;
   #bridge;
 
-  constructor(bridge, learn) {
+  constructor(bridge, update) {
     this.#bridge = bridge;
-    bridge.subscribe('/station/state', messages.TYPES.StationState, learn);
+    bridge.subscribe('/station/state', messages.TYPES.StationState, update);
   }
 
   join(name) {

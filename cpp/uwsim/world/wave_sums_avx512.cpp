@@ -1,7 +1,0 @@
-#include "uwsim/world/wave_sums_impl.h"
-
-namespace uwsim {
-
-const WaveSumKernels& avx512_wave_sum_kernels() { return kSumKernels; }
-
-}  // namespace uwsim

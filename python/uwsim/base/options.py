@@ -1,0 +1,135 @@
+"""Options: settings that are also flags of commands. Type, default, help and rule are stated once, in a dataclass.
+
+    @dataclass(frozen=True)
+    class ToyOptions(Options):
+        switch = "toy"
+
+        toy: str | None = option(None, "Write readings to this file.", metavar="FILE")
+        toy_rate: float | None = option(None, "Lines per second. Default: 10.", bounds=(0.1, 1000, "Hz"))
+
+is the flags `--toy FILE` and `--toy-rate FLOAT`, of which the second needs the first.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, ClassVar, get_type_hints
+
+from uwsim.base.did_you_mean import did_you_mean
+
+
+class OptionError(ValueError):
+    """Raised for an option that cannot be used. exit_code: that of the command."""
+
+    exit_code = 2
+
+
+class WithoutEffectError(OptionError):
+    """Raised for an option that would have no effect."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Flag:
+    """An option as a flag of a command.
+
+    type: bool, int, float, str or Path (of a file to read), with None as a default; or tuple[str, ...] for a flag that
+    may be repeated.
+    choices: the accepted words, or () for any. bounds: lowest and highest accepted number, and the unit, or None.
+    """
+
+    type: Any
+    default: Any
+    help: str
+    choices: tuple[str, ...] = ()
+    bounds: tuple[float, float, str] | None = None
+    metavar: str | None = None
+
+
+def option(default: Any, help: str, **settings: Any) -> Any:  # noqa: A002  # as in typer.Option
+    """Return a field of Options. settings: choices, bounds and metavar, as in Flag."""
+    return dataclasses.field(default=default, metadata={"help": help, **settings})
+
+
+class FlagGroup:
+    """Values of several flags, by name. A command has the flags of each of its parameters that has this type."""
+
+    def __init__(self, **values: Any) -> None:
+        raise NotImplementedError
+
+    @classmethod
+    def flags(cls) -> Mapping[str, Flag]:
+        """Return the flags by name, as in Python."""
+        raise NotImplementedError
+
+
+@dataclasses.dataclass(frozen=True)
+class Options(FlagGroup):
+    """The base of dataclasses whose fields are flags.
+
+    switch: the name of the field without which the others have no effect, if there is one. Raises OptionError.
+    """
+
+    switch: ClassVar[str | None] = None
+
+    def __post_init__(self) -> None:
+        for name, flag in self.flags().items():
+            _require(flag, name, getattr(self, name))
+        if self.switch is not None and not self.is_requested:
+            need(flag_name(self.switch), **self.given())
+
+    def given(self) -> dict[str, bool]:
+        """Return whether each option differs from its default."""
+        return {each.name: getattr(self, each.name) != each.default for each in dataclasses.fields(self)}
+
+    @property
+    def is_requested(self) -> bool:
+        """True if the switch is given, or if there is none."""
+        return self.switch is None or is_given(getattr(self, self.switch))
+
+    @classmethod
+    def flags(cls) -> Mapping[str, Flag]:
+        """Return the flags by field."""
+        types = get_type_hints(cls)
+        return {each.name: Flag(types[each.name], each.default, **each.metadata) for each in dataclasses.fields(cls)}
+
+
+def flag_name(name: str) -> str:
+    """Return the flag of an option, such as --ros-peer for ros_peer."""
+    return f"--{name.replace('_', '-')}"
+
+
+def is_given(value: object) -> bool:
+    """Return whether an option was passed: None, False and empty lists mean that it was not."""
+    return value is not None and value is not False and value != [] and value != ()
+
+
+def need(needed: str, **options: object) -> None:
+    """Raise WithoutEffectError for options that were passed without the option that they need.
+
+    needed: the missing option, such as "--record". options: values by argument name.
+    """
+    given = [flag_name(name) for name, value in options.items() if is_given(value)]
+    if given:
+        raise WithoutEffectError(f"{', '.join(given)}: {'need' if len(given) > 1 else 'needs'} {needed}")
+
+
+def require_within(name: str, number: float | None, low: float, high: float, unit: str = "") -> None:
+    """Raise OptionError unless a number, if there is one, is in [low, high]; nan is refused."""
+    if number is not None and not low <= number <= high:
+        shown = f"{name} = {str(number)[:40]} {unit}".rstrip()
+        raise OptionError(f"{shown}: must be in [{low:.12g}, {high:.12g}] {unit}".rstrip())
+
+
+def require_one_of(name: str, word: str | None, known: tuple[str, ...]) -> None:
+    """Raise OptionError unless a word, if there is one, is known."""
+    if word is not None and word not in known:
+        raise OptionError(f"{name} = '{word[:40]}': must be one of {', '.join(known)}{did_you_mean(word, known)}")
+
+
+def _require(flag: Flag, name: str, value: Any) -> None:
+    for each in value if isinstance(value, tuple) else (value,):
+        if flag.choices:
+            require_one_of(flag_name(name), each, flag.choices)
+        if flag.bounds is not None:
+            require_within(flag_name(name), each, *flag.bounds)

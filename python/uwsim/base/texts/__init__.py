@@ -1,0 +1,5 @@
+"""Readers of text from outside: one for JSON, one for CSV, one for YAML.
+
+Each limits the size, and raises ValueError with the file's name, the line, the value and the rule. A lint forbids other
+readers of these formats (pyproject.toml).
+"""

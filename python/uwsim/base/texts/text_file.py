@@ -1,0 +1,30 @@
+"""The bytes and the text of a file that may come from anywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def read_limited(path: Path, name: str, most_bytes: int) -> bytes:
+    """Return a file's bytes. name: the file's name, for messages. Raises ValueError, also for an unreadable file."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(most_bytes + 1)  # not the size alone: /dev/zero has the size 0
+            size = max(path.stat().st_size, len(data))
+    except OSError as error:
+        raise ValueError(f"{name}: cannot be read: {error.strerror}") from None
+    if size > most_bytes:
+        raise ValueError(f"{name}: {size} bytes: must be at most {most_bytes}")
+    return data
+
+
+def decoded(data: bytes, name: str, kind: str) -> str:
+    """Return UTF-8 bytes as text without a byte order mark. kind: of text, for messages. Raises ValueError."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise ValueError(f"{name}:{line}: not UTF-8 text") from None
+    if "\0" in text:
+        raise ValueError(f"{name}: a binary file, expected {kind}")
+    return text

@@ -1,0 +1,91 @@
+"""`uwsim connect`: join a live simulator to a ROS graph through a rosbridge_server."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from uwsim.bridges.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, parsed_speed, prefix_of
+from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
+from uwsim.cli.groups import under
+from uwsim.cli.options import Link, Seed, SonarModel, Threads
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import scenarios
+
+
+@under("Connect")
+def connect(
+    url: Annotated[str, typer.Argument(help="The rosbridge_server, such as ws://localhost:9090.")],
+    scenario: Annotated[
+        str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
+    ] = "lake",
+    speed: Speed = "1",
+    seed: Seed = None,
+    sonar_model: SonarModel = None,
+    wire: Annotated[
+        str,
+        typer.Option(
+            help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.",
+            **one_of("standard", "published", "both"),
+        ),
+    ] = "published",
+    origin: Origin = None,
+    namespace: Namespace = "",
+    frame_prefix: FramePrefix = None,
+    tf: Tf = "truth",
+    ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.", callback=within(1, 2))] = 1,
+    paused: Paused = False,
+    link: Link = None,
+    threads: Threads = None,
+) -> None:
+    """Run a scenario as a client of a rosbridge_server.
+
+    The paper's simulator connects in the same way. Ctrl-C stops it.
+
+    It reconnects whenever the connection is lost. Every topic is sent at its full rate, because rosbridge does not
+    report whether it has subscribers.
+    """
+    import logging
+    from contextlib import ExitStack
+
+    from uwsim.bridges import RosbridgeClient
+    from uwsim.bridges.nodes.websocket import checked_url
+    from uwsim.channels import Table, diagnostics_channel
+    from uwsim.channels.names import channels_in, services_in
+    from uwsim.channels.served import default_origin
+    from uwsim.cli.run_live import run_until_interrupted
+    from uwsim.live import LiveSimulator
+    from uwsim.simulator.simulator import Simulator
+
+    logging.basicConfig(format="uwsim: %(message)s")
+    logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)
+    if ros not in (1, 2):
+        raise ValueError(f"--ros = {ros}: must be 1 or 2")
+    prefix = prefix_of(namespace, frame_prefix)
+    checked_url(url)  # before the scenario is built
+    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
+    live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
+    table = Table(
+        simulator,
+        wire=wire,  # type: ignore[arg-type]  # checked there
+        origin=origin or default_origin(simulator.scenario),
+        may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
+        tf=tf,  # type: ignore[arg-type]  # checked there
+        frame_prefix=prefix,
+    )
+    if wire != "published":
+        table.channels.append(diagnostics_channel(live, lambda: table.channels))
+    with live, ExitStack() as sinks:
+        if simulator.link is not None:
+            from uwsim.link import Carrier
+
+            carrier = sinks.enter_context(Carrier(live, table))
+            table.channels, table.services = carrier.channels, carrier.over(table.services)
+        sent = [each for each in table.channels if not each.delivery.on_request]  # the server reports no readers
+        named = {
+            "channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)
+        }  # fmt: skip
+        sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]
+        run_until_interrupted(live, f"{scenario} to {url}")

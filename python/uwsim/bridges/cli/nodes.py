@@ -1,0 +1,66 @@
+"""`uwsim nodes`: the paper's processing chain as ROS nodes over rosbridge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.base.options import need
+from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
+from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.groups import under
+
+
+@under("Connect")
+def nodes(
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, one process each.",
+            **one_of("all", "string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "octomap"),
+        ),
+    ] = "all",
+    url: Annotated[str, typer.Option(help="The rosbridge, such as that of uwsim serve --wire published.")] = (
+        "ws://127.0.0.1:9090"
+    ),
+    out: Annotated[Path | None, typer.Option(help="Map file of the octomap node. Default: nodes.bt.")] = None,
+    patience: Annotated[
+        float, typer.Option(help="How long to wait for the rosbridge [s].", callback=within(0, 86_400, "s"))
+    ] = 10.0,
+    published_types: Annotated[
+        bool,
+        typer.Option(
+            "--published-types", help="Publish decodedDepth as the paper's misc/floatarray; ROS then needs its package."
+        ),
+    ] = False,
+) -> None:
+    """Run the paper's mapping pipeline as ROS nodes over rosbridge.
+
+    The nodes convert depth strings and poses into a map file. Ctrl-C stops them.
+
+    They reconnect whenever the connection is lost. The map is saved then, every second or less often, and at the end.
+
+    The simulator's standard topics have the same names, so run uwsim serve --wire published.
+    """
+    import logging
+
+    from uwsim.bridges.nodes.chain import FLOATS, NODES, PUBLISHED_FLOATS
+    from uwsim.bridges.nodes.processes import run_all, run_one
+    from uwsim.mapping.occupancy_map import require_map_path
+
+    if name not in ("octomap", "all"):
+        need("the node octomap", out=out)
+    out = out or Path("nodes.bt")
+    if name in ("octomap", "all"):
+        require_map_path(out)  # now, since a map that cannot be written at the end is lost
+    floats = PUBLISHED_FLOATS if published_types else FLOATS
+    logging.basicConfig(format="%(name)s: %(message)s")
+    if name != "all":
+        run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"), floats)
+        return
+    notice = f"{', '.join(NODES)} at {url}; Ctrl-C ends them"
+    if not run_all(url, out, patience, lambda: typer.echo(notice), floats):
+        raise typer.Exit(FAILED)

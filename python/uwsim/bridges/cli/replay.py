@@ -1,0 +1,106 @@
+"""`uwsim replay`: repeat a recorded run and compare it, or play its messages to clients of bridges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.base.options import need
+from uwsim.bridges.requested import PlayedBridges
+from uwsim.cli.access import Access
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.exit_codes import FAILED, INCOMPLETE
+from uwsim.cli.groups import under
+from uwsim.cli.options import Threads
+
+
+@under("Record")
+def replay(
+    *,
+    recording: Annotated[Path, typer.Argument(help="A recording, FILE.mcap.", metavar="FILE.mcap", callback=readable)],
+    from_s: Annotated[
+        float, typer.Option("--from", help="Simulated time to begin at [s].", callback=within(0, 1e9, "s"))
+    ] = 0.0,
+    until_s: Annotated[
+        float | None, typer.Option("--until", help="Simulated time to end at [s].", callback=within(0, 1e9, "s"))
+    ] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(help="Simulated seconds per wall second, or max. Default: max; 1 with --as-topics."),
+    ] = None,
+    as_topics: Annotated[
+        bool, typer.Option("--as-topics", help="Do not simulate: play the recorded messages to clients.")
+    ] = False,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            help="With --as-topics: where to listen; 0 chooses a free port. Default: 9090.", callback=within(0, 65535)
+        ),
+    ] = None,
+    host: Annotated[
+        str | None, typer.Option(help="With --as-topics: address to listen on. Default: 127.0.0.1.")
+    ] = None,
+    wait: Annotated[
+        bool, typer.Option("--wait", help="With --as-topics: begin when the first client connects.")
+    ] = False,
+    bridges: PlayedBridges,
+    access: Access,
+    threads: Threads = None,
+) -> None:
+    """Repeat a recorded run and compare every message.
+
+    The run is flown again with its scenario, seed and commands, and must produce the same bytes. Reports the first
+    difference and exits with 1, also for a damaged file; exits with 4 if everything is equal up to the point where the
+    recording was cut off. With --as-topics nothing is simulated: the messages are played back to clients of rosbridge,
+    ROS 2, ROS 1 and Foxglove.
+    """
+    from uwsim.bridges.cli.serve import parsed_speed
+    from uwsim.recording.pacer import Pacer
+    from uwsim.recording.reader import Recording
+
+    if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # also false for NaN
+        raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
+    if as_topics:
+        need("a replay without --as-topics", threads=threads)
+    else:
+        need("--as-topics", port=port, host=host, wait=wait, **dict.fromkeys(bridges.names, True))
+        need("--as-topics", **access.given())
+    accessible = access.settings(host or "127.0.0.1")
+    if as_topics and speed == "max":
+        raise ValueError("--speed max: with --as-topics it must be a factor: clients could not follow")
+    bridges.prepare()
+    pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
+    opened = Recording(recording)
+    if as_topics:
+        from uwsim.bridges.playback import play
+
+        play(
+            opened, pacer, port=9090 if port is None else port, from_s=from_s, until_s=until_s, wait=wait,
+            bridges=bridges, say=typer.echo, **accessible,
+        )  # fmt: skip
+        return
+    from uwsim.recording.replay import replay as repeat
+
+    result = repeat(opened, from_s=from_s, until_s=until_s, threads=threads, on_time=pacer.wait)
+    if not opened.complete:
+        where = "" if opened.end_tick is None else f" at {opened.end_tick * 1e-9 * opened.step_ns:g} s"
+        typer.echo(f"{recording}: was cut off{where}, as by a kill; its messages up to there are compared", err=True)
+    for topic, count in sorted(result.left_out.items()):
+        typer.echo(f"/{topic}: {count} messages are not in the recording", err=True)
+    if result.difference is not None:
+        typer.echo(f"not the same: {result.difference}")
+        raise typer.Exit(FAILED)
+    if not result.messages and not result.state_compared:
+        typer.echo(f"{recording}: nothing was compared: no message of the replay is in it", err=True)
+        raise typer.Exit(FAILED)
+    if result.not_compared:
+        typer.echo(f"not compared: {', '.join(result.not_compared)}", err=True)
+    state = " and the state at the end" if result.state_compared else ""
+    typer.echo(
+        f"the same bytes: {result.messages.total():,} messages of {len(result.messages)} channels{state}, "
+        f"{result.commands:,} commands, until {result.sim.time_s:g} s"
+    )
+    if not opened.complete:
+        raise typer.Exit(INCOMPLETE)

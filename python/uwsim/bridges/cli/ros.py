@@ -1,0 +1,38 @@
+"""`uwsim ros`: the packages that a ROS workspace needs for uwsim."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.groups import show_help
+from uwsim.cli.options import SETTINGS
+
+app = typer.Typer(
+    name="uwsim ros",
+    help="Write packages for a ROS workspace.",
+    invoke_without_command=True,
+    callback=show_help,
+    rich_help_panel="Connect",
+    **SETTINGS,
+)
+
+
+@app.command()
+def package(
+    out: Annotated[Path, typer.Option(help="The folder to write: new, empty, or written by this command.")] = Path(
+        "uwsim_ros"
+    ),
+) -> None:
+    """Write ROS packages with uwsim's messages, a launch file and an RViz configuration.
+
+    The folder has ros1/ for catkin and ros2/ for ament, each with uwsim_msgs and uwsim_bringup, and a README with the
+    hashes of the messages.
+    """
+    from uwsim.bridges.ros_packages import ros_packages, write_sealed
+
+    files = ros_packages()
+    write_sealed(out, files)
+    typer.echo(f"{out}: {len(files)} files; copy ros1 or ros2 into the src folder of your workspace")

@@ -1,0 +1,49 @@
+"""`--foxglove`: a live simulator or a recording for the Foxglove app."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from uwsim.bridges.foxglove.options import FoxgloveOptions
+from uwsim.bridges.plug import BridgePlug, Context, Opened
+
+if TYPE_CHECKING:
+    from uwsim.bridges.doctor.finding import Finding
+
+
+class FoxglovePlug(BridgePlug[FoxgloveOptions]):
+    """The Foxglove server. Raises MissingExtraError."""
+
+    options = FoxgloveOptions
+    examined = ("foxglove_port",)
+
+    def __init__(self, options: FoxgloveOptions) -> None:
+        super().__init__(options)
+        from uwsim.base.extras import need_extra
+
+        need_extra("foxglove", "foxglove", "Foxglove")
+
+    @contextmanager
+    def open(self, context: Context) -> Iterator[Opened]:
+        """Run the server."""
+        from uwsim.bridges.foxglove.server import FoxgloveServer
+
+        with FoxgloveServer(
+            context.live,
+            context.channels,
+            context.services,
+            port=self.given.port,
+            feed=context.feed,
+            origin=context.origin,
+            **context.access,
+        ) as server:
+            yield Opened(f"Foxglove at {server.url}", server)
+
+    @classmethod
+    def examine(cls, options: FoxgloveOptions, listen_s: float) -> Iterator[Finding]:
+        """Yield a finding about the port."""
+        from uwsim.bridges.doctor.servers import foxglove_port
+
+        yield foxglove_port(options.port)

@@ -1,0 +1,56 @@
+"""`--mavlink`: the first vehicle as an ArduSub for ground stations, without firmware."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from uwsim.base.options import Options, option
+from uwsim.bridges.plug import BridgePlug, Context, Opened
+
+
+@dataclass(frozen=True)
+class MavlinkOptions(Options):
+    """The options of the MAVLink vehicle."""
+
+    switch = "mavlink"
+
+    mavlink: str | None = option(
+        None,
+        "Speak MAVLink as ArduSub does: udpout, udpin or tcp, with [:HOST]:PORT; see docs/connections/ardupilot.md.",
+    )
+
+
+class MavlinkPlug(BridgePlug[MavlinkOptions]):
+    """The MAVLink vehicle. Raises ValueError for a wrong address."""
+
+    options = MavlinkOptions
+    needs_live = True
+    crosses_link = False
+    excluded_by = {"ardusub": "the firmware speaks MAVLink itself"}  # noqa: RUF012  # read only
+
+    def __init__(self, options: MavlinkOptions) -> None:
+        super().__init__(options)
+        from uwsim.bridges.mavlink import Endpoint
+
+        self._endpoint = Endpoint.parse(options.mavlink or "")
+
+    @contextmanager
+    def open(self, context: Context) -> Iterator[Opened]:
+        """Connect the vehicle, which announces the video to ground stations if there is one."""
+        from uwsim.bridges.mavlink import MavlinkVehicle
+        from uwsim.channels import require_live
+
+        live, video = require_live(context.live), context.opened.get("video")
+        flights = {each.source.name: each for each in context.actions if each.name.endswith("fly_path")}
+        with MavlinkVehicle(
+            live,
+            self._endpoint,
+            context.channels,
+            context.services,
+            action=flights.get(live.simulator.rov.name),
+            feed=context.feed,
+            video=None if video is None else video.bridge,
+        ) as vehicle:
+            yield Opened(f"MAVLink at {vehicle.endpoint}", vehicle)

@@ -1,0 +1,1 @@
+"""Commands for sweeps, fleets and datasets."""

@@ -1,0 +1,251 @@
+"""`uwsim dataset`: labelled camera and sonar images, for machine learning."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from uwsim.base.options import WithoutEffectError, need
+from uwsim.campaigns.cli.sweep import Scheduler, Workers
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.exit_codes import INTERRUPTED
+from uwsim.cli.groups import under
+from uwsim.cli.options import ScenarioName, Seed, VehicleName
+
+if TYPE_CHECKING:
+    from uwsim.campaigns.datasets import Dataset
+
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="A parameter drawn for each frame: NAME=LOW..HIGH or NAME=A,B,C, such as optics.jerlov=II,3C. Repeatable.",
+        metavar="NAME=VALUES",
+    ),
+]
+
+
+OF_SEQUENCES = ("scenario", "out", "camera", "vehicle", "seed", "sequence", "time_limit")
+"""The options that have an effect on a sequence."""
+
+
+@under("Fly")
+def dataset(
+    context: typer.Context,
+    scenario: ScenarioName,
+    n: Annotated[int, typer.Option("--n", help="Number of frames.", callback=within(1, 1e9))] = 100,
+    out: Annotated[Path, typer.Option(help="Folder for the pictures and their tables.")] = Path("data"),
+    camera: Annotated[
+        str, typer.Option(help="The camera: front, down, or another; for --sequence also several, comma-separated.")
+    ] = "front",
+    vehicle: VehicleName = None,
+    size: Annotated[str | None, typer.Option(help="Pixels, WxH. Default: the camera's own.", metavar="WxH")] = None,
+    write: Annotated[
+        str,
+        typer.Option(
+            help="Outputs, comma-separated: rgb, depth, normals, instances, classes, boxes, yolo, arrays, "
+            "sonar, multibeam."
+        ),
+    ] = "rgb,depth,normals,instances,classes,boxes",
+    pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",
+    effects: Annotated[str, typer.Option(help="on, off, or effects joined by +.")] = "on",
+    without: Annotated[str, typer.Option(help="Effects to omit, comma-separated, such as wobble.")] = "",
+    along: Annotated[
+        Path | None,
+        typer.Option(
+            help="Take poses from a track: track-VEHICLE.csv of a run, track.npz of a survey, or your own.",
+            callback=readable,
+        ),
+    ] = None,
+    mission: Annotated[
+        Path | None, typer.Option(help="Fly this mission first, and use its poses.", callback=readable)
+    ] = None,
+    sequence: Annotated[
+        Path | None,
+        typer.Option(
+            help="Fly this mission, and write a sequence for SLAM instead of single frames: all instruments at their "
+            "rates in EuRoC's layout and as a ROS 1 bag, ground truth, calibration.",
+            callback=readable,
+        ),
+    ] = None,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(help="End a --sequence after this simulated time [s].", callback=within(0.001, 1e7, "s")),
+    ] = None,
+    look_at: Annotated[
+        str | None, typer.Option(help="Names or classes, comma-separated, such as gate,pipeline. Default: everything.")
+    ] = None,
+    distance: Annotated[
+        str | None,
+        typer.Option(help="Distance to the target [m], LOW..HIGH. Default: up to 0.6 of the water's visibility."),
+    ] = None,
+    clearance: Annotated[
+        float | None,
+        typer.Option(help="Free space around hull and camera [m]. Default: 0.2.", callback=within(0, 100, "m")),
+    ] = None,
+    pitch_max: Annotated[
+        float | None,
+        typer.Option(
+            help="Largest pitch of the vehicle, up and down [deg]. Default: 15.", callback=within(0, 90, "deg")
+        ),
+    ] = None,
+    roll_max: Annotated[
+        float | None,
+        typer.Option(
+            help="Largest roll of the vehicle, to either side [deg]. Default: 5.", callback=within(0, 180, "deg")
+        ),
+    ] = None,
+    vary: Vary = None,
+    sonar: Annotated[str | None, typer.Option(help="The forward-looking sonar. Default: the first.")] = None,
+    label_range: Annotated[
+        float | None,
+        typer.Option(
+            help="Objects farther away have no labels [m]. Default: the water's visibility.",
+            callback=within(0.01, 1e6, "m"),
+        ),
+    ] = None,
+    min_pixels: Annotated[int, typer.Option(help="Smaller objects have no box.", callback=within(1, 1e9))] = 16,
+    val_share: Annotated[float, typer.Option(help="Share of the frames for validation.", callback=within(0, 1))] = 0.2,
+    seed: Seed = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Make the frames that are missing in --out.")] = False,
+) -> None:
+    """Create a dataset of labelled pictures.
+
+    Writes colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, and poses (transforms.json), split
+    into training and validation sets. Poses are random, in open water with a target in view, or taken from a track. The
+    bytes do not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders
+    the rest. With --sequence, a mission is flown, and everything that the vehicle's instruments measure is written.
+    """
+    if sequence is not None:
+        _refuse_options_of_frames(context)
+        _make_sequence(scenario, sequence, out, _listed(camera), vehicle, seed, time_limit)
+        return
+    need("--sequence", time_limit=time_limit)
+    from uwsim.base.stoppable import stop_on_signals
+    from uwsim.campaigns.datasets import make_dataset
+    from uwsim.campaigns.workers.job_progress import job_progress
+
+    options: dict[str, Any] = {
+        "camera": camera,
+        "vehicle": vehicle,
+        "size": None if size is None else _size(size),
+        "write": _listed(write),
+        "pictures": pictures,
+        "effects": effects if effects in ("on", "off") else tuple(effects.split("+")),
+        "without": _listed(without),
+        "sonar": sonar,
+        "min_pixels": min_pixels,
+        "val_share": val_share,
+        "seed": seed,
+        "label_range_m": label_range,
+        "vary": dict(_variation(text) for text in vary or ()),
+    }
+    drawn = {
+        "look_at": None if look_at is None else _listed(look_at),
+        "distance_m": None if distance is None else _interval("--distance", distance),
+        "clearance_m": clearance,
+        "pitch_max_deg": pitch_max,
+        "roll_max_deg": roll_max,
+    }
+    options |= {name: value for name, value in drawn.items() if value is not None}
+    with job_progress("frames", "rendering") as progress, stop_on_signals(progress):
+        made = make_dataset(
+            scenario,
+            out,
+            n,
+            along=along,
+            mission=mission,
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            stop_requested=progress.stop_requested,
+            tell=progress.tell,
+            show=progress.activity,
+            **options,
+        )
+    _print(made)
+    if made.interrupted:
+        typer.echo(f"interrupted after {made.finished:,} of {made.spec.n:,} frames; --resume continues", err=True)
+        raise typer.Exit(INTERRUPTED)
+
+
+def _refuse_options_of_frames(context: typer.Context) -> None:
+    """Raise WithoutEffectError for options that were passed and have no effect on a sequence."""
+    passed = [
+        f"--{name.replace('_', '-')}"
+        for name in context.params
+        if name not in OF_SEQUENCES and _is_passed(context, name)
+    ]
+    if passed:
+        raise WithoutEffectError(f"{', '.join(passed)}: for single frames; without effect with --sequence")
+
+
+def _is_passed(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def _make_sequence(
+    scenario: str, mission: Path, out: Path, cameras: tuple[str, ...], vehicle: str | None, seed: int | None,
+    time_limit_s: float | None,
+) -> None:  # fmt: skip
+    from uwsim.campaigns.datasets.sequences import make_sequence
+    from uwsim.flight.terminal import Terminal
+
+    made = make_sequence(
+        scenario, mission, out, cameras=cameras, vehicle=vehicle, seed=seed, time_limit_s=time_limit_s,
+        screen=Terminal(),
+    )  # fmt: skip
+    counts = ", ".join(f"{count:,} {name}" for name, count in made.counts.items())
+    typer.echo(f"{made.flight.simulated_s:.1f} s in {made.out}: {counts}")
+
+
+def _print(made: Dataset) -> None:
+    typer.echo(f"{made.made:,} frames in {made.wall_s:.1f} s, {made.frames_per_s:.1f} frames/s")
+    if made.files:
+        typer.echo("  ".join(map(str, made.files)))
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise ValueError(f"--size {text}: must be WIDTHxHEIGHT in pixels, such as 320x240")
+    return int(width), int(height)
+
+
+def _interval(option: str, text: str) -> tuple[float, float]:
+    low, dots, high = text.partition("..")
+    try:
+        if dots:
+            return float(low), float(high)
+    except ValueError:
+        pass
+    raise ValueError(f"{option} {text}: must be LOW..HIGH, such as 1..6")
+
+
+def _variation(text: str) -> tuple[str, dict[str, Any]]:
+    """Parse --vary NAME=LOW..HIGH or NAME=A,B,C; return the name and the variation."""
+    name, equals, values = text.partition("=")
+    if not equals or not name or not values:
+        raise ValueError(f"--vary {text}: must be NAME=LOW..HIGH or NAME=A,B,C")
+    if ".." in values:
+        low, high = _interval(f"--vary {name}", values)
+        return name, {"low": low, "high": high}
+    return name, {"choices": [_value(value) for value in values.split(",")]}
+
+
+def _value(text: str) -> Any:
+    """Parse a number or boolean; return any other text unchanged."""
+    from uwsim.base.texts.json_text import json_value
+
+    try:
+        return json_value(text, "--vary")
+    except ValueError:
+        return text

@@ -1,0 +1,223 @@
+"""Steering commands that arrive as messages, one kind of which is active at a time, and the loop for /cmd_vel."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels.authority.rights import Rights
+from uwsim.channels.channel import Channel
+from uwsim.channels.source import Source
+from uwsim.live import LiveSimulator, NotRunningError, Subscription
+from uwsim.navigation.control.velocity_hold import VelocityHold
+from uwsim.simulator.helm import Clock, Helm, Lease, Reason, Timeout
+from uwsim.simulator.helm import Source as Rank
+from uwsim.simulator.simulator import Simulator
+
+CHECK_S = 0.05
+CONTROL_S = 0.05
+TOGETHER = ("cmd_thrusters", "cmd_fins")
+"""Name endings of channels whose commands do not replace each other."""
+
+logger = logging.getLogger("uwsim.channels")
+
+
+class Steering:
+    """The door through which messages steer a vehicle: a command replaces the one before it, or the flight under way.
+
+    Methods do not wait for the step at which a command takes effect. Failures are logged. helm: the vehicle's. shore:
+    the helm that publishers hold; over a link it is another, because what steers aboard is not known ashore. by_keys:
+    whether the current efforts came from the published keyboard. rights: the rights of clients other than the station's
+    pilot, shared by all vehicles.
+
+    A publisher holds the helm until another command replaces its own. If it publishes nothing for the vehicle's
+    command_timeout_s, in simulated time, or leaves, the channel's `abandoned` is called. A timeout of 0 holds commands
+    in both cases. Commands of channels without an idle message, such as the published wire's, end only when it leaves.
+    """
+
+    def __init__(self, source: Source, rights: Rights, helm: Helm, shore: Helm) -> None:
+        self._source = source
+        self.rights = rights
+        self.helm = helm
+        self.shore = shore
+        self._loop: Subscription | None = None
+        self._checks: Subscription | None = None
+        self._wanted = np.zeros(6)
+        self.by_keys = False
+
+    def apply(self, live: LiveSimulator, channel: Channel, message: Any, driver: str = "a client") -> None:
+        """Apply a message that a client of this kind has published. May be called on any thread.
+
+        Raises ValueError or RuntimeError.
+        """
+        self.rights.require(channel.name)
+        with self.shore.lock:
+            channel.apply(live, message)
+            if channel.authority.abandoned is not None:
+                self._renew(live, channel, driver)
+
+    def _renew(self, live: LiveSimulator, channel: Channel, driver: str) -> None:
+        """Take the helm for a publisher, or note that it still holds it."""
+        lease = self._held_by(channel)
+        if lease is None:
+            if self._is_cut_off(live) or not self.shore.admits(Rank.CLIENT):  # the command was lost, or only stopped
+                return
+            lease = self.shore.take(Rank.CLIENT, channel.name, beside=_beside(channel.name))
+        lease.driver = driver
+        if channel.authority.idle is not None:
+            limit_s = partial(self._source.command_timeout_s, live.simulator)
+            then = partial(self._fall_silent, live, channel)
+            lease.timeout = Timeout(Clock.SIMULATED, limit_s, then, live.time_ns)
+            if self._checks is None:
+                self._checks = live.every(CHECK_S, lambda sim: sim.time_ns, self._end_silent)
+
+    def _held_by(self, channel: Channel) -> Lease | None:
+        return next((lease for lease in self.shore.leases if lease.name == channel.name), None)
+
+    @property
+    def driver(self) -> str:
+        """The kind of client whose command is in effect; "" if there is none."""
+        return next((lease.driver for lease in self.shore.leases if lease.driver), "")
+
+    def left(self, live: LiveSimulator, channel: Channel) -> None:
+        """Note that a channel has lost its last publisher. May be called on any thread.
+
+        Raises ValueError or RuntimeError.
+        """
+        with self.shore.lock:
+            lease = self._held_by(channel)
+            if lease is None or not lease.driver:
+                return
+            if channel.authority.idle is not None and self._source.command_timeout_s(live.simulator) == 0.0:
+                return
+            lease.driver, lease.timeout = "", None
+        if channel.authority.abandoned is not None:
+            channel.authority.abandoned(live)
+
+    def _end_silent(self, now_ns: int) -> None:
+        """End the commands of silent publishers, on the simulator's thread."""
+        with self.shore.lock:
+            timed = [(lease, lease.timeout) for lease in self.shore.leases if lease.timeout is not None]
+            silent = [(lease, timeout) for lease, timeout in timed if not timeout.left_ns(now_ns)]
+            for lease, _ in silent:
+                lease.driver, lease.timeout = "", None
+            if len(timed) == len(silent) and self._checks is not None:
+                self._checks.cancel()
+                self._checks = None
+        for _, timeout in silent:
+            timeout.then()
+
+    def _fall_silent(self, live: LiveSimulator, channel: Channel) -> None:
+        limit_s = self._source.command_timeout_s(live.simulator)
+        logger.info("topic '%s': no command for %g s: it is stopped", channel.name, limit_s)
+        try:
+            if channel.authority.abandoned is not None:
+                channel.authority.abandoned(live)
+        except (ValueError, NotRunningError) as error:  # for example, an all stop has stopped it already
+            logger.info("topic '%s': %s", channel.name, error)
+
+    def forget(self) -> None:
+        """Note that a command from ashore, other than a publisher's, has been sent over the link."""
+        if self.shore is not self.helm:
+            self.shore.clear(Reason.REPLACED)
+
+    def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
+        """Issue a command that does not steer. The command is silently lost if a fault has cut the vehicle's link."""
+        return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
+
+    def _is_cut_off(self, live: LiveSimulator) -> bool:
+        return is_cut_off(live.simulator, self._source.name)
+
+    def _command(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
+        future = live.command(name, vehicle=self._source.name, **arguments)
+        future.add_done_callback(log_error)
+        return future
+
+    def give(self, live: LiveSimulator, name: str, by: Rank = Rank.CLIENT, /, **arguments: Any) -> Future[Any]:
+        """Issue a steering command of a source. Raises ValueError if it would move a vehicle that others steer."""
+        if self._is_cut_off(live):
+            return nothing_done()
+        if live.simulator.link is None and _moves(arguments):  # over a link, the state aboard is unknown here
+            self.helm.require_at_door(name, by)
+        with self.helm.lock:
+            self.by_keys = False
+            self.helm.clear(Reason.REPLACED, beside=_beside(name))
+            return self._command(live, name, **arguments)
+
+    def fly(self, name: str, lose: Callable[[Reason], object]) -> Lease:
+        """Take the helm for a flight that commands the vehicle itself; see Helm.take. Raises ValueError."""
+        with self.helm.lock:
+            lease = self.helm.take(Rank.FLIGHT, name, lose)
+            self.forget()
+            self.by_keys = False
+        return lease
+
+    @property
+    def is_flown(self) -> bool:
+        """True while a flight that commands the vehicle itself, or a velocity hold, is in effect."""
+        is_held = self._loop is not None and not self._loop.cancelled
+        return is_held or bool(self.helm.name_of(Rank.FLIGHT))
+
+    def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
+        """Hold a velocity (6,) [m/s, rad/s] in body axes. Raises ValueError while others steer the vehicle."""
+        if self._is_cut_off(live):
+            return
+        with self.helm.lock:
+            self.helm.require_at_door("cmd_vel", Rank.CLIENT)
+            self._wanted, self.by_keys = velocity_body, False
+            if self._loop is None or self._loop.cancelled:
+                self.helm.take(Rank.CLIENT, self._source.topic("cmd_vel"), self._end_loop)
+                hold = VelocityHold(live.simulator.vehicles[self._source.name], CONTROL_S)
+                self._loop = live.every(CONTROL_S, lambda sim: hold, lambda hold: self._steer(live, hold))
+
+    def _steer(self, live: LiveSimulator, hold: VelocityHold) -> None:
+        """Set the efforts of one control period, on the simulator's thread."""
+        efforts = hold.efforts(self._wanted)
+        with self.helm.lock:
+            if self._loop is not None and not self._loop.cancelled:  # unless another source has taken the helm
+                self._command(live, "set_effort", **efforts)
+
+    def _end_loop(self, reason: Reason) -> None:
+        if self._loop is not None:
+            self._loop.cancel()
+
+
+def _beside(name: str) -> tuple[str, ...]:
+    """Return the endings of the channels whose commands stay in effect beside a command or a channel's."""
+    return TOGETHER if name.endswith(("thrusters", "fins")) else ()
+
+
+def _moves(arguments: Mapping[str, Any]) -> bool:
+    """Return whether a steering command has any value other than zero."""
+    return any(np.any(list(each.values()) if isinstance(each, Mapping) else each) for each in arguments.values())
+
+
+def is_cut_off(sim: Simulator, vehicle: str) -> bool:
+    """Return whether a fault has cut off a vehicle; False in a scenario with a link, which loses packets instead."""
+    return sim.link is None and sim.faults.link_is_down(vehicle)
+
+
+def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
+    """Raise ValueError while a fault has cut off a vehicle, since it could not respond."""
+    if is_cut_off(live.simulator, vehicle):
+        raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
+
+
+def nothing_done() -> Future[Any]:
+    """Return a completed future for a lost command, because its sender cannot know that it was lost."""
+    future: Future[Any] = Future()
+    future.set_result(None)
+    return future
+
+
+def log_error(future: Future[Any]) -> None:
+    """Log the error, if any, of a command whose result is not awaited."""
+    error = None if future.cancelled() else future.exception()
+    if error is not None:
+        logger.error("a command failed: %s", error)

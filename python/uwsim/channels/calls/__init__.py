@@ -1,0 +1,1 @@
+"""The services of the simulator and its vehicles, and the requests that they receive."""

@@ -1,0 +1,103 @@
+"""A vehicle's command channels: /cmd_vel, wrench, thruster and fin commands, and sonar tilt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.commands import COMMANDS, Argument
+from uwsim.channels.authority.steering import Steering
+from uwsim.channels.channel import COMMAND, Authority, Channel, OverLink, ended_by
+from uwsim.channels.ros import build
+from uwsim.channels.source import Source
+from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
+
+SPEED_MAX = 100.0  # m/s and rad/s
+FLOATS = "std_msgs/msg/Float64MultiArray"
+THRUSTER = COMMANDS["set_thrusters"].argument("commands")
+FIN = COMMANDS["set_fins"].argument("angles_rad")
+ELEVATION = COMMANDS["aim"].argument("elevation_rad")
+
+
+def command_channels(source: Source, sim: Simulator, steering: Steering) -> list[Channel]:
+    """Return a vehicle's standard command channels. Each steering command replaces the previous one."""
+    vehicle, topic, frame_id = source.of(sim), source.topic, source.frame("base_link")
+    thrusters, fins = list(vehicle.thrusters), list(vehicle.fins)
+
+    def inbound(
+        name: str, kind: str, description: str, apply: Any, *, idle: Any = None, packing: str = "deflate"
+    ) -> Channel:
+        """Return an inbound channel. idle: the message that ends a steering command."""
+        return Channel(
+            topic(name), kind, "in", description, frame_id=frame_id, over_link=OverLink(COMMAND, packing),
+            apply=apply, authority=Authority() if idle is None else ended_by(idle, apply),
+        )  # fmt: skip
+
+    found = [
+        inbound(
+            "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next command",
+            lambda live, message: steering.hold_velocity(live, _six("cmd_vel", message.linear, message.angular)),
+            idle=build.message("geometry_msgs/msg/Twist"), packing="twist",
+        ),
+        inbound(
+            "cmd_wrench", "geometry_msgs/msg/Wrench", "force [N] and torque [N m] of the thrusters in still water",
+            lambda live, message: _wrench(live, steering, message), idle=build.message("geometry_msgs/msg/Wrench"),
+        ),
+    ]  # fmt: skip
+    if thrusters:
+        found.append(
+            inbound(
+                "cmd_thrusters", FLOATS, f"commands in [-1, 1]: {', '.join(thrusters)}",
+                lambda live, message: steering.give(
+                    live, "set_thrusters", commands=_named("cmd_thrusters", thrusters, message.data, THRUSTER)
+                ),
+                idle=build.message(FLOATS, data=np.zeros(len(thrusters))),
+            )
+        )  # fmt: skip
+    if fins:
+        found.append(
+            inbound(
+                "cmd_fins", FLOATS, f"deflections [rad]: {', '.join(fins)}",
+                lambda live, message: steering.give(
+                    live, "set_fins", angles_rad=_named("cmd_fins", fins, message.data, FIN)
+                ),
+                idle=build.message(FLOATS, data=np.zeros(len(fins))),
+            )
+        )  # fmt: skip
+    if source.has_sonar:
+        found.append(
+            inbound(
+                "cmd_tilt", "std_msgs/msg/Float64", "sonar_tilt [rad] to turn to, positive: nose down",
+                lambda live, message: _tilt(live, steering, message.data),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _six(topic: str, first: Any, second: Any, limit: float = SPEED_MAX) -> NDArray[np.float64]:
+    values = np.array([first.x, first.y, first.z, second.x, second.y, second.z], np.float64)
+    if not np.isfinite(values).all() or np.abs(values).max() > limit:
+        raise ValueError(f"{topic} = {values.tolist()}: must be finite and within {limit:g}")
+    return values
+
+
+def _wrench(live: LiveSimulator, steering: Steering, message: Any) -> None:
+    wrench = _six("cmd_wrench", message.force, message.torque, limit=1e9)
+    steering.give(live, "set_wrench", force_body_n=wrench[:3], torque_body_nm=wrench[3:])
+
+
+def _named(topic: str, names: Sequence[str], values: NDArray[np.float64], each: Argument) -> dict[str, float]:
+    if len(values) != len(names):
+        raise ValueError(f"{topic}: {len(values)} values: must be {len(names)}: {', '.join(names)}")
+    for name, value in zip(names, values, strict=True):
+        each.check_number(value, f"{topic}: {name}")
+    return dict(zip(names, map(float, values), strict=True))
+
+
+def _tilt(live: LiveSimulator, steering: Steering, tilt_rad: float) -> None:
+    ELEVATION.check_number(tilt_rad, "cmd_tilt")
+    steering.ask(live, "aim", elevation_rad=-tilt_rad)

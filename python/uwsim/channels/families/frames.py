@@ -1,0 +1,175 @@
+"""Channels for time, frames and motion: /clock, /tf, /tf_static, odometry and joint states.
+
+The user chooses the source of odom -> base_link on /tf; see `Tf`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from uwsim.channels.channel import LATCHED, Channel, Delivery, OverLink
+from uwsim.channels.ros import build
+from uwsim.channels.source import Source
+from uwsim.instruments.cameras import Camera
+from uwsim.simulator.simulator import Simulator
+
+Tf = Literal["truth", "odom", "none"]
+"""The motion on /tf and /odom: the true motion, the vehicle's estimate, or none, so that other nodes may publish it."""
+RATE_HZ = 50.0
+CLOCK_HZ = 100.0
+
+
+def clock_channel() -> Channel:
+    """Return the channel /clock."""
+    return Channel(
+        "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ, delivery=Delivery(leads=True),
+        read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
+    )  # fmt: skip
+
+
+def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "") -> list[Channel]:
+    """Return the channels that all vehicles share. prefix: the prefix of frames that do not belong to a vehicle."""
+    return [
+        clock_channel(),
+        Channel(
+            "tf", "tf2_msgs/msg/TFMessage", "out", "moving frames: vehicles, sonar heads, cameras that turn or follow",
+            rate_hz=RATE_HZ, delivery=Delivery(leads=True), over_link=OverLink(),
+            read=lambda sim: _moving(sources, tf, prefix, sim),
+        ),
+        Channel(
+            "tf_static", "tf2_msgs/msg/TFMessage", "out", "fixed frames: world -> map -> odom, sensors, cameras",
+            delivery=LATCHED, read=lambda sim: _fixed(sources, tf, prefix, sim),
+        ),
+    ]  # fmt: skip
+
+
+def vehicle_channels(source: Source, tf: Tf = "truth", *, truth: bool = True) -> list[Channel]:
+    """Return a vehicle's joint-state channel and, if the truth may be published, the channels of its true motion."""
+    found = [
+        Channel(
+            source.topic(name), "nav_msgs/msg/Odometry", "out", "the true pose and velocity; covariances are 0",
+            rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=OverLink(packing=packing),
+            read=lambda sim: _odometry(source, sim),
+        )
+        for name, packing in (("ground_truth/odom", ""), *((("odom", "deflate"),) if tf == "truth" else ()))
+        if truth
+    ]  # fmt: skip
+    turning = any(camera.pan_tilt is not None for camera in source.entry.model.cameras.values())
+    if source.has_sonar or source.entry.model.fins or turning:
+        found.append(
+            Channel(
+                source.topic("joint_states"), "sensor_msgs/msg/JointState", "out",
+                "angles [rad]: sonar_tilt (positive: nose down), cameras' pan and tilt, fins",
+                rate_hz=RATE_HZ, over_link=OverLink(),
+                read=lambda sim: _joints(source, sim),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _odometry(source: Source, sim: Simulator) -> Any:
+    vehicle = source.of(sim)
+    velocity = vehicle.velocity
+    twist = build.message(
+        "geometry_msgs/msg/Twist",
+        linear=build.vector(velocity.linear_body_m_s),
+        angular=build.vector(velocity.angular_body_rad_s),
+    )
+    pose = build.pose(source.position_odom_m(sim), vehicle.pose.orientation_xyzw)
+    return build.message(
+        "nav_msgs/msg/Odometry",
+        header=build.header(sim.time_ns, source.frame("odom")),
+        child_frame_id=source.frame("base_footprint"),
+        pose=build.message("geometry_msgs/msg/PoseWithCovariance", pose=pose),
+        twist=build.message("geometry_msgs/msg/TwistWithCovariance", twist=twist),
+    )
+
+
+def _joints(source: Source, sim: Simulator) -> Any:
+    vehicle = source.of(sim)
+    angles = {"sonar_tilt": -vehicle.sonar.elevation_rad} if source.has_sonar else {}
+    for name, camera in vehicle.cameras.items():
+        if camera.mount.pan_tilt is not None:
+            angles |= dict(zip((f"{name}_pan", f"{name}_tilt"), camera.aim_rad, strict=True))
+    angles |= vehicle.fins
+    return build.message(
+        "sensor_msgs/msg/JointState",
+        header=build.header(sim.time_ns, ""),
+        name=[source.topic(name) for name in angles],
+        position=np.array(list(angles.values()), np.float64),
+    )
+
+
+def _moving(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> Any:
+    transforms = []
+    for source in sources:
+        vehicle, frame = source.of(sim), source.frame
+        if tf == "truth":
+            pose = source.position_odom_m(sim), vehicle.pose.orientation_xyzw
+            transforms.append(build.transform(sim.time_ns, frame("odom"), frame("base_footprint"), *pose))
+        elif tf == "odom":
+            estimate = vehicle.estimate
+            pose = estimate.pose.position_world_m + source.origin_m, estimate.pose.orientation_xyzw
+            stamp_ns = round(1e9 * estimate.time_s)
+            transforms.append(build.transform(stamp_ns, frame("odom"), frame("base_link"), *pose))
+        if source.has_sonar:
+            tilt = source.scan_mount_m, build.tilt_xyzw(vehicle.sonar.elevation_rad)
+            transforms.append(build.transform(sim.time_ns, frame("base_link"), frame("base_scan"), *tilt))
+        for name, camera in vehicle.cameras.items():
+            if camera.mount.follows == "heading":
+                transforms.append(_following(sim, frame(f"{name}_optical"), camera))
+            elif camera.mount.pan_tilt is not None:
+                transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
+    transforms += [
+        _optical(sim, prefix + "station", prefix + name, camera)
+        for name, camera in sim.cameras.items()
+        if camera.mount.pan_tilt
+    ]
+    return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
+
+
+def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> Any:
+    station = sim.scenario.station
+    yaw_xyzw = build.mount_xyzw((station.yaw_deg, 0.0, 0.0))
+    transforms = [build.transform(sim.time_ns, "world", prefix + "station", station.position_m, yaw_xyzw)]
+    transforms += [
+        _optical(sim, prefix + "station", prefix + name, camera)
+        for name, camera in sim.cameras.items()
+        if not camera.mount.pan_tilt
+    ]
+    transforms.append(build.transform(sim.time_ns, "world", prefix + "map", -sources[0].origin_m))
+    for source in sources:
+        frame = source.frame
+        # A frame has only one parent: if another node publishes odom -> base_link, base_footprint is below base_link.
+        parent, child = ("base_footprint", "base_link") if tf == "truth" else ("base_link", "base_footprint")
+        transforms.append(build.transform(sim.time_ns, frame(parent), frame(child), (0.0, 0.0, 0.0)))
+        if tf != "none":
+            transforms.append(build.transform(sim.time_ns, prefix + "map", frame("odom"), (0.0, 0.0, 0.0)))
+        for name, sensor in source.entry.model.sensors.items():
+            turn = build.mount_xyzw(sensor.yaw_pitch_roll_deg)
+            if sensor.kind == "dvl":
+                turn = build.turned_xyzw(turn, build.DOWN_XYZW)
+            child = frame(f"{name}_link")
+            transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sensor.position_m, turn))
+        for name, sonar in source.entry.model.imaging_sonars.items():
+            turn = build.turned_xyzw(build.mount_xyzw(sonar.yaw_pitch_roll_deg), build.FAN_XYZW)
+            child = frame(f"{name}_link")
+            transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sonar.position_m, turn))
+        for name, camera in source.of(sim).cameras.items():
+            if camera.mount.follows == "body" and camera.mount.pan_tilt is None:
+                transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
+    return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
+
+
+def _following(sim: Simulator, child: str, camera: Camera) -> Any:
+    position_m, orientation_xyzw = camera.pose
+    turn = build.turned_xyzw(orientation_xyzw, build.OPTICAL_XYZW)
+    return build.transform(sim.time_ns, "world", child, position_m, turn)
+
+
+def _optical(sim: Simulator, parent: str, name: str, camera: Camera) -> Any:
+    turn = build.turned_xyzw(camera.mounting_xyzw(), build.OPTICAL_XYZW)
+    return build.transform(sim.time_ns, parent, f"{name}_optical", camera.mount.position_m, turn)

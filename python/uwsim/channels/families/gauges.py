@@ -1,0 +1,102 @@
+"""The panel's values, which come from the vehicle's instruments and its estimate, never from the true world.
+
+A vehicle with a sensor of kind position, such as that of the published simulator, shows what its position and velocity
+sensors measure; any other shows its estimate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels.source import Source
+from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.simulator import Simulator
+
+NAN = math.nan
+SCALARS = {
+    "depth": "depth", "pressure": "pressure", "temperature": "temperature", "distance_to_seabed": "altitude"
+}  # fmt: skip
+"""The kind of sensor that measures each field of /telemetry."""
+PORT = "proximity_port"
+SPEEDS = {"linear": "speed", "angular": "angular_speed"}
+
+
+@dataclass
+class Gauges:
+    """The measured fields of /telemetry, and the age [s] of each.
+
+    A field without a sensor has NaN and an infinite age.
+    """
+
+    values: dict[str, Any]
+    ages_s: dict[str, float]
+
+
+def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges:
+    """Read the gauges. If a sensor is stuck, its gauge shows the last value; if it is off, NaN."""
+    sensors = source.of(sim).sensors
+    found = Gauges({}, {})
+
+    def fill(field: str, name: str | None, missing: Any = NAN, part: str = "") -> None:
+        if name is None:
+            found.values[field], found.ages_s[field] = missing, math.inf
+            return
+        sample = sensors[name].sample()
+        value = getattr(sample.value, part) if part else sample.value
+        is_known = sample.valid or bool(np.all(np.isinf(value)))  # infinite: no echo
+        found.values[field] = value if is_known else missing
+        found.ages_s[field] = 1e-9 * (sim.time_ns - sample.stamp_ns) if is_known else math.inf
+
+    def first(kind: str) -> str | None:
+        return next((name for name, sensor in sensors.items() if sensor.kind == kind), None)
+
+    for field, kind in SCALARS.items():
+        fill(field, first(kind))
+    fill("distance_to_port", PORT if PORT in sensors else None)
+    for field in ("linear_acceleration", "angular_acceleration"):
+        fill(field, first("acceleration"), np.full(3, NAN), f"{field}_{'m_s2' if field[0] == 'l' else 'rad_s2'}")
+    if (name := first("position")) is not None:
+        fill("position", name, np.full(3, NAN), "position_m")
+        found.values["position_std"] = np.full(3, getattr(sensors[name].spec.noise.get("position"), "std", 0.0))
+        velocity = first("velocity")
+        for field in ("linear", "angular"):
+            unit = "m_s" if field == "linear" else "rad_s"
+            fill(SPEEDS[field], velocity, np.full(3, NAN), f"{field}_velocity_{unit}")
+    else:
+        _estimate(found, sim, estimate)
+    _derive(found, sim)
+    return found
+
+
+def _estimate(found: Gauges, sim: Simulator, estimate: Navigator | None) -> None:
+    """Add position and velocities by the estimate."""
+    unknown = np.full(3, NAN)
+    age_s = math.inf if estimate is None else sim.time_s - estimate.time_s
+    found.values |= {
+        "position": unknown if estimate is None else estimate.pose.position_world_m,
+        "position_std": unknown if estimate is None else estimate.position_std_m,
+        "speed": unknown if estimate is None else estimate.velocity.linear_body_m_s,
+        "angular_speed": unknown if estimate is None else estimate.velocity.angular_body_rad_s,
+    }
+    found.ages_s |= dict.fromkeys(("position", "speed", "angular_speed"), age_s)
+
+
+def _derive(found: Gauges, sim: Simulator) -> None:
+    """Replace velocities by speeds, and add the distance to the station and the time that sound takes to it."""
+    for field in SPEEDS.values():
+        found.values[field] = _size(found.values[field])
+    position_m = found.values["position"]
+    found.values["distance_to_station"] = distance_m = _size(position_m - np.asarray(sim.scenario.station.position_m))
+    is_known = math.isfinite(distance_m)
+    middle_m = min(0.5 * float(position_m[2]), 0.0)
+    found.values["link_delay"] = distance_m / sim.world.water.sound_speed_m_s(middle_m) if is_known else NAN
+    found.ages_s |= dict.fromkeys(("distance_to_station", "link_delay"), found.ages_s["position"])
+
+
+def _size(vector: NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(vector))

@@ -1,0 +1,339 @@
+"""Sensor and battery channels. KINDS lists the ROS message type and a message builder for each kind of sensor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.base.quaternions import about_z
+from uwsim.channels.channel import Channel, Delivery, OverLink
+from uwsim.channels.families.covariance import UNKNOWN, isotropic, of_velocity, variance
+from uwsim.channels.ros import build
+from uwsim.channels.ros.cdr import encode
+from uwsim.channels.source import Source
+from uwsim.instruments.sensors import Sample
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
+from uwsim.simulator.simulator import Simulator
+
+DEFAULT_HZ = 10.0  # for sensors without a rate
+BATTERY_HZ = 1.0
+ULTRASOUND = 0
+UNOBSERVED = 1e6  # variance of quantities that a sensor does not measure, in their unit squared
+DVL_MODE_BOTTOM = 1
+SAMPLED = Delivery(is_sampled=True)
+
+
+class Errors(NamedTuple):
+    """A sensor's error statistics at one time."""
+
+    mount: SensorMount
+    rate_hz: float
+    time_s: float
+    sound_speed_m_s: float = math.nan  # for a DVL, at its vehicle's depth
+
+    def variance(self, channel: str) -> float:
+        """Return the error variance of a channel [unit^2]."""
+        return variance(self.mount, channel, self.rate_hz, self.time_s)
+
+
+Write = Callable[[Any, Any, Errors], Any]
+
+
+class FilterInput(NamedTuple):
+    """A second message for one kind of sensor, of a type that filters accept as input.
+
+    write(value, header, errors, origin_m): builds the message; origin_m is the world's origin in odom. frame: the
+    message's frame; "" means the sensor's frame.
+    """
+
+    suffix: str
+    type: str
+    description: str
+    write: Callable[[Any, Any, Errors, Any], Any]
+    frame: str = ""
+
+
+class Kind(NamedTuple):
+    """The publication of one kind of sensor. write(value, header, errors): builds a message.
+
+    even_invalid: whether samples without an echo are published as well.
+    """
+
+    type: str
+    write: Write
+    even_invalid: bool = False
+
+
+def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
+    """Return the channels of a vehicle's sensors and battery. Each sensor's channel has the sensor's name."""
+    found = [
+        Channel(
+            source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
+            "remaining charge; only the percentage if the battery is modelled as a mission time",
+            rate_hz=BATTERY_HZ, over_link=OverLink(),
+            read=lambda sim: _battery(source, sim),
+        )
+    ]  # fmt: skip
+    for name, sensor in source.of(sim).sensors.items():
+        kind = _kind(sensor.kind)
+        if kind is not None:
+            frame_id = source.frame(f"{name}_link")
+            found.append(
+                Channel(
+                    source.topic(name), kind.type, "out", sensor.meaning, rate_hz=sensor.rate_hz or DEFAULT_HZ,
+                    frame_id=frame_id, over_link=OverLink(), delivery=SAMPLED,
+                    read=_reader(source, name, kind, frame_id),
+                )
+            )  # fmt: skip
+        if sensor.kind in FILTER_INPUTS:
+            found.append(_filter_input(source, name, sensor.rate_hz or DEFAULT_HZ, FILTER_INPUTS[sensor.kind]))
+    return found
+
+
+def _kind(name: str) -> Kind | None:
+    """Return the publication of a kind of sensor, or None if it has none."""
+    kind = sensor_kind(name)
+    if not isinstance(kind, DerivedKind) or kind.write is None:
+        return KINDS.get(name)
+    type_, write = kind.type, kind.write
+    channels = tuple(kind.channels)
+
+    def message(value: Any, header: Any, errors: Errors) -> Any:
+        return build.message(type_, **write(value, header, {each: errors.variance(each) for each in channels}))
+
+    return Kind(type_, message)
+
+
+def _filter_input(source: Source, name: str, rate_hz: float, input_: FilterInput) -> Channel:
+    """Return the channel of a sensor's values in the form that filters such as robot_localization accept."""
+    frame_id = source.frame(input_.frame or f"{name}_link")
+    kind = Kind(input_.type, lambda value, header, errors: input_.write(value, header, errors, source.origin_m))
+    return Channel(
+        source.topic(f"{name}/{input_.suffix}"), input_.type, "out", input_.description, rate_hz=rate_hz,
+        frame_id=frame_id, over_link=OverLink(packing=""), delivery=SAMPLED, read=_reader(source, name, kind, frame_id),
+    )  # fmt: skip
+
+
+def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[Simulator], Any]:
+    last: tuple[int, Any] = (-1, None)  # time of the sample, message
+
+    def read(sim: Simulator) -> Any:
+        """Return the message for the current sample: the same object as before while no other sample has arrived."""
+        nonlocal last
+        sensor = source.of(sim).sensors[name]
+        if not sensor.on:
+            return None
+        sample: Sample[Any] = sensor.sample()
+        if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
+            return None
+        message = _message(source, sim, name, kind, frame_id, sample)
+        if sample.stamp_ns == last[0] and encode(message) == encode(last[1]):  # a reset may repeat the time alone
+            return last[1]
+        last = sample.stamp_ns, message
+        return message
+
+    return read
+
+
+def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any]) -> Any:
+    """Return the message for a sensor's sample, or None if the sensor's channel does not publish the sample."""
+    kind = _kind(source.of(sim).sensors[name].kind)
+    if kind is None or not (sample.valid or (kind.even_invalid and _is_out_of_reach(sample.value))):
+        return None
+    return _message(source, sim, name, kind, source.frame(f"{name}_link"), sample)
+
+
+def _message(source: Source, sim: Simulator, name: str, kind: Kind, frame_id: str, sample: Sample[Any]) -> Any:
+    mount = source.model(sim).sensors[name]
+    speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if mount.kind == "dvl" else math.nan
+    errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s)
+    return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
+
+
+def _height_m(source: Source, sim: Simulator) -> float:
+    return min(float(source.of(sim).pose.position_world_m[2]), 0.0)
+
+
+def _is_out_of_reach(value: Any) -> bool:
+    """Return whether a sample is invalid because there was no echo, rather than because it was lost."""
+    return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
+
+
+def _battery(source: Source, sim: Simulator) -> Any:
+    battery = source.of(sim).battery
+    return build.message(
+        "sensor_msgs/msg/BatteryState",
+        header=build.header(sim.time_ns, source.frame("base_link")),
+        voltage=battery.voltage_v,
+        temperature=math.nan,
+        current=-battery.current_a,
+        charge=battery.charge_ah,
+        capacity=battery.capacity_ah,
+        design_capacity=battery.capacity_ah,
+        percentage=0.01 * battery.percent,
+        present=True,
+    )
+
+
+def _imu(value: Any, header: Any, errors: Errors) -> Any:
+    """Return an Imu message. Its acceleration is the specific force, as in REP 145."""
+    return build.message(
+        "sensor_msgs/msg/Imu",
+        header=header,
+        orientation=build.quaternion(value.orientation_xyzw),
+        orientation_covariance=isotropic(errors.variance("orientation")),
+        angular_velocity=build.vector(value.angular_velocity_rad_s),
+        angular_velocity_covariance=isotropic(errors.variance("angular_velocity")),
+        linear_acceleration=build.vector(value.linear_acceleration_m_s2),
+        linear_acceleration_covariance=isotropic(errors.variance("linear_acceleration")),
+    )
+
+
+def _range(value: float, header: Any, errors: Errors) -> Any:
+    mount = errors.mount
+    (range_max_m,) = mount.parameters.get("range_max_m") or (_default(mount.kind, "range_max_m"),)
+    return build.message(
+        "sensor_msgs/msg/Range",
+        header=header,
+        radiation_type=ULTRASOUND,
+        max_range=range_max_m,
+        range=value,
+        variance=errors.variance("range" if mount.kind == "proximity" else mount.kind),
+    )
+
+
+def _default(kind: str, parameter: str) -> float:
+    return float(_core.sensor_kind(kind).parameters[parameter].by_default)
+
+
+def _dvl(value: Any, header: Any, errors: Errors) -> Any:
+    """Return a marine_acoustic_msgs/Dvl in axes with x forward, y to starboard and z along the beams."""
+    mount = errors.mount
+    down = np.array([1.0, -1.0, -1.0])
+    velocity = down * value.velocity_m_s
+    (slant,) = np.radians(mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),))
+    (first,) = np.radians(mount.parameters.get("beam_azimuth_deg") or (_default("dvl", "beam_azimuth_deg"),))
+    azimuths = first + 0.5 * np.pi * np.arange(4)
+    beams = np.array([np.sin(slant) * np.cos(azimuths), np.sin(slant) * np.sin(azimuths), -np.full(4, np.cos(slant))])
+    good = np.isfinite(value.beam_ranges_m)
+    velocity_variance = errors.variance("beam_velocity")
+    return build.message(
+        "marine_acoustic_msgs/msg/Dvl",
+        header=header,
+        velocity_mode=DVL_MODE_BOTTOM,
+        velocity=build.vector(velocity),
+        velocity_covar=of_velocity(down * beams.T[good], velocity_variance),
+        altitude=float(np.cos(slant) * value.beam_ranges_m[good].mean()) if good.any() else math.nan,
+        course_gnd=math.atan2(velocity[1], velocity[0]),
+        speed_gnd=math.hypot(velocity[0], velocity[1]),
+        num_good_beams=int(good.sum()),
+        sound_speed=errors.sound_speed_m_s,
+        beam_ranges_valid=bool(good.any()),
+        beam_velocities_valid=bool(good.any()),
+        beam_unit_vec=[build.vector(down * beam) for beam in beams.T],
+        range=np.asarray(value.beam_ranges_m, np.float64),
+        range_covar=np.full(4, errors.variance("beam_range"), np.float32),
+        beam_quality=good.astype(np.float32),
+        beam_velocity=np.asarray(value.beam_velocities_m_s, np.float32),
+        beam_velocity_covar=np.full(4, velocity_variance, np.float32),
+    )
+
+
+def _plain(name: str, field: str, channel: str) -> Write:
+    """Return a function that builds a message with a header, a scalar and its variance."""
+    return lambda value, header, errors: build.message(
+        name, header=header, variance=errors.variance(channel), **{field: value}
+    )
+
+
+def _bare(name: str, convert: Callable[[float], Any]) -> Write:
+    """Return a function that builds a message that contains only a scalar."""
+    return lambda value, header, errors: build.message(name, data=convert(value))
+
+
+def _usbl(value: Any, header: Any, errors: Errors) -> Any:
+    """Return a message with the position relative to the station, in world axes (east, north, up)."""
+    header.frame_id = "world"
+    return build.message(
+        "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)
+    )
+
+
+def _depth_pose(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
+    covariance = np.diag([UNOBSERVED, UNOBSERVED, errors.variance("depth"), *[UNOBSERVED] * 3])
+    pose = build.pose((0.0, 0.0, origin_m[2] - value), build.IDENTITY_XYZW)
+    return build.message(
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        header=header,
+        pose=build.message("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance.ravel()),
+    )
+
+
+def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
+    """Return an Imu message that contains only the heading, as a yaw counter-clockwise from east (REP 103)."""
+    unknown = np.array([UNKNOWN, *[0.0] * 8])
+    return build.message(
+        "sensor_msgs/msg/Imu",
+        header=header,
+        orientation=build.quaternion(about_z(0.5 * math.pi - value)),
+        orientation_covariance=np.diag([UNOBSERVED, UNOBSERVED, errors.variance("heading")]).ravel(),
+        angular_velocity_covariance=unknown,
+        linear_acceleration_covariance=unknown,
+    )
+
+
+def _dvl_twist(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
+    dvl = _dvl(value, header, errors)
+    covariance = np.diag([UNOBSERVED] * 6)
+    covariance[:3, :3] = dvl.velocity_covar.reshape(3, 3)
+    if covariance[0, 0] < 0.0:
+        return None  # too few beams
+    twist = build.message("geometry_msgs/msg/Twist", linear=dvl.velocity)
+    return build.message(
+        "geometry_msgs/msg/TwistWithCovarianceStamped",
+        header=header,
+        twist=build.message("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=covariance.ravel()),
+    )
+
+
+FILTER_INPUTS: dict[str, FilterInput] = {
+    "depth": FilterInput(
+        "pose", "geometry_msgs/msg/PoseWithCovarianceStamped", "depth as a height in odom; only z is measured",
+        _depth_pose, "odom",
+    ),
+    "compass": FilterInput(
+        "imu", "sensor_msgs/msg/Imu", "magnetic heading as a yaw, counter-clockwise from east; only yaw is measured",
+        _heading, "base_link",
+    ),
+    "dvl": FilterInput(
+        "twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "velocity over the bed; no rate is measured",
+        _dvl_twist,
+    ),
+}  # fmt: skip
+"""Messages for filters, by kind of sensor, on the topic NAME/suffix."""
+
+KINDS: dict[str, Kind] = {
+    "imu": Kind("sensor_msgs/msg/Imu", _imu),
+    "pressure": Kind(
+        "sensor_msgs/msg/FluidPressure", _plain("sensor_msgs/msg/FluidPressure", "fluid_pressure", "pressure")
+    ),
+    "temperature": Kind(
+        "sensor_msgs/msg/Temperature", _plain("sensor_msgs/msg/Temperature", "temperature", "temperature")
+    ),
+    "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
+    "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
+    "dvl": Kind("marine_acoustic_msgs/msg/Dvl", _dvl, even_invalid=True),
+    "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
+    "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
+}
+"""The message for each of the core's kinds of sensors; those in Python have their own.
+
+Kinds without an entry describe the true motion, which is published on /odom.
+"""

@@ -1,0 +1,76 @@
+"""The /telemetry channel: one message with all values on a vehicle's panel, as measured aboard (see `gauges`)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels.channel import PANEL, Channel, OverLink
+from uwsim.channels.families.estimate import has_estimate
+from uwsim.channels.families.gauges import gauges
+from uwsim.channels.families.hold_fields import hold_fields
+from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import ALL_STOPPED, TELEMETRY
+from uwsim.channels.source import Source
+from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
+
+RATE_HZ = 10.0
+NAN = math.nan
+
+
+def telemetry_channel(source: Source, *, truth: bool) -> Channel:
+    """Return a vehicle's telemetry channel. truth: whether its true position is published."""
+    return Channel(
+        source.topic("telemetry"), TELEMETRY, "out", "the vehicle's panel, position, commands and warnings",
+        rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=OverLink(PANEL, "telemetry"),
+        read=lambda sim: read(sim, source, truth=truth),
+    )  # fmt: skip
+
+
+def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
+    """Return the current telemetry message."""
+    vehicle = source.of(sim)
+    failsafe = vehicle.failsafe
+    panel, warnings = vehicle.telemetry(), sim.parameters.scenario.warnings
+    estimate = vehicle.estimate if has_estimate(source) else None
+    measured = gauges(sim, source, estimate)
+    values = dict(measured.values)
+    position_m, std_m = values.pop("position"), values.pop("position_std")
+    return build.message(
+        TELEMETRY,
+        header=build.header(sim.time_ns, source.frame("odom")),
+        position=position_m + source.origin_m,
+        position_std=np.asarray(std_m, np.float32),
+        true_position=source.position_odom_m(sim) if truth else np.full(3, NAN),
+        orientation=_orientation(vehicle, estimate, truth=truth),
+        is_truth=truth,
+        **{name: np.asarray(value, np.float32) if np.ndim(value) else float(value) for name, value in values.items()},
+        mission_time=panel.mission_time_s,
+        battery=panel.battery_percent,
+        tilt=vehicle.sonar.elevation_rad if vehicle.sonars else NAN,
+        thrusters=np.array([thruster.command for thruster in vehicle.thrusters.values()], np.float32),
+        efforts=np.asarray(vehicle.effort, np.float32),
+        lamps=np.array([lamp.on for lamp in vehicle.lamps.values()], bool),
+        released=vehicle.released,
+        range_warning=bool(values["distance_to_station"] > warnings.range_m),
+        proximity_warning=bool(values["distance_to_seabed"] < warnings.proximity_m),
+        collision_warning=panel.collision_warning,
+        collisions=vehicle.collisions,
+        failsafe="" if failsafe is None else failsafe.state,
+        failsafe_cause="" if failsafe is None else failsafe.cause,
+        gauges=list(measured.ages_s),
+        gauge_ages=np.array(list(measured.ages_s.values()), np.float32),
+        **hold_fields(vehicle, estimate),
+        alarms=[*([ALL_STOPPED] if vehicle.all_stopped else []), *(() if failsafe is None else failsafe.alarms)],
+    )
+
+
+def _orientation(vehicle: Vehicle, estimate: Navigator | None, *, truth: bool) -> NDArray[np.float32]:
+    if estimate is None and not truth:
+        return np.full(4, NAN, np.float32)
+    return np.asarray((estimate or vehicle).pose.orientation_xyzw, np.float32)

@@ -1,0 +1,118 @@
+"""Helpers that build messages from arrays: headers, times, poses and transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim.base.quaternions import product
+from uwsim.channels.ros.message_out import default_message, default_value
+from uwsim.channels.ros.message_types import fields as fields_of
+from uwsim.channels.ros.message_types import typestore
+
+IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
+# Rotations from an instrument's frame to its mount's (x ahead, y left, z up).
+OPTICAL_XYZW = (-0.5, 0.5, -0.5, 0.5)  # camera, REP 103: x right, y down, z ahead
+DOWN_XYZW = (1.0, 0.0, 0.0, 0.0)  # DVL, marine_acoustic_msgs/Dvl: x ahead, z along its beams
+FAN_XYZW = (
+    0.5**0.5,
+    0.0,
+    0.5**0.5,
+    0.0,
+)  # imaging sonar, marine_acoustic_msgs/ProjectedSonarImage: x up, z ahead
+
+
+def message(name: str, /, **fields: Any) -> Any:
+    """Return a message of a type such as "sensor_msgs/msg/Imu". Omitted fields get their ROS defaults."""
+    cls, defaults = _plan(name)
+    if len(fields) == len(defaults):
+        try:
+            return cls(**fields)
+        except TypeError:  # an unknown field
+            pass
+    if unknown := fields.keys() - defaults.keys():
+        raise AttributeError(f"{name}: has no field {min(unknown)!r}")
+    return cls(**{field: fields[field] if field in fields else make() for field, make in defaults.items()})
+
+
+@cache
+def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
+    """Return a type's class and, for each field, a factory that creates its default value."""
+    if not fields_of(name, 2):
+        return (lambda: default_message(name)), {}
+    made: dict[str, Callable[[], Any]] = {
+        field.attribute: partial(default_value, field.kind) for field in fields_of(name, 2) if field.attribute
+    }
+    return typestore().types[name], made
+
+
+def time(stamp_ns: int) -> Any:
+    """Return a builtin_interfaces/Time."""
+    sec, nanosec = divmod(int(stamp_ns), 1_000_000_000)
+    return message("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
+
+
+def header(stamp_ns: int, frame_id: str) -> Any:
+    """Return a std_msgs/Header."""
+    return message("std_msgs/msg/Header", stamp=time(stamp_ns), frame_id=frame_id)
+
+
+def text(data: str) -> Any:
+    """Return a std_msgs/String."""
+    return message("std_msgs/msg/String", data=data)
+
+
+def xyz(name: str, values: ArrayLike) -> Any:
+    """Return a message with fields x, y and z, such as geometry_msgs/msg/Point, from (3,)."""
+    x, y, z = np.asarray(values, np.float64).tolist()
+    return message(name, x=x, y=y, z=z)
+
+
+def vector(values: ArrayLike) -> Any:
+    """Return a geometry_msgs/Vector3 from (3,)."""
+    return xyz("geometry_msgs/msg/Vector3", values)
+
+
+def quaternion(orientation_xyzw: ArrayLike) -> Any:
+    """Return a geometry_msgs/Quaternion from (4,)."""
+    x, y, z, w = np.asarray(orientation_xyzw, np.float64).tolist()
+    return message("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+
+
+def pose(position_m: ArrayLike, orientation_xyzw: ArrayLike) -> Any:
+    """Return a geometry_msgs/Pose."""
+    position = xyz("geometry_msgs/msg/Point", position_m)
+    return message("geometry_msgs/msg/Pose", position=position, orientation=quaternion(orientation_xyzw))
+
+
+def transform(
+    stamp_ns: int, parent: str, child: str, position_m: ArrayLike, orientation_xyzw: ArrayLike = IDENTITY_XYZW
+) -> Any:
+    """Return the geometry_msgs/TransformStamped parent_from_child."""
+    moved = message(
+        "geometry_msgs/msg/Transform", translation=vector(position_m), rotation=quaternion(orientation_xyzw)
+    )
+    return message(
+        "geometry_msgs/msg/TransformStamped", header=header(stamp_ns, parent), child_frame_id=child, transform=moved
+    )
+
+
+def mount_xyzw(yaw_pitch_roll_deg: ArrayLike) -> NDArray[np.float64]:
+    """Return a mount's rotation as a quaternion (4,)."""
+    return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()  # type: ignore[no-any-return]
+
+
+def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
+    """Return the product of two rotations as a quaternion (4,)."""
+    return product(first_xyzw, then_xyzw)
+
+
+def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:
+    """Return the rotation about y of a sonar head that is tilted to an elevation (positive: nose up)."""
+    half = -0.5 * elevation_rad
+    return 0.0, float(np.sin(half)), 0.0, float(np.cos(half))

@@ -1,0 +1,71 @@
+"""Flags of commands from classes of options: each parameter of type FlagGroup stands for the flags of its class."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import typer
+
+from uwsim.base.options import Flag, FlagGroup, flag_name
+from uwsim.base.sockets import SocketWarning
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.choices import one_of
+
+
+def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a command's function for typer, with a parameter for each flag of its parameters of type FlagGroup.
+
+    Of flags with the same name, the first is kept. Warns with SocketWarning of others, which only a bridge of another
+    package can have.
+    """
+    hints = get_type_hints(command, include_extras=True)
+    groups = {name: hint for name, hint in hints.items() if isinstance(hint, type) and issubclass(hint, FlagGroup)}
+    if not groups:
+        return command
+    own = inspect.signature(command).parameters
+    found: dict[str, inspect.Parameter] = {}
+    of_group: dict[str, list[str]] = {name: [] for name in groups}
+    for name, parameter in own.items():
+        if name not in groups:
+            found[name] = parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=hints[name])
+            continue
+        for flag, settings in groups[name].flags().items():
+            if flag in found or flag in own.keys() - groups.keys():
+                warnings.warn(f"{flag_name(flag)}: another option has this name", SocketWarning, stacklevel=2)
+                continue
+            found[flag] = _parameter(flag, settings)
+            of_group[name].append(flag)
+
+    @functools.wraps(command)
+    def call(**values: Any) -> Any:
+        for name, group in groups.items():
+            given = {flag: values.pop(flag) for flag in of_group[name]}
+            repeated = [flag for flag in given if _is_repeated(group.flags()[flag])]
+            values[name] = group(**given | {flag: tuple(given[flag] or ()) for flag in repeated})
+        return command(**values)
+
+    call.__signature__ = inspect.Signature(list(found.values()))  # type: ignore[attr-defined]
+    call.__annotations__ = {name: parameter.annotation for name, parameter in found.items()}
+    return call
+
+
+def _parameter(name: str, flag: Flag) -> inspect.Parameter:
+    settings: dict[str, Any] = {"help": flag.help, "metavar": flag.metavar}
+    if flag.choices:
+        settings |= one_of(*flag.choices)
+    if flag.bounds is not None:
+        settings["callback"] = within(*flag.bounds)
+    if Path in get_args(flag.type):
+        settings["callback"] = readable
+    option = typer.Option(flag_name(name), **settings)
+    kind, default = (list[str] | None, None) if _is_repeated(flag) else (flag.type, flag.default)
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
+
+
+def _is_repeated(flag: Flag) -> bool:
+    return get_origin(flag.type) is tuple

@@ -1,0 +1,89 @@
+"""`uwsim identify`: a vehicle's coefficients from a log of its motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.groups import under
+from uwsim.cli.options import Threads
+
+
+@under("Check")
+def identify(
+    log: Annotated[
+        Path,
+        typer.Argument(
+            help="A recording, an MCAP file, a ROS bag (.bag or a folder) or a table (.csv).", metavar="LOG"
+        ),
+    ],
+    vehicle: Annotated[str, typer.Option(help="The vehicle as far as it is known: a packaged name or a YAML file.")],
+    mapping: Annotated[
+        Path | None,
+        typer.Option(
+            "--map",
+            help="Mapping file: where the log has each quantity. Not needed for uwsim's recordings.",
+            callback=readable,
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for vehicle.yaml, report.md and residuals.png.")] = Path(
+        "identified"
+    ),
+    known: Annotated[
+        list[str] | None, typer.Option(help="A quantity to hold, such as mass_kg or added_mass; may be repeated.")
+    ] = None,
+    spread: Annotated[
+        list[str] | None, typer.Option(help="Prior standard deviation, as NAME=STANDARD_DEVIATION; may be repeated.")
+    ] = None,
+    name: Annotated[str, typer.Option(help="The vehicle's name in a recording of several.")] = "",
+    segment: Annotated[
+        float, typer.Option(help="Length of the segments that are simulated [s].", callback=within(1, 1e4, "s"))
+    ] = 60.0,
+    density: Annotated[
+        float, typer.Option(help="Density of the water [kg/m3].", callback=within(900, 1100, "kg/m3"))
+    ] = 1000.0,
+    threads: Threads = None,
+) -> None:
+    """Identify a vehicle's coefficients from a log.
+
+    Estimates mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, the
+    current and the commands' delay, with 95 % intervals; the report lists what the log does not determine. The log must
+    be from well below the surface.
+    """
+    from uwsim.evidence.identification import identify as identified
+    from uwsim.evidence.identification import read_log
+    from uwsim.evidence.identification.motion_log import read_mapping
+    from uwsim.evidence.identification.report import table, undetermined_lines, write_report
+    from uwsim.scenario import load_vehicle
+
+    found = identified(
+        read_log(log, None if mapping is None else read_mapping(mapping), name),
+        load_vehicle(vehicle),
+        spreads=_spreads(spread or []),
+        known=tuple(known or ()),
+        segment_s=segment,
+        density_kg_m3=density,
+        threads=threads,
+    )
+    rows = [("quantity", "before", "identified", "95 % from", "to", "unit", "from the log"), *table(found)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for row in rows:
+        typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    for line in undetermined_lines(found):
+        typer.echo(f"not determined: {line}")
+    for path in write_report(found, log.name, out):
+        typer.echo(str(path))
+
+
+def _spreads(given: list[str]) -> dict[str, float]:
+    spreads = {}
+    for text in given:
+        key, _, value = text.partition("=")
+        try:
+            spreads[key] = float(value)
+        except ValueError:
+            raise ValueError(f"--spread {text}: must be NAME=NUMBER") from None
+    return spreads

@@ -1,0 +1,25 @@
+"""`uwsim reproduce`: reproduce published figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.choices import one_of
+from uwsim.cli.groups import under
+
+
+@under("Check")
+def reproduce(
+    what: Annotated[str, typer.Argument(help="What to reproduce: paper.", **one_of("paper"))] = "paper",
+    out: Annotated[Path, typer.Option(help="Folder for the pictures, their values and the page.")] = Path("paper"),
+) -> None:
+    """Reproduce the paper's figures with uwsim.
+
+    Writes fig01.png to fig12.png, the values behind them (figures.json), and index.html.
+    """
+    from uwsim.evidence.reproduce import reproduce_paper
+
+    reproduce_paper(out, typer.echo)

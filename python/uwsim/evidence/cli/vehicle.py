@@ -1,0 +1,108 @@
+"""`uwsim vehicle`: a report on a vehicle's file, in the terminal and as an HTML page, or a draft of the file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
+
+from uwsim.base.axes import AXES
+from uwsim.cli.bounds import UsageError, within
+from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.groups import under
+from uwsim.cli.values import vehicles
+
+DRIVEN = "surge,heave,yaw"
+SHORT = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
+
+
+@under("Scenarios and maps")
+def vehicle(
+    file: Annotated[
+        str,
+        typer.Argument(
+            help="A vehicle's YAML file, or the name of a packaged one; with --draft, a mesh: STL, OBJ, PLY, glTF.",
+            autocompletion=vehicles,
+        ),
+    ],
+    out: Annotated[Path | None, typer.Option(help="The HTML page to write. Default: no page.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    draft: Annotated[bool, typer.Option("--draft", help="Print a vehicle's YAML file, estimated from a mesh.")] = False,
+    axes: Annotated[
+        str | None, typer.Option(help=f"Axes that the draft's thrusters drive, of {','.join(AXES)}. Default: {DRIVEN}.")
+    ] = None,
+    mass_kg: Annotated[
+        float | None, typer.Option(help="The draft's mass [kg]. Default: neutral.", callback=within(0.01, 1e6, "kg"))
+    ] = None,
+    unit: Annotated[
+        str | None, typer.Option(help=f"The mesh's unit: {', '.join(SHORT)}. Default: guessed from its size or mass.")
+    ] = None,
+) -> None:
+    """Report how a vehicle floats, moves and sees.
+
+    Covers mass, buoyancy, trim and righting; added mass and drag beside estimates from the hull's shape (Lamb's
+    ellipsoid, Hoerner, panels); a straight run, terminal speeds and turning circles; eigenvalues of its linear motion;
+    the rank and authority of its thrusters; and how much of its own hull each instrument sees. All values are for deep,
+    still, fresh water. Exits with 1 if the file has a mistake.
+
+    With --draft, `uwsim vehicle hull.stl --draft > mine.yaml` writes the file instead: mass, added mass (panels), drag
+    (Hoerner, ITTC-57), thrusters, fins and sensors, each with its method and spread. `uwsim survey lake --vehicle-model
+    mine.yaml` flies it.
+    """
+    if draft:
+        if out is not None or as_json:
+            raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
+        _print_draft(Path(file), axes or DRIVEN, mass_kg, unit)
+        return
+    for option, value in (("--axes", axes), ("--mass-kg", mass_kg), ("--unit", unit)):
+        if value is not None:
+            raise UsageError(f"{option} has no effect without --draft")
+    from uwsim.evidence.scenario_check import check_part
+    from uwsim.evidence.vehicle.report import vehicle_report
+    from uwsim.evidence.vehicle.text import report_lines
+
+    check = check_part(file, "vehicle")
+    for mistake in check.mistakes:
+        typer.echo(f"uwsim: error: {mistake}", err=True)
+    if check.simulator is None or check.vehicle is None:
+        raise typer.Exit(FAILED)
+    report = vehicle_report(check.simulator, check.vehicle)
+    if as_json:
+        typer.echo(json.dumps({**report.to_dict(), "warnings": list(check.warnings)}, indent=1))
+    else:
+        typer.echo("\n".join([f"{check.file}: {report.model.name}", *report_lines(report)]))
+    for warning in check.warnings:
+        typer.echo(f"uwsim: warning: {warning}", err=True)
+    if out is not None:
+        from uwsim.evidence.vehicle.page import write_page
+
+        write_page(out, report, check.warnings)
+        typer.echo(f"page: {out}", err=as_json)
+
+
+def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None) -> None:
+    """Print the draft, after it has been built once; notes and warnings go to stderr."""
+    chosen = tuple(axis.strip() for axis in axes.split(","))
+    if wrong := [axis for axis in chosen if axis not in AXES]:
+        raise UsageError(f"--axes = '{wrong[0]}': must be of {', '.join(AXES)}")
+    if unit is not None and unit not in SHORT:
+        raise UsageError(f"--unit = '{unit}': must be one of {', '.join(SHORT)}")
+    from uwsim.evidence.scenario_check import check_part
+    from uwsim.evidence.vehicle.draft import drafted
+
+    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit])
+    with TemporaryDirectory() as folder:
+        (path := Path(folder) / "draft.yaml").write_text(made.text, encoding="utf-8")
+        check = check_part(path, "vehicle")
+    for mistake in check.mistakes:
+        typer.echo(f"uwsim: error: {mistake.replace(str(path), 'draft')}", err=True)
+    if check.mistakes:
+        raise typer.Exit(FAILED)
+    for note in made.notes:
+        typer.echo(f"uwsim: {note}", err=True)
+    for warning in dict.fromkeys(check.warnings):
+        typer.echo(f"uwsim: warning: {warning}", err=True)
+    typer.echo(made.text, nl=False)

@@ -1,0 +1,18 @@
+"""The suites of `uwsim validate`, by name, with their modules; the command line reads them without importing them."""
+
+SUITES = {
+    "dynamics": "uwsim.evidence.validate.dynamics",
+    "sonar": "uwsim.evidence.validate.sonar",
+    "imaging": "uwsim.evidence.validate.imaging",
+    "camera": "uwsim.evidence.validate.camera",
+    "link": "uwsim.evidence.validate.link",
+    "sound": "uwsim.evidence.validate.sound",
+    "control": "uwsim.evidence.validate.control",
+    "estimation": "uwsim.evidence.validate.estimation",
+    "identification": "uwsim.evidence.validate.identification",
+    "reality": "uwsim.evidence.validate.reality",
+    "peers": "uwsim.evidence.validate.peers",
+}
+RECORDED = ("sound", "reality")
+ON_REQUEST = ("reality", "peers")
+"""Suites that need data or additional packages."""

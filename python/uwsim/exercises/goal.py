@@ -1,0 +1,78 @@
+"""A goal of an exercise: a model with its YAML keys, and a Progress that judges moments 0.1 s apart.
+
+Each kind is one file in `goals`, registered in the entry point group `uwsim.kinds.goal`; docs/inside/extend.md adds one
+from another package.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from uwsim.exercises.moment import Floats, Moment
+from uwsim.scenario.spec.fields import InRange, Model, Name
+from uwsim.scenario.spec.kinds import Kinds
+
+Duration = Annotated[float, InRange(0.1, 1e5, "s")]
+Within = Annotated[float, InRange(0.01, 1000, "m")]
+Points = Annotated[float, InRange(0, 1000)]
+
+
+class Progress(ABC):
+    """How much of a goal has been met. share: in [0, 1]. errors_m: deviations from the value to be held, if any."""
+
+    def __init__(self) -> None:
+        self.share = 0.0
+        self.errors_m: list[float] = []
+        self.times_s: list[float] = []
+
+    @property
+    def is_met(self) -> bool:
+        """True once the goal has been met in full."""
+        return self.share >= 1.0
+
+    @abstractmethod
+    def judge(self, moment: Moment, period_s: float) -> None:
+        """Judge the next moment, period_s after the last."""
+
+    def note(self, time_s: float, error_m: float) -> None:
+        """Record an error for the debriefing."""
+        self.times_s.append(time_s)
+        self.errors_m.append(error_m)
+
+
+class GoalModel(Model):
+    """The keys that all goals share.
+
+    name: used in `after`. title: shown to the pilot. points: awarded for meeting it. after: the name of a goal that
+    must be met before this one counts.
+    """
+
+    name: Name
+    title: str = Field(min_length=1, max_length=120)
+    points: Points = 10.0
+    after: Name | None = None
+
+    if TYPE_CHECKING:
+        kind: str
+
+    def begun(self) -> Progress:
+        """Return the goal's progress at the beginning."""
+        raise NotImplementedError
+
+
+GOALS = Kinds("uwsim.kinds.goal", GoalModel)
+Goal = Annotated[GoalModel, GOALS]
+
+
+def inside(points: Floats, corners: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2), by the even-odd rule."""
+    x, y = points.T
+    inside = np.zeros(len(points), np.bool_)
+    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if y0 != y1:
+            inside ^= ((y0 > y) != (y1 > y)) & (x < (x1 - x0) * (y - y0) / (y1 - y0) + x0)
+    return inside

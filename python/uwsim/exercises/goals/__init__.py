@@ -1,0 +1,1 @@
+"""The kinds of goals, one file each; see uwsim.exercises.goal."""

@@ -1,0 +1,49 @@
+"""The goal `pass`: the vehicle passes through an opening."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from uwsim.exercises.goal import GoalModel, Progress, Within
+from uwsim.exercises.moment import Moment
+from uwsim.scenario.spec.fields import Degrees, Point3
+
+
+class Pass(GoalModel):
+    """Pass through an opening, such as a gate.
+
+    position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east. within_m: its radius.
+    """
+
+    kind: Literal["pass"]
+    position_m: Point3
+    heading_deg: Degrees
+    within_m: Within = 1.0
+
+    def begun(self) -> Progress:
+        """See GoalModel."""
+        return _Passing(self)
+
+
+class _Passing(Progress):
+    def __init__(self, goal: Pass) -> None:
+        super().__init__()
+        self._goal, self._before = goal, (0.0, np.zeros(3))
+        heading = math.radians(goal.heading_deg)
+        self._ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+        self._has_before = False
+
+    def judge(self, moment: Moment, period_s: float) -> None:
+        offset = moment.position_world_m - np.array(self._goal.position_m)
+        depth_m = float(offset @ self._ahead)
+        (before_m, old), self._before = self._before, (depth_m, offset)
+        if self._has_before and before_m < 0.0 <= depth_m:
+            crossing = old + (offset - old) * (-before_m / (depth_m - before_m))
+            error_m = float(np.linalg.norm(crossing))
+            self.note(moment.time_s, error_m)
+            if error_m <= self._goal.within_m:
+                self.share = 1.0
+        self._has_before = True

@@ -1,0 +1,89 @@
+"""Sensors in Python: what is measured by one of the core's kinds becomes the quantities of another kind, with noise.
+
+Each error is a function of the seed, the sensor's name, the quantity and the time of the sample (Philox,
+counter-based). A derived sensor therefore has no state: samples are the same however often they are read, in a replay
+and after `restore_state`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, make_dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.instruments.readings import Reading
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sensor_kind import DerivedKind, Widths, figures_of
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """Computes a sensor's readings. name: "vehicle/sensor", of its random stream. rate_hz: of its samples.
+
+    seed: returns the run's.
+    """
+
+    kind: DerivedKind
+    mount: SensorMount
+    name: str
+    rate_hz: float
+    seed: Callable[[], int]
+
+    def reading(self, values: Mapping[str, Any], stamp_ns: int, *, noise: bool) -> dict[str, Any]:
+        """Return the quantities by name, numbers or arrays (n,), from those of the source. Raises ValueError."""
+        given = self.kind.measure(values, figures_of(self.kind, self.mount.parameters), 1e-9 * stamp_ns)
+        if set(given) != set(self.kind.fields):
+            rule = f"must measure {', '.join(self.kind.fields)}"
+            raise ValueError(f"sensor kind '{self.kind.name}': measured {', '.join(given) or 'nothing'}: {rule}")
+        found: dict[str, Any] = {}
+        for name, (width, _) in self.kind.fields.items():
+            value = np.array(given[name], np.float64).reshape(width)
+            if noise:
+                value = self._with_errors(name, value, stamp_ns)
+            found[name] = float(value[0]) if width == 1 else value
+        return found
+
+    def rows(self, stamps_ns: Any, readings: Floats, source: Widths) -> Floats:
+        """Return readings (n, width), the columns of all fields side by side, from those of the source."""
+        starts = np.cumsum([width for width, _ in source.values()])[:-1]
+        found = []
+        for stamp_ns, row in zip(stamps_ns, readings, strict=True):
+            parts = zip(source, np.split(row, starts), strict=True)
+            values = {name: float(part[0]) if len(part) == 1 else part for name, part in parts}
+            reading = self.reading(values, int(stamp_ns), noise=True)
+            found.append(np.hstack([np.ravel(reading[name]) for name in self.kind.fields]))
+        return np.array(found, np.float64).reshape(len(found), sum(width for width, _ in self.kind.fields.values()))
+
+    def _with_errors(self, channel: str, value: Floats, stamp_ns: int) -> Floats:
+        noise = self.mount.channels.get(channel) or self.mount.noise or Noise(std=self.mount.noise_std or 0.0)
+        std = np.hypot(noise.std, noise.density * np.sqrt(self.rate_hz))
+        if std > 0.0:
+            value = value + std * self._draw(channel, stamp_ns + 1, len(value))
+        if noise.turn_on_std > 0.0:
+            value = value + noise.turn_on_std * self._draw(channel, 0, len(value))
+        if noise.quantum > 0.0:
+            value = noise.quantum * np.round(value / noise.quantum)
+        return value if noise.limits is None else np.clip(value, *noise.limits)
+
+    def _draw(self, channel: str, count: int, width: int) -> Floats:
+        """Return `width` normally distributed numbers for the sample `count`; 0 is the beginning of the run."""
+        words = f"sensor/{self.name}/{channel}".encode()
+        stream = int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little")
+        key = np.array([self.seed(), stream], np.uint64)
+        counter = np.array([0, count, 0, 0], np.uint64)  # the first word counts within a draw
+        return np.random.Generator(np.random.Philox(key=key, counter=counter)).standard_normal(width)
+
+
+def reading_class(kind: DerivedKind) -> type[Reading] | None:
+    """Return a class for readings of several quantities; None if a reading is a single number."""
+    if [width for width, _ in kind.fields.values()] == [1]:
+        return None
+    name = "".join(part.capitalize() for part in kind.name.replace("-", "_").split("_")) + "Reading"
+    each = [(field, Any) for field in kind.fields]
+    return make_dataclass(name, each, bases=(Reading,), frozen=True, eq=False, repr=False)

@@ -1,0 +1,132 @@
+"""The link of a flight: carries messages to the station, which builds a map from the pings that arrive."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from uwsim.channels import Table
+from uwsim.channels.families.map import PLACED
+from uwsim.flight.attachment import Attachment, Departure
+from uwsim.flight.pinging import SURVEYED
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.vehicle_chain import ping_steps
+from uwsim.link import Carrier
+from uwsim.link.ashore import placed_points
+from uwsim.link.carried import carried_channels
+from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.simulator.link_traffic import LinkRow, link_rows
+from uwsim.simulator.network import STATION
+from uwsim.simulator.simulator import Simulator
+
+
+class Ashore:
+    """Collects a vehicle's pings as they arrive, as an Observer of the simulator's journal.
+
+    table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
+    selects what its link carries; if None, all channels that the link can carry. steps: simulator steps between
+    collections. saved: a result of `save` to continue from. Nothing on board depends on the link.
+    """
+
+    def __init__(
+        self, sim: Simulator, table: Table, vehicle: str, steps: int, *, only: tuple[str, ...] | None,
+        saved: dict[str, Any] | None,
+    ) -> None:  # fmt: skip
+        assert sim.link is not None
+        self._sim, self._network, self._steps = sim, sim.link, steps
+        carried = carried_channels(table.channels, sim)
+        named = {one.channel.name: one for one in carried if one.vehicle == vehicle}
+        self._ping = next((one for name, one in named.items() if name.endswith(PLACED)), None)
+        self._reach_m = sim.vehicles[vehicle].sonar.model.range_max_m
+        self._pings = [base64.b64decode(ping) for ping in saved["pings"]] if saved else []
+        self._looked_ns = int(saved["looked_ns"]) if saved else sim.time_ns
+        self.due_tick = int(saved["due_tick"]) if saved else sim.tick + steps
+        self._carrier = Carrier(sim, table, only=only)
+        self._seen = [one for one in self._carrier.channels if one.name.endswith(SURVEYED)]
+        self._carrier.start(saved["carrier"] if saved else None)
+
+    def observe(self) -> None:
+        """Collect the pings that have arrived since the last call, since the link does not keep them."""
+        self.due_tick = self._sim.tick + self._steps
+        for channel in self._seen:
+            channel.read(self._sim)  # over a cable, a channel is sent only if something reads it
+        for got in self._network.received(STATION, 1e-9 * self._looked_ns):
+            if self._ping is not None and got.topic == self._ping.channel.name:
+                self._pings.append(got.payload)
+        self._looked_ns = self._sim.time_ns
+
+    def save(self) -> dict[str, Any]:
+        """Return everything that future results depend on, as JSON values."""
+        pings = [base64.b64encode(ping).decode() for ping in self._pings]
+        return {
+            "pings": pings, "looked_ns": self._looked_ns, "due_tick": self.due_tick, "carrier": self._carrier.save(),
+        }  # fmt: skip
+
+    def close(self) -> None:
+        """Stop sending messages over the link."""
+        self._carrier.close()
+
+    @property
+    def ping_count(self) -> int:
+        """Number of pings that have arrived."""
+        return len(self._pings)
+
+    def table(self) -> list[LinkRow]:
+        """Return the numbers of messages sent, delivered, lost and late, by topic."""
+        return link_rows(self._sim)
+
+    def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:
+        """Return a map built from the pings that have arrived."""
+        made = OccupancyMap(resolution_m=resolution_m, engine=engine)
+        for payload in self._pings:
+            assert self._ping is not None
+            points, origin = placed_points(self._ping.packing.unpack(payload, self._ping.channel))
+            made.insert_scan(points, origin, self._reach_m)
+        return made
+
+
+class LinkAttachment(Attachment):
+    """Carries a flight's messages over the scenario's link; of a mapping flight, the first vehicle's pings."""
+
+    def __init__(self, flight: Departure) -> None:
+        self._flight = flight
+        tables = [other.table for other in flight.others.values() if other.table is not None]
+        self.table = tables[0] if tables else None
+        self._ashore: Ashore | None = None
+
+    @contextmanager
+    def flying(self) -> Iterator[None]:
+        """Carry messages while the mission is flown."""
+        sim, name = self._flight.sim, self._flight.names[0]
+        table = self.table or Table(sim)  # shared with a recorder
+        if not self._flight.has_map:
+            with Carrier(sim, table):
+                yield
+            return
+        carried, saved = self._flight.carried, self._flight.saved.get("link")
+        self._ashore = Ashore(sim, table, name, ping_steps(sim, name), only=carried, saved=saved)
+        try:
+            yield
+        finally:
+            self._ashore.close()
+
+    @property
+    def observer(self) -> Ashore | None:
+        """The station's end."""
+        return self._ashore
+
+    def save(self) -> dict[str, Any] | None:
+        """Return the station's pings and the messages on their way."""
+        return None if self._ashore is None else self._ashore.save()
+
+    def ended(self, flown: FlightRecord) -> FlightRecord:
+        """Return the record with the station's end."""
+        return replace(flown, ashore=self._ashore)
+
+
+def attach(flight: Departure) -> LinkAttachment:
+    """Return the attachment of a flight in a scenario with a link."""
+    return LinkAttachment(flight)

@@ -1,0 +1,95 @@
+"""The formats of files of maps, clouds and depth grids, which packages register as entry points named by their suffix.
+
+The group `uwsim.kinds.cloud_file` has the entry `ply`, and `CLOUD_FORMATS[".ply"]` is its object. Each format is one
+file, which is imported when it is looked up; docs/inside/extend.md adds one from another package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.sockets import load, registered
+
+if TYPE_CHECKING:
+    from uwsim.mapping.depth_grid import DepthGrid
+    from uwsim.mapping.files.georeference import Georeference
+    from uwsim.mapping.occupancy_map import OccupancyMap
+
+Origin = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class MapFileFormat:
+    """A format of occupancy maps.
+
+    content: what a file holds. read(path, origin_world_m): returns the map; raises OSError or ValueError. write(map,
+    path): writes it atomically, as uwsim.base.atomic_file does. has_probabilities: whether a file distinguishes more
+    than occupied and free.
+    """
+
+    content: str
+    read: Callable[[Path, Origin], OccupancyMap]
+    write: Callable[[OccupancyMap, Path], None]
+    has_probabilities: bool = False
+
+
+@dataclass(frozen=True)
+class CloudFormat:
+    """A format of point clouds.
+
+    encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes; raises ValueError. decode: the reverse;
+    may raise any exception. text_mark: the part of a header that declares the numbers to be text; None if all files are
+    binary.
+    """
+
+    encode: Callable[[NDArray[np.floating]], bytes]
+    decode: Callable[[bytes], NDArray[np.float64]]
+    text_mark: bytes | None = None
+
+
+@dataclass(frozen=True)
+class GridFormat:
+    """A format of depth grids, which are only written. write: does so atomically, as uwsim.base.atomic_file does."""
+
+    write: Callable[[Path, DepthGrid, Georeference], None]
+
+
+Format = TypeVar("Format")
+
+
+class Formats(Mapping[str, Format], Generic[Format]):
+    """The formats of a group of entry points, by suffix. Raises ValueError for one of a broken package."""
+
+    def __init__(self, group: str, of: type[Format]) -> None:
+        self._group, self._of = group, of
+
+    def __getitem__(self, suffix: str) -> Format:
+        if suffix not in self:
+            raise KeyError(suffix)
+        found: Format = load(self._group, suffix.removeprefix("."), self._fitting)
+        return found
+
+    def __contains__(self, suffix: object) -> bool:
+        return suffix in list(self)
+
+    def __iter__(self) -> Iterator[str]:
+        return (f".{name}" for name in registered(self._group))
+
+    def __len__(self) -> int:
+        return len(registered(self._group))
+
+    def _fitting(self, name: str, found: Any) -> Any:
+        if not isinstance(found, self._of):
+            raise TypeError(f"must be a {self._of.__module__}.{self._of.__name__}")
+        return found
+
+
+MAP_FORMATS = Formats("uwsim.kinds.map_file", MapFileFormat)
+CLOUD_FORMATS = Formats("uwsim.kinds.cloud_file", CloudFormat)
+GRID_FORMATS = Formats("uwsim.kinds.grid_file", GridFormat)

@@ -1,0 +1,143 @@
+"""Changes of lane for a vehicle that cannot go sideways: it flies curves ahead, and holds a line by its course."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.missions.dubins import dubins_points
+from uwsim.missions.lanes import Lane
+from uwsim.missions.lawn_mower_state import LegStart, MowerState
+from uwsim.missions.lookout import Lookout
+from uwsim.missions.steps import Steps
+from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.protocols import Watch
+
+STEP_M = 0.5
+FIRST_RATE_RAD_S, FIRST_RADIUS_M = 0.35, 2.0  # rate of turn of the first curve; it is flown wider until it succeeds
+WIDER = 1.5
+RUN_IN = 2.0  # distances ahead that are flown along a lane's line before the lane begins
+GRACE_S = 60.0
+ENTERED_M, ENTERED_RAD = 1.5, math.radians(60.0)  # how far from its line, and turned from it, a lane is entered
+MOST_DRIFT_RAD = math.radians(40.0)
+UNDER_WAY_M_S, TURNING_RAD_S = 0.2, 0.2
+
+
+Ended = Literal["entered", "missed", "blocked"]
+
+
+class LaneCurves:
+    """Flies the curves of a survey. ahead_m: the distance ahead, on its path, to the point that the vehicle aims at."""
+
+    def __init__(self, lookout: Lookout, clock: Watch, speed_m_s: float) -> None:
+        self._lookout, self._clock, self._speed_m_s = lookout, clock, speed_m_s
+        self.ahead_m = 1.5 + 1.5 * speed_m_s
+
+    def onto(self, lane: Lane, entry_m: NDArray[np.float64], start: LegStart, state: MowerState) -> Steps[Ended]:
+        """Fly the shortest curve onto a lane, which the vehicle joins before a point of it.
+
+        If it misses the lane, the next curve will be wider. Raises StoppedError if it is stuck.
+        """
+        state.radius_m = state.radius_m or max(FIRST_RADIUS_M, self._speed_m_s / FIRST_RATE_RAD_S)
+        along_m = lane.locate(entry_m)[0]
+        path = curve_onto(lane, along_m, start.position_world_m, start.yaw_rad, state.radius_m, RUN_IN * self.ahead_m)
+        path.reached = state.reached
+        end_s = start.time_s + GRACE_S + 3.0 * path.length_m / self._speed_m_s
+        while True:
+            here = self._here()
+            aim, state.reached = path.aim(here, self.ahead_m), path.reached
+            if path.is_straight and lane.locate(np.array(here))[0] >= along_m:
+                break
+            if self._lookout.shoals.blocks(here, aim):
+                return "blocked"
+            if path.off_m > self.ahead_m:
+                state.radius_m *= WIDER
+                return "missed"
+            if self._clock.time_s > end_s:
+                raise StoppedError(f"stuck {math.dist(here, entry_m):.0f} m before a lane")
+            yield from self.make_for(aim)
+        if has_entered(lane, here, float(self._lookout.vehicle.pose.yaw_rad)):
+            return "entered"
+        state.radius_m *= WIDER
+        return "missed"
+
+    def around(self, goal_m: tuple[float, float], start: LegStart) -> Steps[bool]:
+        """Fly around shoals until none is in the way of a point; return False if there is no path."""
+        while (aim := self._lookout.shoals.next_point(self._here(), goal_m)) != goal_m:
+            if aim is None or self._clock.time_s > start.time_s + GRACE_S:
+                return aim is not None
+            yield from self.make_for(aim)
+        return True
+
+    def make_for(self, aim_m: tuple[float, float]) -> Steps[None]:
+        """Fly ahead for one control period, on a course over ground towards a point."""
+        x, y = self._here()
+        course_rad, speed = math.atan2(aim_m[1] - y, aim_m[0] - x), self._speed_m_s
+        velocity = (speed * math.cos(course_rad), speed * math.sin(course_rad))
+        yield from self._lookout.steer(heading_for(course_rad, self._lookout.vehicle), velocity)
+
+    def _here(self) -> tuple[float, float]:
+        x, y, _ = self._lookout.vehicle.pose.position_world_m.tolist()
+        return x, y
+
+
+class PathAhead:
+    """A path of points (n, 2) that ends in a straight piece, and how far along it a vehicle has come.
+
+    straight_from: the index of the first point of the straight piece. reached: that of the point nearest to the
+    vehicle, which lies off_m away.
+    """
+
+    def __init__(self, points_m: NDArray[np.float64], straight_from: int) -> None:
+        self._points, self._straight_from, self.reached, self.off_m = points_m, straight_from, 0, 0.0
+
+    @property
+    def length_m(self) -> float:
+        """The length of the path, about."""
+        return STEP_M * len(self._points)
+
+    @property
+    def is_straight(self) -> bool:
+        """True once the vehicle has reached the straight piece."""
+        return self.reached >= self._straight_from
+
+    def aim(self, position_m: Sequence[float], ahead_m: float) -> tuple[float, float]:
+        """Return the point ahead_m further than the one nearest to the vehicle, which never goes back."""
+        ahead = math.ceil(ahead_m / STEP_M)
+        window = self._points[self.reached : self.reached + 2 * ahead]
+        distances_m = np.linalg.norm(window - np.asarray(position_m)[:2], axis=1)
+        nearest = int(np.argmin(distances_m))
+        self.reached, self.off_m = self.reached + nearest, float(distances_m[nearest])
+        x, y = self._points[min(self.reached + ahead, len(self._points) - 1)].tolist()
+        return x, y
+
+
+def curve_onto(
+    lane: Lane, along_m: float, start_m: Sequence[float], yaw_rad: float, radius_m: float, run_in_m: float
+) -> PathAhead:
+    """Return the shortest path from a pose onto a lane's line, which it joins run_in_m before along_m of the lane."""
+    join_m = lane.start_m + (along_m - run_in_m) * lane.direction
+    turn = dubins_points((start_m[0], start_m[1], yaw_rad), (*join_m.tolist(), lane.heading_rad), radius_m, STEP_M)
+    on = np.arange(STEP_M, 2.0 * run_in_m, STEP_M)
+    return PathAhead(np.concatenate([turn, join_m + on[:, None] * lane.direction]), len(turn))
+
+
+def has_entered(lane: Lane, position_m: Sequence[float], yaw_rad: float) -> bool:
+    """Return whether a vehicle is on a lane's line, and turned along it, or across it against a current."""
+    across_m = lane.locate(np.asarray(position_m))[1]
+    return abs(across_m) <= ENTERED_M and abs(wrap_angle(yaw_rad - lane.heading_rad)) <= ENTERED_RAD
+
+
+def heading_for(course_rad: float, vehicle: Any) -> float:
+    """Return the heading with which a vehicle makes a course over ground: against its drift, as measured now."""
+    surge_m_s, sway_m_s, _ = vehicle.velocity.linear_body_m_s
+    if surge_m_s < UNDER_WAY_M_S:
+        return course_rad
+    turning = min(abs(float(vehicle.velocity.angular_body_rad_s[2])) / TURNING_RAD_S, 1.0)  # in turns, it slips as well
+    drift_rad = (1.0 - turning) * math.atan2(sway_m_s, surge_m_s)
+    return course_rad - min(max(drift_rad, -MOST_DRIFT_RAD), MOST_DRIFT_RAD)

@@ -1,0 +1,1 @@
+"""Commands for the station, exercises and teleop."""

@@ -1,0 +1,149 @@
+"""`uwsim exercise`: fly an exercise with a script as its pilot, or serve it at the operator's station."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from uwsim.base.options import WithoutEffectError, need
+from uwsim.bridges.page import page_url
+from uwsim.cli.access import INSTRUCTOR_VARIABLE, Tokens, secret
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
+from uwsim.cli.flights import Out
+from uwsim.cli.groups import under
+from uwsim.cli.options import Record, Threads
+from uwsim.cli.values import exercises
+from uwsim.operator.cli.station import KEPT, InstructorToken, InstructorTokenFile, instructor_text, kept_flights
+
+if TYPE_CHECKING:
+    from uwsim.exercises import Exercise
+    from uwsim.operator.station.flights import Bounds
+
+
+@under("Fly")
+def exercise(
+    *,
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="A packaged exercise, or the path of a YAML file. Without it, the packaged ones are listed.",
+            show_default=False,
+            autocompletion=exercises,
+        ),
+    ] = None,
+    pilot: Annotated[
+        Path | None,
+        typer.Option(
+            help="A Python file with `def mission(vehicle): yield ...`, which flies it headless.", callback=readable
+        ),
+    ] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="Serve it at the operator's station, for a person.")] = False,
+    out: Out = Path("out"),
+    record: Record = None,
+    port: Annotated[
+        int | None,
+        typer.Option(help="Port of --serve; 0 chooses a free one. Default: 9090.", callback=within(0, 65535)),
+    ] = None,
+    tokens: Tokens,
+    instructor_token: InstructorToken = None,
+    instructor_token_file: InstructorTokenFile = None,
+    keep_flights: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COUNT,MB",
+            help="With --serve: how many flights, and how many MB, are kept in the folder flights of --out. Default: "
+            f"{KEPT}.",
+        ),
+    ] = None,
+    threads: Threads = None,
+) -> None:
+    """Fly an exercise with goals, limits and events.
+
+    It is judged by the vehicle's true state. Writes score.json and sheet.html, the debriefing. Exits with 4 if the
+    score is too low to pass.
+    """
+    from uwsim.exercises import exercise_names, load_exercise
+
+    if name is None:
+        for each in exercise_names():
+            found = load_exercise(each)
+            typer.echo(f"{each:14} {found.title} ({found.points:g} points, {found.time_s:g} s, {found.scenario})")
+        return
+    if not serve:
+        need("--serve", port=port, **tokens.given(), keep_flights=keep_flights)
+        need("--serve", instructor_token=instructor_token, instructor_token_file=instructor_token_file)
+    if serve == (pilot is not None):
+        raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
+    found = load_exercise(name)
+    if serve:
+        if record is not None:
+            raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
+        bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
+        secret_instructor = secret("--instructor-token", instructor_token, instructor_token_file, INSTRUCTOR_VARIABLE)
+        shown = secret_instructor and (instructor_token or "TOKEN")
+        _serve(found, out, 9090 if port is None else port, tokens, secret_instructor, shown, bounds, threads)
+        return
+    from uwsim.exercises.flight import fly_exercise
+    from uwsim.flight.terminal import Terminal
+
+    course, flown = fly_exercise(found, pilot, out, threads=threads, record=record, screen=Terminal())
+    for row in score_lines(course.sheet()):
+        typer.echo(row)
+    typer.echo(f"{out / 'score.json'}  {out / 'sheet.html'}")
+    if flown.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if not course.has_passed:
+        raise typer.Exit(INCOMPLETE)
+
+
+def score_lines(sheet: dict[str, Any]) -> list[str]:
+    """Return the score as lines of text."""
+    lines = [f"{goal['scored']:6.1f} of {goal['points']:g}  {goal['title']}" for goal in sheet["goals"]]
+    lines += [
+        f"{-each['cost']:6.1f}       {each['title']}, broken at {each['time_s']:.1f} s" for each in sheet["broken"]
+    ]
+    lines += [
+        f"{-aid['cost']:6.1f}       {aid['kind']}, used for {aid['used_s']:.1f} s"
+        for aid in sheet["aids"]
+        if aid["used_s"]
+    ]
+    verdict = "passed" if sheet["has_passed"] else f"not passed, which takes {sheet['pass_points']:g}"
+    if not sheet["is_valid"]:
+        verdict = f"not valid: {sheet['invalid_because']}"
+    return [*lines, f"{sheet['score']:6.1f} of {sheet['points']:g}  {verdict}; {sheet['ended_because']}"]
+
+
+def _serve(
+    found: Exercise,
+    out: Path,
+    port: int,
+    tokens: Tokens,
+    secret_instructor: str | None,
+    shown: str | None,
+    bounds: Bounds,
+    threads: int | None,
+) -> None:
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.admission import has_token
+    from uwsim.cli.run_live import wait_for_interrupt
+    from uwsim.operator.station import Site, Station
+
+    hub = Station(
+        is_fixed=True,
+        truth=False,
+        threads=threads,
+        folder=out,
+        instructor_token=secret_instructor,
+        keep_flights=bounds,
+    )
+    accessible = tokens.settings("127.0.0.1")
+    secret_token = accessible["token"]
+    site = Site(hub, lambda request: secret_token is None or has_token(request, secret_token))
+    with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):
+        hub.run_exercise(found)
+        url = page_url(server.url, tokens.token)
+        where = f"the exercise is at {url}{instructor_text(url, shown)}; its sheets will be in {out}"
+        wait_for_interrupt(f"{where}; Ctrl-C ends it")

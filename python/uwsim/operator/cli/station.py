@@ -1,0 +1,138 @@
+"""`uwsim station`: the operator's station, a web page for choosing a scenario, flying and mapping."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwsim.bridges.cli.serve import Origin, Wire
+from uwsim.bridges.page import page_url
+from uwsim.cli.access import INSTRUCTOR_VARIABLE, Access, secret
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.groups import under
+from uwsim.cli.options import Threads
+from uwsim.cli.values import modems, scenarios
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.flights import Bounds
+
+Truth = Annotated[
+    bool, typer.Option("--truth/--no-truth", help="Show pilots the true position, or only the instruments' values.")
+]
+
+InstructorToken = Annotated[
+    str | None,
+    typer.Option(
+        help="Token of an instructor, who changes the world on the page that is printed; the pilot then neither sees "
+        "nor changes parameters. At least 8 characters. All users of this machine can see it: prefer "
+        f"--instructor-token-file, or the environment variable {INSTRUCTOR_VARIABLE}."
+    ),
+]
+InstructorTokenFile = Annotated[
+    Path | None, typer.Option(help="File with the token, in place of --instructor-token.", callback=readable)
+]
+
+KeepFlights = Annotated[
+    str,
+    typer.Option(
+        metavar="COUNT,MB",
+        help="How many flights, and how many MB, are kept in the folder flights; each is recorded separately, "
+        "and the oldest are deleted first. 0,1 records none.",
+    ),
+]
+KEPT = "50,2000"
+
+
+@under("Connect")
+def station(
+    *,
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            help="Scenario preselected on the start screen: a name or a YAML file.", autocompletion=scenarios
+        ),
+    ] = "lake",
+    port: Annotated[
+        int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
+    ] = 9090,
+    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any that other machines can reach.")] = (
+        "127.0.0.1"
+    ),
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
+    link: Annotated[
+        str | None,
+        typer.Option(help="Modem preselected on the start screen: a packaged one's name.", autocompletion=modems),
+    ] = None,
+    truth: Truth = True,
+    wire: Wire = None,
+    origin: Origin = None,
+    access: Access,
+    instructor_token: InstructorToken = None,
+    instructor_token_file: InstructorTokenFile = None,
+    keep_flights: KeepFlights = KEPT,
+    threads: Threads = None,
+) -> None:
+    """Serve the operator's station, a web page, and open it.
+
+    It works offline and over a forwarded port. The same port also serves rosbridge clients. Ctrl-C stops it.
+    """
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.admission import has_token
+    from uwsim.cli.run_live import wait_for_interrupt
+    from uwsim.operator.station import Site, Station
+    from uwsim.operator.view import has_display
+    from uwsim.scenario import load
+    from uwsim.scenario.read.assets import packaged_names
+
+    accessible = access.settings(host)
+    secret_token = accessible["token"]
+    secret_instructor = secret("--instructor-token", instructor_token, instructor_token_file, INSTRUCTOR_VARIABLE)
+    load(scenario)  # reports mistakes here instead of on the page
+    if link is not None and link not in packaged_names("modems"):
+        raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
+    hub = Station(
+        offered=scenario,
+        link=link,
+        truth=truth,
+        wire=wire or "both",  # type: ignore[arg-type]  # checked there
+        origin=origin,
+        threads=threads,
+        instructor_token=secret_instructor,
+        keep_flights=kept_flights(keep_flights),
+    )
+    server = RosbridgeServer(
+        None,
+        port=port,
+        guests=[hub],
+        site=Site(hub, lambda request: secret_token is None or has_token(request, secret_token)),
+        **accessible,
+    )
+    with server, hub.serving(server.show):
+        url = page_url(
+            server.url, access.token
+        )  # without a token from a file, since a browser's options are visible, too
+        shown = secret_instructor and (instructor_token or "TOKEN")
+        if browser and has_display():
+            webbrowser.open(url)
+        wait_for_interrupt(f"the station is at {url}{instructor_text(url, shown)}; Ctrl-C ends it")
+
+
+def kept_flights(text: str) -> Bounds:
+    """Return the bounds given by --keep-flights. Raises ValueError."""
+    from uwsim.operator.station.flights import Bounds
+
+    try:
+        return Bounds.of(text)
+    except ValueError as error:
+        raise ValueError(f"--keep-flights = {error}") from None
+
+
+def instructor_text(url: str, instructor_token: str | None) -> str:
+    """Return the text that names the instructor's page, or ""."""
+    if instructor_token is None:
+        return ""
+    path, _, query = url.partition("?")
+    return f", the instructor's page at {path}instructor.html{query and '?' + query}#{instructor_token}"

@@ -1,0 +1,99 @@
+"""`uwsim teleop`: fly a vehicle from the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwsim.cli.choices import one_of
+from uwsim.cli.groups import under
+from uwsim.cli.options import Link, Seed, SonarModel, Threads
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import scenarios
+
+if TYPE_CHECKING:
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.simulator.simulator import Simulator
+
+
+@under("Connect")
+def teleop(
+    url: Annotated[
+        str | None, typer.Argument(help="A rosbridge, such as ws://host:9090. Default: its own simulator.")
+    ] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            help="Scenario of its own simulator: a name or a YAML file. Default: lake.", autocompletion=scenarios
+        ),
+    ] = None,
+    vehicle: Annotated[str | None, typer.Option(help="The vehicle, if there are several. Default: the first.")] = (
+        None
+    ),
+    seed: Seed = None,
+    sonar_model: SonarModel = None,
+    link: Link = None,
+    threads: Threads = None,
+    keys: Annotated[
+        str,
+        typer.Option(
+            help="standard: a driving key acts while it is held. published: presses add up, as in the paper's node.",
+            **one_of("standard", "published"),
+        ),
+    ] = "standard",
+) -> None:
+    """Fly a vehicle from the terminal with keys or a gamepad.
+
+    ? shows the keys; Ctrl-Q quits. At the end, the efforts are always set to zero.
+    """
+    from uwsim.base.extras import need_extra
+
+    need_extra("textual", "teleop", "uwsim teleop")
+    from uwsim.operator.teleop.fly import fly
+
+    if url is not None:
+        if any(option is not None for option in (scenario, seed, sonar_model, link, threads)):
+            raise ValueError(
+                "--scenario, --seed, --sonar-model, --link and --threads are for its own simulator, not for a URL"
+            )
+        marks, code = fly(url, url, vehicle, adds_up=keys == "published")
+    else:
+        from uwsim.simulator.simulator import Simulator
+
+        flown = scenario or "lake"
+        model = parsed_sonar_model(sonar_model)
+        simulator = Simulator(flown, seed=seed, sonar_model=model, link=link, threads=threads)
+        if vehicle is not None and vehicle not in simulator.vehicles:
+            raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(simulator.vehicles)}")
+        with own_server(simulator) as server:
+            named = vehicle if len(simulator.vehicles) > 1 else None
+            marks, code = fly(server.url, flown, named, adds_up=keys == "published")
+    for number, mark in enumerate(marks, 1):
+        typer.echo(f"mark {number}: {mark}")
+    raise typer.Exit(code)
+
+
+@contextmanager
+def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
+    """Run and serve a simulator on a free local port, over its link if it has one.
+
+    If the link is a modem, it carries the values that the terminal shows, unless the scenario selects the channels.
+    """
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.channels.families.map import PLACED
+    from uwsim.channels.served import served_table
+    from uwsim.link import Carrier
+    from uwsim.link.ashore import with_scans
+    from uwsim.live import LiveSimulator
+
+    with ExitStack() as ends:
+        live = ends.enter_context(LiveSimulator(simulator))
+        table = served_table(live, wire="both")  # not the scenario's, since the screen needs the standard topics
+        if simulator.link is not None:
+            shown = ("telemetry", PLACED) if simulator.link.modem.kind == "modem" else None
+            carrier = ends.enter_context(Carrier(live, table, only=shown))
+            table.channels, table.services = with_scans(carrier.channels), carrier.over(table.services)
+        yield ends.enter_context(RosbridgeServer(live, channels=table.channels, services=table.services))

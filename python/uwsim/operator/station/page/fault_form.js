@@ -1,0 +1,78 @@
+// The form with which the instructor lets a part of the vehicle fail: a kind of fault, and an input for each of its keys.
+import { el } from './dom.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.instructor;
+
+export class FaultForm {
+  #kinds = [];
+  #vehicle = {};
+  #inputs = new Map(); // key: its input, and a function of the input's text that returns the value
+
+  // inject: called with the arguments of the command `inject_fault`.
+  constructor(inject) {
+    this.kind = el('select', { 'aria-label': WORDS.fault, onchange: () => this.#show() });
+    this.fields = el('div', { className: 'instructor-row' });
+    const add = el('button', { type: 'button', onclick: () => inject(this.#arguments()) }, WORDS.add);
+    this.element = el('div', {}, el('div', { className: 'instructor-row' }, this.kind, add), this.fields);
+  }
+
+  // kinds: as listed by the service `fault_kinds`. vehicle: its truth, with the names of its parts.
+  offer(kinds, vehicle) {
+    this.#kinds = kinds;
+    this.#vehicle = vehicle;
+    this.kind.replaceChildren(
+      ...kinds.map(({ kind, meaning }) => el('option', { value: kind, title: meaning }, WORDS.kinds[kind] ?? kind)),
+    );
+    this.#show();
+  }
+
+  #show() {
+    const fields = this.#kinds.find(({ kind }) => kind === this.kind.value)?.fields ?? [];
+    this.#inputs = new Map(fields.map((field) => [field.name, this.#input(field)]));
+    this.fields.replaceChildren(
+      ...fields.map(({ name, unit, meaning }) =>
+        el('label', { className: 'instructor-field', title: meaning }, name, this.#inputs.get(name).input, unit),
+      ),
+    );
+  }
+
+  #input(field) {
+    const choices = (field.part && this.#vehicle[field.part]) || field.choices;
+    if (choices.length > 0) return choice(field, choices);
+    const bounds = field.low === null ? '' : `${field.low} … ${field.high}`;
+    const input = el('input', {
+      type: 'text',
+      autocomplete: 'off',
+      spellcheck: false,
+      placeholder: bounds,
+      value: [field.value ?? ''].flat().join(', '),
+      'aria-label': field.name,
+    });
+    return { input, read: (text) => read(field, text) };
+  }
+
+  // An empty input keeps the default.
+  #arguments() {
+    const given = [...this.#inputs].filter(([, { input }]) => input.value.trim() !== '');
+    const values = given.map(([name, { input, read: valueOf }]) => [name, valueOf(input.value)]);
+    return { kind: this.kind.value, ...Object.fromEntries(values) };
+  }
+}
+
+function choice(field, choices) {
+  const offered = field.is_optional && field.value === null ? ['', ...choices] : choices;
+  const input = el(
+    'select',
+    { 'aria-label': field.name },
+    ...offered.map((value) => el('option', { value: String(value) }, String(value))),
+  );
+  if (field.value !== null) input.value = String(field.value);
+  return { input, read: (text) => choices.find((value) => String(value) === text) };
+}
+
+// Text that is no number is sent as it is: the simulator refuses it, with the reason.
+function read({ is_number, width }, text) {
+  const number = (part) => (is_number && !Number.isNaN(Number(part)) ? Number(part) : part.trim());
+  return width > 1 ? text.split(',').map(number) : number(text);
+}

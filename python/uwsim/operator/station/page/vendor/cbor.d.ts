@@ -1,0 +1,4 @@
+export class Decoder {
+  constructor(options?: object);
+  decode(bytes: Uint8Array): any;
+}

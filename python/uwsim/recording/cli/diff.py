@@ -1,0 +1,50 @@
+"""`uwsim diff`: find where two recordings diverge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.bounds import readable
+from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.groups import under
+
+SHOWN = 10
+
+
+@under("Record")
+def diff(
+    first: Annotated[Path, typer.Argument(help="A recording.", metavar="A.mcap", callback=readable)],
+    second: Annotated[Path, typer.Argument(help="Another recording.", metavar="B.mcap", callback=readable)],
+    out: Annotated[Path, typer.Option(help="The figure to write if they differ, a PNG.")] = Path("divergence.png"),
+) -> None:
+    """Compare two recordings and find where they diverge.
+
+    Prints the first tick and channel that differ and by how much, and plots the divergence.
+
+    Exits with 1 if any message differs.
+    """
+    from uwsim.recording.diff import diff as compare
+    from uwsim.recording.reader import Recording
+
+    if out.suffix.lower() != ".png":
+        raise ValueError(f"--out {out}: must end in .png")
+    found = compare(Recording(first), Recording(second))
+    for note in found.notes:
+        typer.echo(note)
+    if found.same:
+        typer.echo(f"the same: {found.compared:,} messages")
+        return
+    for parting in found.partings[:SHOWN]:
+        typer.echo(f"tick {parting.tick}, /{parting.topic}: {parting.text} ({parting.messages:,} messages differ)")
+    if len(found.partings) > SHOWN:
+        typer.echo(f"and {len(found.partings) - SHOWN} more channels")
+    gaps = {parting.topic: parting.gaps for parting in found.partings if parting.gaps}
+    if gaps:
+        from uwsim.figures.divergence import draw_divergence
+
+        draw_divergence(out, gaps, f"{first.name} and {second.name}")
+        typer.echo(f"{out}")
+    raise typer.Exit(FAILED)

@@ -1,0 +1,80 @@
+"""Rebuilds a survey's map and report from its recording alone."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any, cast
+
+from pydantic import TypeAdapter, ValidationError
+
+from uwsim import _core
+from uwsim.flight.ping_log import PingLog
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.request import FlightRequest
+from uwsim.flight.results import write_results
+from uwsim.flight.terminal import Terminal
+from uwsim.flight.vehicle_chain import chain_of, filters_outliers, survey_area_m
+from uwsim.mapping import OccupancyMap
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.recording.flight_recorder import NOTED
+from uwsim.recording.ping_channel import NAME
+from uwsim.recording.pings import mappable_pings
+from uwsim.recording.reader import Recording
+from uwsim.recording.replay import new_simulator
+from uwsim.simulator.simulator import Simulator
+
+RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
+"""New names of fields, keyed by their names in recordings of the first version."""
+
+
+def survey_from(recording: Recording, out: Path, report: Path | None, *, outlier_filter: bool | None = None) -> int:
+    """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
+
+    outlier_filter: overrides the survey's setting. Raises ValueError if the recording ends before the data that a
+    report needs, OSError if a file cannot be read or written.
+    """
+    request = _request_of(recording)
+    if outlier_filter is not None:
+        request = dataclasses.replace(request, outlier_filter=outlier_filter)
+    values = recording.notes.get("record")
+    if report is not None and values is None:
+        raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
+    sim = new_simulator(recording)
+    occupancy, log = _repeated(recording, sim, request)
+    occupancy.write(out)
+    if report is not None and values is not None:
+        record = dataclasses.replace(
+            _record_of(values), occupancy=occupancy, area_world_m=log.area_world_m, sample_ping=log.sample,
+            pings_world_m={sim.rov.name: log.path_world_m},
+        )  # fmt: skip
+        write_results(record, sim, report, "full", Terminal())
+    return len(log.positions_m)
+
+
+def _record_of(values: dict[str, Any]) -> FlightRecord:
+    """Return the flight record from a recording's notes, without its pings."""
+    named = {RENAMED.get(name, name): value for name, value in values.items()}
+    return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
+
+
+def _request_of(recording: Recording) -> FlightRequest:
+    """Return the request for a recorded survey; the keys of the first version are a subset of the current ones."""
+    try:
+        return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
+    except ValidationError as error:
+        raise ValueError(f"recording '{recording.path}': its survey's request: {error.errors()[0]['msg']}") from None
+
+
+def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> tuple[OccupancyMap, PingLog]:
+    """Pass the recorded pings through the survey's processing chain; return the resulting map and log."""
+    occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
+    log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
+    with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:
+        chain = chain_of(sim, sim.rov.name, filler, filters_outliers(sim, sim.rov.name, request.outlier_filter))
+        for taken, warnings in mappable_pings(recording, NAME, chain):
+            ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # has the fields that the log reads
+            body, sonar, stamp_s = taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9
+            points = chain.insert(ping.ranges_m, body, sonar, stamp_s, taken.deviation_m)
+            log.add(ping, points, panel, ping.world_from_sonar)
+    return occupancy, log

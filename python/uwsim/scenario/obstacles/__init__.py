@@ -1,0 +1,1 @@
+"""The kinds of obstacles, one file each; see uwsim.scenario.spec.obstacle."""

@@ -1,0 +1,143 @@
+"""The table of kinds of sensors: those of the native core, and those that packages write in Python.
+
+All are registered in the entry point group `uwsim.kinds.sensor`; docs/inside/extend.md adds one. The reader of
+scenarios, the sensors, the parameters and the channels look kinds up here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, Protocol
+
+from uwsim import _core
+from uwsim.base.sockets import load, load_all, registered
+from uwsim.scenario.spec.fields import NAME
+from uwsim.scenario.spec.sensor_figure import SensorFigure
+
+GROUP = "uwsim.kinds.sensor"
+Widths = Mapping[str, tuple[int, str]]
+"""The number of values and the unit of each quantity, by name."""
+
+
+class SensorKind(Protocol):
+    """A kind of sensor; see _core.SensorKind."""
+
+    @property
+    def name(self) -> str:
+        """The kind."""
+
+    @property
+    def meaning(self) -> str:
+        """The quantity that it measures."""
+
+    @property
+    def fields(self) -> Widths:
+        """The quantities of a reading."""
+
+    @property
+    def channels(self) -> Widths:
+        """The quantities to which noise is added."""
+
+    @property
+    def parameters(self) -> Mapping[str, SensorFigure]:
+        """The keys of this kind."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A key of a kind of sensor in Python: one number in [low, high], or a default of NaN if it is required."""
+
+    by_default: float
+    low: float
+    high: float
+    unit: str
+    meaning: str
+    width: int = 1
+    type: str = "number"
+
+
+@dataclass(frozen=True)
+class DerivedKind:
+    """A kind of sensor in Python: it computes its quantities from what one of the core's kinds measures without errors.
+
+    source: that kind, which is measured at the sensor's place, rate and latency. fields: the quantities of a reading,
+    with their widths and units. measure(values, figures, time_s): returns them by name; `values` are the source's
+    quantities, numbers or arrays (n,), `figures` the sensor's own keys, and time_s the time of the measurement. It must
+    depend on nothing else, so that a sample is the same whenever and however often it is read. parameters: its own
+    keys. type, write(value, header, variance): the ROS message, by its name and as a dict of its fields, of a reading
+    and the error variance of each quantity by name; without a type, the sensor has no channel.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    fields: Widths
+    measure: Callable[[Mapping[str, Any], Mapping[str, float], float], Mapping[str, Any]]
+    parameters: Mapping[str, Figure] = field(default_factory=dict)
+    type: str = ""
+    write: Callable[[Any, Any, Mapping[str, float]], Mapping[str, Any]] | None = None
+
+    def __post_init__(self) -> None:
+        if self.source not in _core.sensor_kinds():
+            raise ValueError(f"source = '{self.source}': must be one of {', '.join(_core.sensor_kinds())}")
+        for key in (self.name, *self.fields, *self.parameters):
+            if not NAME.fullmatch(key):
+                raise ValueError(f"'{key}': must be a letter followed by at most 39 letters, digits, '-' or '_'")
+        if not self.fields:
+            raise ValueError("fields: must have at least one")
+        if bool(self.type) != (self.write is not None):
+            raise ValueError("type and write: give both or none")
+
+    @property
+    def channels(self) -> Widths:
+        """The quantities to which noise is added: all."""
+        return self.fields
+
+
+class _Core:
+    """The core's kinds, as attributes."""
+
+    def __getattr__(self, name: str) -> _core.SensorKind:
+        if name not in _core.sensor_kinds():
+            raise AttributeError(name)
+        return _core.sensor_kind(name)
+
+
+CORE = _Core()
+
+
+def sensor_kinds() -> list[str]:
+    """Return the names of all kinds, uwsim's own first."""
+    return list(registered(GROUP))
+
+
+def usable_sensor_kinds() -> list[SensorKind]:
+    """Return all kinds, uwsim's own first. Warns with SocketWarning of those of broken packages."""
+    return list(load_all(GROUP, _fitting).values())
+
+
+@cache
+def sensor_kind(name: str) -> SensorKind:
+    """Return a kind. Raises ValueError for an unknown name, or one whose package is broken."""
+    found: SensorKind = load(GROUP, name, _fitting)
+    return found
+
+
+def _fitting(name: str, kind: Any) -> SensorKind:
+    if not isinstance(kind, DerivedKind | _core.SensorKind):
+        raise TypeError(f"must be a {DerivedKind.__module__}.DerivedKind")
+    if kind.name != name:
+        raise TypeError(f"is named '{kind.name}'")
+    return kind
+
+
+def figures_of(kind: SensorKind, given: Mapping[str, tuple[float, ...]]) -> dict[str, float]:
+    """Return the values of a kind's keys that have one value, those that are not given by default."""
+    return {
+        name: given[name][0] if name in given else figure.by_default
+        for name, figure in kind.parameters.items()
+        if figure.width == 1 and (name in given or not math.isnan(figure.by_default))
+    }

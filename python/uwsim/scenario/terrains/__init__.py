@@ -1,0 +1,1 @@
+"""The sources of terrain, one file each; see uwsim.scenario.spec.terrain."""

@@ -1,0 +1,60 @@
+"""Readers of JSON, and of the files of `uwsim identify` and `uwsim exercise`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def json_text(data: bytes, _: Path) -> str:
+    """Read a JSON text, whose numbers the checks of services and files accept or refuse without other errors."""
+    from uwsim.base.arguments import is_number
+    from uwsim.base.texts.json_text import json_value
+
+    value = json_value(data, "text")
+    for each in value if isinstance(value, list) else value.values() if isinstance(value, dict) else [value]:
+        assert not is_number(each) or float(each) == each or abs(each) > 2**53
+    return repr(value)
+
+
+def mapping(data: bytes, folder: Path) -> str:
+    """Read a mapping file of `uwsim identify`."""
+    from uwsim.evidence.identification.motion_log import read_mapping
+
+    return repr(read_mapping(_written(folder / "map.yaml", data)))
+
+
+def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
+    """Return a reader of a log for `uwsim identify`, as far as its division into segments."""
+
+    def read(data: bytes, folder: Path) -> list[bytes]:
+        from uwsim.evidence.identification.flown import parts_of
+        from uwsim.evidence.identification.motion_log import Mapping, read_log
+
+        columns = {
+            "time_s": "t",
+            "position_m": ["x", "y", "z"],
+            "orientation_xyzw": ["a", "b", "c", "d"],
+            "effort": ["e", *[None] * 5],
+        }
+        chosen = Mapping.model_validate(columns) if suffix == ".csv" else None
+        log = read_log(_written(folder / f"log{suffix}", data), chosen)
+        assert np.isfinite(log.times_s).all() and len(parts_of(log, 29, 60.0, None)) <= len(log.times_s)
+        return [log.times_s.tobytes(), log.position_m.tobytes(), log.effort_times_s.tobytes(), log.efforts.tobytes()]
+
+    return read
+
+
+def exercise(data: bytes, folder: Path) -> str:
+    """Read an exercise."""
+    from uwsim.exercises.exercise import load_exercise
+
+    return repr(load_exercise(_written(folder / "exercise.yaml", data)))
+
+
+def _written(path: Path, data: bytes) -> Path:
+    path.write_bytes(data)
+    return path

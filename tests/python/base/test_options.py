@@ -1,0 +1,56 @@
+"""Options: one dataclass is flags, help, rules and the error for an option without effect."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from uwsim.base.options import Flag, OptionError, Options, WithoutEffectError, option
+
+
+@dataclass(frozen=True)
+class Rig(Options):
+    switch = "rig"
+
+    rig: bool = option(False, "Carry a rig.")
+    rig_mass: float | None = option(None, "Its mass [kg].", bounds=(0.1, 10, "kg"))
+    rig_colour: str | None = option(None, "Its colour.", choices=("red", "blue"))
+    rig_part: tuple[str, ...] = option((), "A part; may be repeated.", metavar="PART", choices=("arm", "leg"))
+    rig_count: int = option(1, "How many.")
+
+
+def test_each_field_is_a_flag() -> None:
+    assert list(Rig.flags()) == ["rig", "rig_mass", "rig_colour", "rig_part", "rig_count"]
+    assert Rig.flags()["rig_mass"] == Flag(float | None, None, "Its mass [kg].", bounds=(0.1, 10, "kg"))
+    assert Rig.flags()["rig_part"] == Flag(
+        tuple[str, ...], (), "A part; may be repeated.", ("arm", "leg"), None, "PART"
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"rig_mass": 11.0}, "--rig-mass = 11.0 kg: must be in [0.1, 10] kg"),
+        ({"rig_mass": float("nan")}, "--rig-mass = nan kg"),
+        ({"rig_colour": "rod"}, "--rig-colour = 'rod': must be one of red, blue; did you mean 'red'?"),
+        ({"rig_part": ("arm", "tail")}, "--rig-part = 'tail': must be one of arm, leg"),
+    ],
+)
+def test_a_value_that_breaks_its_rule_is_refused(values: dict[str, object], message: str) -> None:
+    with pytest.raises(OptionError) as refused:
+        Rig(rig=True, **values)  # type: ignore[arg-type]
+    assert message in str(refused.value)
+
+
+def test_an_option_without_its_switch_is_refused() -> None:
+    assert not Rig().is_requested and Rig(rig=True, rig_count=2).is_requested
+    with pytest.raises(WithoutEffectError, match="--rig-mass, --rig-count: need --rig"):
+        Rig(rig_mass=1.0, rig_count=2)
+    with pytest.raises(WithoutEffectError, match="--rig-count: needs --rig"):
+        Rig(rig_count=0)
+    with pytest.raises(WithoutEffectError, match="--rig-part: needs --rig"):
+        Rig(rig_part=("arm",))
+
+
+def test_what_differs_from_its_default_is_given() -> None:
+    given = Rig(rig=True, rig_count=0).given()
+    assert [name for name, is_given in given.items() if is_given] == ["rig", "rig_count"]

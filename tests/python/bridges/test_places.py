@@ -1,0 +1,128 @@
+"""Half-open peers end in time, and no number of silent peers shuts out one that speaks."""
+
+import select
+import socket
+import time
+from collections import Counter
+from contextlib import ExitStack
+
+import pytest
+
+from uwsim.bridges.places import HALF_OPEN_S, HalfOpen, Places
+
+pytest.importorskip("pymavlink", reason="needs the extra mavlink")
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+
+from mavlink_station import Station
+from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+from uwsim.bridges.mavlink.endpoint import DATAGRAMS_IN_SPAN, PEERS_MAX, Wire
+from uwsim.live import LiveSimulator
+
+ANSWER_S = 3.0  # the vehicle's heartbeat comes once a second
+Packer = dialect.MAVLink
+
+
+def heartbeat(system: int = 250) -> bytes:
+    packer = Packer(None, srcSystem=system)
+    return bytes(packer.heartbeat_encode(6, 8, 0, 0, 0).pack(packer))
+
+
+HALF = heartbeat()[:-2]
+FALSE = heartbeat()[:-1] + bytes([heartbeat()[-1] ^ 1])
+UNKNOWN = b"\xfd\x01\0\0\0\xff\xbe\xff\xff\xff\0\0\0"
+"""A message with a number that no dialect has, so that its checksum cannot be checked."""
+
+
+def vehicle_at(live: LiveSimulator, kind: str) -> MavlinkVehicle:
+    return MavlinkVehicle(live, Endpoint.parse(f"{kind}:127.0.0.1:0"), (), action=None)
+
+
+def test_the_peer_that_came_first_goes_and_so_do_those_that_stay_half_open() -> None:
+    now_s, ended = [0.0], []
+    half_open: HalfOpen[str] = HalfOpen(ended.append, most=2, clock=lambda: now_s[0])
+    for name in "abc":
+        half_open.add(name)
+        now_s[0] += 1.0
+    assert ended == ["a"]
+    half_open.discard("b")
+    now_s[0] = 2.0 + HALF_OPEN_S
+    half_open.add("d")
+    half_open.sweep()
+    assert ended == ["a", "c"] and "d" in half_open and len(half_open) == 1
+
+
+def test_when_all_places_are_taken_the_peer_that_was_silent_longest_goes() -> None:
+    now_s, ended = [0.0], []
+    places: Places[str] = Places(ended.append, most=2, silent_s=10.0, clock=lambda: now_s[0])
+    for name in "abac":
+        places.renew(name)
+        now_s[0] += 1.0
+    assert ended == ["b"] and set(places.peers()) == {"a", "c"}
+    now_s[0] = 12.5
+    places.sweep()
+    assert ended == ["b", "a"]
+
+
+def closed(connection: socket.socket) -> bool:
+    try:
+        return bool(select.select([connection], [], [], 0)[0]) and connection.recv(1 << 16) == b""
+    except ConnectionError:
+        return True
+
+
+def test_silent_connections_shut_out_no_ground_station(live: LiveSimulator) -> None:
+    """Neither those that send nothing, nor those that begin a message, nor those that send a false one."""
+    with vehicle_at(live, "tcp") as vehicle, ExitStack() as stack:
+        address = "127.0.0.1", vehicle.endpoint.port
+        silent = [stack.enter_context(socket.create_connection(address)) for _ in range(4 * PEERS_MAX)]
+        for connection, sent in zip(silent, [b"", HALF, FALSE, UNKNOWN] * PEERS_MAX, strict=True):
+            connection.sendall(sent)
+        station = Station(f"tcp:127.0.0.1:{vehicle.endpoint.port}")
+        stack.callback(station.close)
+        station.receive("HEARTBEAT", limit_s=ANSWER_S)
+        assert vehicle._wire.peers and len(vehicle._wire.peers) == 1
+        assert not any(select.select(silent, [], [], 0)[0]), "telemetry before a valid message"
+        deadline_s = time.monotonic() + HALF_OPEN_S + 2
+        while not all(map(closed, silent)):
+            assert time.monotonic() < deadline_s, "half-open connections stay"
+            time.sleep(0.05)
+
+
+@pytest.mark.parametrize("kind", ["tcp", "udpin"])
+def test_peers_that_fall_silent_make_room(live: LiveSimulator, kind: str) -> None:
+    """Also if each of them has sent a valid message."""
+    with vehicle_at(live, kind) as vehicle, ExitStack() as stack:
+        for system in range(12):
+            stranger = socket.socket(type=socket.SOCK_STREAM if kind == "tcp" else socket.SOCK_DGRAM)
+            stack.enter_context(stranger).connect(("127.0.0.1", vehicle.endpoint.port))
+            stranger.sendall(heartbeat(system + 1))
+        time.sleep(0.2)
+        scheme = "tcp" if kind == "tcp" else "udpout"
+        station = Station(f"{scheme}:127.0.0.1:{vehicle.endpoint.port}")
+        stack.callback(station.close)
+        station.receive("HEARTBEAT", limit_s=ANSWER_S)
+        assert len(vehicle._wire.peers) == PEERS_MAX
+
+
+@pytest.mark.parametrize("sent", [b"\xfd", HALF, FALSE, UNKNOWN])
+def test_a_datagram_without_a_valid_message_gets_no_telemetry(live: LiveSimulator, sent: bytes) -> None:
+    with vehicle_at(live, "udpin") as vehicle, socket.socket(type=socket.SOCK_DGRAM) as stranger:
+        stranger.settimeout(1.5)
+        stranger.sendto(sent, ("127.0.0.1", vehicle.endpoint.port))
+        with pytest.raises(TimeoutError):
+            stranger.recv(1000)
+        assert not vehicle._wire.peers
+        stranger.sendto(heartbeat(), ("127.0.0.1", vehicle.endpoint.port))
+        assert stranger.recv(1000)
+
+
+def test_a_flood_of_datagrams_of_one_peer_is_read_in_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("uwsim.bridges.mavlink.endpoint.SPAN_S", ANSWER_S)
+    wire = Wire(Endpoint.parse("udpin:127.0.0.1:0"), lambda: Packer(None))
+    with socket.socket(type=socket.SOCK_DGRAM) as noisy, socket.socket(type=socket.SOCK_DGRAM) as quiet:
+        for each, count in ((noisy, DATAGRAMS_IN_SPAN + 5), (quiet, 1)):
+            for _ in range(count):
+                each.sendto(heartbeat(), (wire.endpoint.host, wire.endpoint.port))
+        received = Counter(port for (_, port), _ in wire.receive(ANSWER_S))
+        assert received == {noisy.getsockname()[1]: DATAGRAMS_IN_SPAN, quiet.getsockname()[1]: 1}
+    wire.close()

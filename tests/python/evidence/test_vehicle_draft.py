@@ -1,0 +1,111 @@
+"""`uwsim vehicle --draft` writes a file from a mesh alone, which floats level and surveys without another edit."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+
+from command_line import error_line, uwsim
+from uwsim import Simulator
+from uwsim.evidence.vehicle.draft import drafted
+from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid
+from uwsim.scenario.read.errors import ScenarioError
+from vehicle_files import box_mesh, scenario_file
+
+LENGTH_M, RADIUS_M = 1.3, 0.15
+
+
+@pytest.fixture(scope="module")
+def torpedo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A capsule along x in millimetres, off centre, with a hole of one triangle."""
+    hull = trimesh.creation.capsule(height=LENGTH_M - 2 * RADIUS_M, radius=RADIUS_M, count=[16, 16])
+    hull.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 1, 0]))
+    hull.apply_translation(np.array([0.6, 0.3, -0.2]) - hull.centroid)
+    hull.apply_scale(1000.0)
+    hull.update_faces(np.arange(len(hull.faces)) != 40)
+    path = tmp_path_factory.mktemp("cad") / "torpedo.stl"
+    hull.export(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def mine(torpedo: Path) -> Path:
+    ran = uwsim("vehicle", torpedo.name, "--draft", cwd=torpedo.parent)
+    assert ran.returncode == 0, ran.stderr
+    assert "taken as millimetres" in ran.stderr and "(600, 300, -200) in the file" in ran.stderr
+    assert ran.stderr.count("filled holes") == 1
+    path = torpedo.with_name("mine.yaml")
+    path.write_text(ran.stdout)
+    return path
+
+
+def tilt_deg(sim: Simulator) -> float:
+    return float(np.degrees(np.arccos(sim.rov.pose.world_from_body[2, 2])))
+
+
+def test_a_draft_has_the_shape_s_closed_forms(mine: Path) -> None:
+    """A cylinder about its axis has m r^2 / 2, a ball 2 m r^2 / 5; a prism of 16 facets has 5 % less than either."""
+    values = yaml.safe_load(mine.read_text())
+    assert values["mesh_scale"] == 1e-3
+    volume_m3 = np.pi * RADIUS_M**2 * (LENGTH_M - 2 * RADIUS_M) + 4.0 / 3.0 * np.pi * RADIUS_M**3
+    assert 0.4 < values["inertia_kg_m2"][0] / (1000.0 * volume_m3 * RADIUS_M**2) < 0.5
+    added = np.array(values["added_mass_matrix"])
+    lamb = added_mass_of_ellipsoid(np.array([LENGTH_M / 2, RADIUS_M, RADIUS_M]), 1000.0)
+    np.testing.assert_array_equal(added, added.T)
+    assert 1.0 < added[1, 1] / lamb[1] < 1.6 and added[1, 1] == pytest.approx(added[2, 2], rel=0.01)
+    assert sum("estimated by" in line for line in mine.read_text().splitlines()) >= 10
+
+
+def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> None:
+    with Simulator(scenario_file(tmp_path, mine)) as sim:
+        sim.advance(20.0)
+        assert tilt_deg(sim) < 0.5
+        assert sim.rov.pose.position_world_m[2] == pytest.approx(-20.0, abs=0.02)
+        sim.rov.set_effort(surge=0.5)
+        sim.advance(20.0)
+        assert sim.rov.velocity.linear_body_m_s[0] > 1.0 and tilt_deg(sim) < 5.0
+
+
+def test_a_draft_surveys_without_another_edit(mine: Path, tmp_path: Path) -> None:
+    ran = uwsim("survey", "lagoon", "--vehicle-model", mine, "--out", tmp_path / "out")
+    assert ran.returncode == 0, ran.stderr
+    assert json.loads((tmp_path / "out/summary.json").read_text())["coverage"] > 0.9
+
+
+@pytest.mark.parametrize("axes", ["surge,yaw,heave,sway", "surge,sway,heave,roll,pitch,yaw", "surge,pitch"])
+def test_thrusters_drive_the_axes_asked_for(axes: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(drafted(box_mesh(tmp_path / "hull.obj"), axes.split(",")).text)
+    with Simulator(scenario_file(tmp_path, tmp_path / "mine.yaml")) as sim:
+        assert sim.rov.controllable >= set(axes.split(","))
+
+
+def test_the_unit_follows_from_the_mass_or_is_given(tmp_path: Path) -> None:
+    mesh = box_mesh(tmp_path / "hull.obj", scale=100.0)
+    assert "mesh_scale: 0.01 " in drafted(mesh, ["surge"]).text
+    assert "mesh_scale: 0.0254 " in drafted(mesh, ["surge"], mass_kg=12000.0).text
+    assert "mesh_scale: 0.3048 " in drafted(mesh, ["surge"], unit="feet").text
+    with pytest.raises(ScenarioError, match=r"no unit makes 0\.001 kg a plausible mass"):
+        drafted(mesh, ["surge"], mass_kg=0.001)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--draft", "--axes", "surge,jaw"), "--axes = 'jaw'"),
+        (("--draft", "--unit", "km"), "--unit = 'km'"),
+        (("--draft", "--json"), "leave out --out and --json"),
+        (("--axes", "surge"), "--axes has no effect without --draft"),
+    ],
+)
+def test_wrong_options_are_refused(options: tuple[str, ...], message: str, torpedo: Path) -> None:
+    ran = uwsim("vehicle", torpedo, *options)
+    assert ran.returncode == 2 and message in error_line(ran) and ran.stdout == ""
+
+
+def test_a_file_that_is_no_mesh_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "hull.stl").write_text("no mesh")
+    ran = uwsim("vehicle", tmp_path / "hull.stl", "--draft")
+    assert ran.returncode == 1 and "not a readable stl file" in error_line(ran) and ran.stdout == ""

@@ -1,0 +1,80 @@
+"""Vehicles that cannot go sideways fly a survey: a torpedo with fins, and a vehicle with three thrusters."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+import uwsim
+from uwsim import Simulator
+from uwsim.flight.flyable_lanes import survey_plan
+from uwsim.flight.terminal import Silent
+from uwsim.missions import AdaptiveLawnMower
+from uwsim.missions.lawn_mower import COVERED
+from uwsim.scenario.read.assets import find_yaml
+
+T200 = {"model": "t200_16v"}
+THREE_THRUSTERS = {
+    "port": T200 | {"position_m": [-0.1, 0.11, 0.0], "axis": [1, 0, 0]},
+    "starboard": T200 | {"position_m": [-0.1, -0.11, 0.0], "axis": [1, 0, 0]},
+    "vertical": T200 | {"position_m": [0.0, 0.0, 0.0], "axis": [0, 0, 1]},
+}
+
+
+def packaged(name: str, folder: str) -> dict:
+    return yaml.safe_load(find_yaml(name, folder).read_text())
+
+
+def written(folder: Path, place: str, vehicle: str, speed_m_s: float, current_m_s=(0.0, 0.0, 0.0)) -> Path:
+    """Write a packaged scenario with a vehicle that cannot go sideways."""
+    model: str | dict = "remus100"
+    if vehicle == "three thrusters":
+        model = packaged("bluerov2_heavy", "vehicles") | {"thrusters": THREE_THRUSTERS}
+        model["control"] = {
+            axis: gains for axis, gains in model["control"].items() if axis in ("surge", "heave", "yaw")
+        }
+        (folder / "three.yaml").write_text(yaml.safe_dump(model))
+        model = "three.yaml"
+    scenario = packaged(place, "scenarios")
+    scenario["vehicles"][0]["model"] = model
+    scenario["survey"]["speed_m_s"] = speed_m_s
+    scenario["water"]["current_world_m_s"] = list(current_m_s)
+    path = folder / f"{place}.yaml"
+    path.write_text(yaml.safe_dump(scenario))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("place", "vehicle", "speed_m_s", "current_m_s"),
+    [("lagoon", "remus100", 1.2, (0.25, 0.3, 0.0)), ("pool", "three thrusters", 0.4, (0.1, 0.12, 0.0))],
+)
+def test_it_covers_the_bed_in_a_current_and_touches_nothing(tmp_path, place, vehicle, speed_m_s, current_m_s):
+    scenario = written(tmp_path, place, vehicle, speed_m_s, current_m_s)
+    flown = uwsim.run_survey(scenario, tmp_path / "out", report="json", screen=Silent())
+    assert not flown.ended_early and flown.result == COVERED
+    assert flown.collisions == 0
+    assert flown.coverage is not None and flown.coverage > 0.98
+
+
+def test_a_survey_resumes_in_a_curve_to_the_last_bit(tmp_path):
+    path = written(tmp_path, "pool", "remus100", 1.0)
+    saved = []
+
+    def flown_to_lane_3(restored=None):
+        with Simulator(path) as sim:
+            mission = AdaptiveLawnMower(sim.rov, sim, survey_plan(sim.scenario.survey))
+            if restored is not None:
+                mission.restore(json.loads(restored[0]))
+                sim.restore_state(restored[1])
+            for wait in mission.steps():
+                sim.wait(wait.duration_s)
+                state = mission.state
+                if not saved and (state.leg, state.lane) == ("turn", 2) and state.reached > 5:
+                    saved.append((json.dumps(mission.save()), sim.save_state()))
+                if state.lane == 3:
+                    break
+            return sim.save_state()
+
+    whole = flown_to_lane_3()
+    assert flown_to_lane_3(saved[0]) == whole

@@ -1,0 +1,44 @@
+"""Fixtures of the tests of the station's page in a real browser."""
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from browser import chromium  # here, since not all tests of the folder need playwright
+
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def running(browser, tmp_path):
+    """A desk with a running simulator."""
+    from browser import desk
+
+    with desk(browser, tmp_path, "pool") as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def here(browser, request, tmp_path_factory):
+    """A desk for a whole module, with an undocked vehicle, at the module's START_M if it has one."""
+    from browser import desk
+
+    with desk(browser, tmp_path_factory.mktemp("desk"), "pool") as found:
+        live = found.station.present().live
+        live.rov.undock()
+        if hasattr(request.module, "START_M"):
+            live.command("place", vehicle="rov", position_world_m=request.module.START_M).result()
+        yield found
+    assert not found.complaints
+
+
+@pytest.fixture(scope="module")
+def page(here):
+    """The pilot's page at that desk."""
+    from browser import when
+
+    page = here.fly(viewport={"width": 1440, "height": 1000})
+    when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
+    return page

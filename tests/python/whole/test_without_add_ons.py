@@ -1,0 +1,133 @@
+"""The heart works without its add-ons, and what is left without one: `--help`, a survey and tests, in a copy.
+
+Each case copies the package without the rooms of an add-on and of those that need it. UWSIM_WITHOUT_ADD_ONS=all runs
+all tests of the heart in each copy, instead of QUICK in the one without any add-on.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from command_line import UWSIM, error_line
+from module_graph import HEART, PYTHON, ROOT, imported_by, is_in, ring_of, rings
+from uwsim import _core
+from uwsim.base.sockets import Entry, registered
+from uwsim.flight.survey import run_survey
+
+TESTS = ROOT / "tests/python"
+EVERY_TEST = os.environ.get("UWSIM_WITHOUT_ADD_ONS") == "all"
+ALL = "all add-ons"
+QUICK = (
+    "base/test_journal.py", "scenario/test_trim.py", "mapping/test_map_merge.py", "navigation/test_navigator.py",
+    "instruments/test_sensors.py", "simulator/test_helm.py", "scoring/test_polygon.py",
+    "missions/test_mission_steps.py", "batch/test_batch.py", "live/test_live_pace.py", "cli/test_flags.py",
+)  # fmt: skip
+"""A file of each floor, some seconds in all."""
+ISOLATED = """import sys
+sys.meta_path[:] = [finder for finder in sys.meta_path if "editable" not in type(finder).__module__]
+"""
+"""sitecustomize.py: the finder of an editable installation would find what the copy lacks."""
+
+SKIPPING = """import pytest
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = yield
+    if report.failed and "No module named 'uwsim." in str(report.longrepr):
+        report.outcome, report.longrepr = "skipped", (str(item.path), 0, "needs an add-on")
+    return report
+"""
+"""A plugin of pytest: a test that runs an add-on, which its imports do not show, is none of the heart's."""
+
+DESELECTED = (
+    "cli/test_cli.py::test_each_command_is_listed_once_under_a_heading",
+    "cli/test_cli.py::test_scenarios_are_listed_and_described",
+    "cli/test_completion.py::test_commands_options_and_values_are_offered",
+    "flight/test_survey_needs.py::test_all_that_is_missing_is_reported_and_nothing_written",
+    "mapping/test_map_engines.py::test_the_bench_measures_every_case",
+    "scenario/test_scenario_loading.py::test_the_shell_gets_a_line_for_each_mistake",
+)
+"""Tests of all commands at once, of `scenario check`, and of peers in the build folder."""
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def is_gone(module: str, add_on: str) -> bool:
+    """Return whether a module is in the rooms of an add-on, or of one that needs it."""
+    gone = [ring for name, ring in rings().items() if name != HEART and add_on in {ALL, name} | ring.needs]
+    return any(is_in(module, room) for ring in gone for room in ring.rooms)
+
+
+@pytest.fixture
+def run(tmp_path: Path, add_on: str) -> Run:
+    """Runs Python with a copy of the package that lacks an add-on."""
+
+    def lacking(folder: str, names: list[str]) -> list[str]:
+        at = Path(folder).relative_to(PYTHON).parts
+        return [name for name in names if is_gone(".".join((*at, name.removesuffix(".py"))), add_on)]
+
+    python = tmp_path / "python"
+    shutil.copytree(PYTHON / "uwsim", python / "uwsim", ignore=lacking)
+    shutil.copy(_core.__file__, python / "uwsim")
+    (python / "uwsim/assets").symlink_to(ROOT / "assets")
+    (python / "uwsim/bench").symlink_to(ROOT / "tools/bench")
+    (python / "sitecustomize.py").write_text(ISOLATED)
+    (python / "needs_add_on.py").write_text(SKIPPING)
+    settings = os.environ | {"PYTHONPATH": str(python)}
+    return lambda *words: subprocess.run(
+        [*words], capture_output=True, text=True, check=False, cwd=ROOT, env=settings
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def map_bytes(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The map of a survey that is flown with all add-ons."""
+    out = tmp_path_factory.mktemp("whole")
+    run_survey("pool", out, report="none")
+    return (out / "map.bt").read_bytes()
+
+
+def missing_commands(add_on: str) -> list[Entry]:
+    entries = [
+        each for group in ("uwsim.cli", "uwsim.cli.map", "uwsim.cli.scenario") for each in registered(group).values()
+    ]
+    return [each for each in entries if is_gone(each.value.partition(":")[0], add_on)]
+
+
+def heart_tests() -> list[str]:
+    """Return the tests in the heart's rooms that import no add-on, nor a helper module that does."""
+    files = [path for room in rings()[HEART].rooms for path in (TESTS / room.partition(".")[2]).glob("test_*.py")]
+    return [str(path) for path in sorted(files) if {ring_of(name) for name in imported_from(path)} <= {HEART, None}]
+
+
+def imported_from(path: Path) -> set[str]:
+    """Return the modules of uwsim that a test or its helper modules import."""
+    text = path.read_text()
+    helpers = [found for found in TESTS.rglob("*.py") if f"from {found.stem} import" in text and found != path]
+    return {name for name, _ in imported_by(text)}.union(*map(imported_from, helpers))
+
+
+@pytest.mark.parametrize("add_on", [*(ring for ring in rings() if ring != HEART), ALL])
+def test_the_heart_works_without(add_on: str, run: Run, map_bytes: bytes, tmp_path: Path) -> None:
+    missing = missing_commands(add_on)
+    listed = run(*UWSIM, "--help")
+    assert listed.returncode == 0 and "survey" in listed.stdout
+    assert listed.stderr.count("cannot be used: ModuleNotFoundError") == len(listed.stderr.splitlines()) == len(missing)
+    if missing:
+        assert missing[0].value in error_line(run(*UWSIM, missing[0].name))
+
+    flown = run(*UWSIM, "survey", "pool", "--out", str(tmp_path / "out"), "--report", "none")
+    assert flown.returncode == 0, flown.stderr
+    assert (tmp_path / "out/map.bt").read_bytes() == map_bytes
+
+    if add_on == ALL or EVERY_TEST:
+        tests = [str(TESTS / name) for name in QUICK]
+        if EVERY_TEST:
+            left_out = [f"--deselect=tests/python/{name}" for name in DESELECTED]
+            tests = ["-p", "needs_add_on", *left_out, *heart_tests()]
+        tested = run(sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *tests)
+        assert tested.returncode == 0, tested.stdout
