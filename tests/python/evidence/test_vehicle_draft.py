@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import yaml
 
 from command_line import error_line, uwsim
 from uwsim import Simulator
-from uwsim.evidence.vehicle.draft import drafted
+from uwsim.evidence.vehicle.draft import drafted, written
 from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid
 from uwsim.scenario.read.errors import ScenarioError
 from vehicle_files import box_mesh, scenario_file
@@ -57,6 +58,18 @@ def test_a_draft_has_the_shape_s_closed_forms(mine: Path) -> None:
     np.testing.assert_array_equal(added, added.T)
     assert 1.0 < added[1, 1] / lamb[1] < 1.6 and added[1, 1] == pytest.approx(added[2, 2], rel=0.01)
     assert sum("estimated by" in line for line in mine.read_text().splitlines()) >= 10
+
+
+@pytest.mark.parametrize("beside_m", [0.003, 0.01, 0.03, 0.1])
+def test_the_written_matrix_of_a_round_hull_beside_its_axis_stays_positive(beside_m: float) -> None:
+    """It is singular: nothing resists a turn about the hull's own axis. Rounded, or without its small entries, it would
+    have a direction of negative inertia, which the file's own check refuses."""
+    of_axis = np.diag([9.0, 63.0, 63.0, 0.0, 4.3, 4.3])
+    shift = np.eye(6)
+    shift[:3, 3:] = [[0.0, beside_m, 0.0], [-beside_m, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    body = SimpleNamespace(mass_kg=76.0, inertia_kg_m2=np.array([0.9, 7.0, 7.0]), added=shift.T @ of_axis @ shift)
+    rounded = np.array([[float(f"{value:.4g}") for value in row] for row in written(body)])
+    assert np.linalg.eigvalsh(rounded).min() >= 0.0
 
 
 def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> None:

@@ -31,8 +31,10 @@ CRITICAL = 0.3
 SLOW_M_S, SETTLES_S = 0.1, 3.0
 """Linear drag equals quadratic drag at this speed; a turn without thrust settles in this time (assumed)."""
 FAST_M_S = 1.0
-NEGLIGIBLE = 1e-3
-"""Entries of the added mass smaller than this, relative to the body's mass and inertia, are left out."""
+NEGLIGIBLE, COUPLED = 1e-3, 0.999
+"""NEGLIGIBLE: entries of the added mass smaller than this, relative to the body's mass and inertia, are left out, and
+so are all entries of an axis whose own is. COUPLED: share of the couplings that is kept, so that the matrix stays
+positive where it is rounded: that of a round hull beside its axis is singular."""
 
 
 @dataclass(frozen=True)
@@ -126,9 +128,7 @@ def _lines(
     yield f"inertia_kg_m2: [{_plain(body.inertia_kg_m2)}]   # {inertia}"
     yield "# estimated by panels in ideal flow (within 2 %; frames 10 %); more if water enters, less if flow separates"
     yield "added_mass_matrix:"
-    own = np.array([*[body.mass_kg] * 3, *body.inertia_kg_m2])
-    smallest = NEGLIGIBLE * np.sqrt(np.outer(own, own))
-    for row in np.where(np.abs(body.added) < smallest, 0.0, body.added):
+    for row in written(body):
         yield f"  - [{_plain(row)}]"
     yield f"munk_share: {body.munk_share:.2g}   # estimated by the share of the frontal area that is not flat (0 to 1)"
     yield from _drag_lines(body)
@@ -157,6 +157,15 @@ def _lines(
     yield f"  dvl: {{kind: dvl, position_m: [{_plain([0.5 * low[0], 0.0, low[2]])}], rate_hz: 5, range_max_m: 50,"
     yield "    channels: {beam_velocity: {std: 0.01}, beam_range: {std: 0.05}}}"
     yield "  compass: {kind: compass, rate_hz: 50, noise: {std: 0.005}}"
+
+
+def written(body: Body) -> Floats:
+    """Return the added mass (6, 6) as the file states it."""
+    own = np.array([*[body.mass_kg] * 3, *body.inertia_kg_m2])
+    diagonal = np.diagonal(body.added)
+    axes = diagonal >= NEGLIGIBLE * own
+    kept = np.outer(axes, axes) & (np.abs(body.added) >= NEGLIGIBLE * np.sqrt(np.outer(own, own)))
+    return np.where(kept, COUPLED * body.added + (1.0 - COUPLED) * np.diag(diagonal), 0.0)
 
 
 def _drag_lines(body: Body) -> Iterator[str]:
