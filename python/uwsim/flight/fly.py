@@ -25,6 +25,7 @@ from uwsim.flight.setup import Setup
 from uwsim.flight.terminal import Silent
 from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.missions.mission import R_co
 from uwsim.scenario import Scenario, Survey
 from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.old_keys import renamed_argument
@@ -35,7 +36,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 def fly(
-    mission: AnyMission,
+    mission: AnyMission[R_co],
     scenario: str | Path | Scenario | Simulator = "lake",
     out: str | Path | None = None,
     *,
@@ -68,7 +69,7 @@ def fly(
     autosave: FlightAutosave | None = None,
     screen: Silent | None = None,
     sonar_frequency_khz: float | None = None,
-) -> FlightRecord:
+) -> FlightRecord[R_co]:
     """Fly a mission; return its record.
 
         record = fly(mission, scenario="pool")                       # a function, as in a notebook

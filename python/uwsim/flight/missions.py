@@ -22,7 +22,7 @@ from uwsim.flight.flyable_lanes import (
 )
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission, StoppedError
-from uwsim.missions.mission import SteppedMission
+from uwsim.missions.mission import R_co, SteppedMission
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.run import MissionFunction, first_parameter, made, steps_of
 from uwsim.missions.steps import Steps, drive
@@ -31,7 +31,7 @@ from uwsim.navigation.control.protocols import Clock, SurveyVehicle
 from uwsim.simulator.simulator import Simulator
 
 MakeMission = Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission]
-AnyMission = MissionFunction | MakeMission | str | Path | None
+AnyMission = MissionFunction[R_co] | MakeMission | str | Path | None
 SURVEY = "survey"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Generic, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from uwsim.flight.ping_log import PingSample
 from uwsim.flight.samples import Samples
 from uwsim.flight.stages import MAP_THREAD_STAGES
 from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.missions.mission import R_co
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.survey_track import SurveyTrack
@@ -65,11 +66,12 @@ class Ashore(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class FlightRecord:
+class FlightRecord(Generic[R_co]):
     """The record of a flown mission.
 
     scenario, seed, step_s: as in the simulator; for remote vehicles, scenario is the URL and the others are None.
-    estimate: source of the poses used. result: the mission's return value; None if the mission did not end by itself.
+    estimate: source of the poses used. result: the mission's return value, or a tuple of them if each of several
+    vehicles flies it; None if the mission did not end by itself.
     ended_because: the reason, as a clause. ended_early: whether the flight was ended by anything but the mission itself
     or --time-limit. error: the exception that the mission raised, if any. samples: samples by vehicle. stage_wall_s:
     wall time of each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a
@@ -96,7 +98,7 @@ class FlightRecord:
     wall_s: float
     events: list[Event] = field(default_factory=list)
     samples: dict[str, Samples] = field(default_factory=dict)
-    result: Any = None
+    result: R_co = None  # type: ignore[assignment]  # the type of a mission that has ended by itself
     error: Exception | None = None
     sonar_model: str | None = None
     threads: int = 1

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from uwsim.missions.steps import Steps
 
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
 
-class SteppedMission(Protocol):
-    """A mission flown by its steps. A mission that need not be restored may simply be a generator function."""
+    R_co = TypeVar("R_co", covariant=True, default=Any)
+else:
+    from typing import TypeVar
 
-    def steps(self) -> Steps[Any]:
+    R_co = TypeVar("R_co", covariant=True)
+
+
+class SteppedMission(Protocol[R_co]):
+    """A mission flown by its steps. A mission that need not be restored may simply be a generator function.
+
+    R_co: the type of its result; by default any.
+    """
+
+    def steps(self) -> Steps[R_co]:
         """Return a generator of steps that yields waits and returns the mission's result."""
 
 
-class Mission(SteppedMission, Protocol):
+class Mission(SteppedMission[Any], Protocol):
     """A mission that a survey can fly, such as AdaptiveLawnMower."""
 
     @property

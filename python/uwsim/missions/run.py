@@ -7,13 +7,13 @@ from collections.abc import Callable, Generator, Mapping
 from functools import partial
 from typing import Any
 
-from uwsim.missions.mission import SteppedMission
+from uwsim.missions.mission import R_co, SteppedMission
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.steps import Steps, drive, parallel
 from uwsim.missions.unrun_steps import require_steps_run
 from uwsim.navigation.control.protocols import Clock
 
-MissionFunction = Callable[..., Steps[Any] | SteppedMission]
+MissionFunction = Callable[..., Steps[R_co] | SteppedMission[R_co]]
 """A generator function, or a class with `steps`, that takes one vehicle or a dict of several by name."""
 
 
