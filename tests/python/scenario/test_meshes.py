@@ -98,6 +98,29 @@ def test_every_format_gives_the_same_solid_in_the_same_place(
     assert capfd.readouterr() == ("", "")
 
 
+def test_lines_beside_the_triangles_of_a_collada_file_are_left_out(tmp_path: Path) -> None:
+    box = solid()
+    x, y, z = (f'<param name="{axis}" type="float"/>' for axis in "XYZ")
+    (tmp_path / "a.dae").write_text(f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="box"><mesh>
+<source id="at"><float_array id="xyz" count="24">{" ".join(map(str, box.vertices.ravel()))}</float_array>
+<technique_common><accessor source="#xyz" count="8" stride="3">{x}{y}{z}</accessor></technique_common></source>
+<vertices id="corners"><input semantic="POSITION" source="#at"/></vertices>
+<lines count="1"><input semantic="VERTEX" source="#corners" offset="0"/><p>0 7</p></lines>
+<triangles count="12"><input semantic="VERTEX" source="#corners" offset="0"/>
+<p>{" ".join(map(str, box.faces.ravel()))}</p></triangles>
+<linestrips count="0"/>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="all"><node><instance_geometry url="#box"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#all"/></scene></COLLADA>
+""")
+    vertices, triangles = load_mesh(tmp_path / "a.dae")
+    np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [LOW, HIGH], atol=1e-5)
+    assert len(triangles) == 12
+
+
 def test_an_fbx_file_declares_its_axes_and_its_unit(tmp_path: Path) -> None:
     for up in ("y", "z"):
         for unit_cm in (1.0, 100.0):

@@ -6,11 +6,17 @@ To start quickly, this must not import uwsim. stdout: points and triangles of ea
 from __future__ import annotations
 
 import os
+import re
 import resource
 import sys
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+LINES = re.compile(rb"<(lines|linestrips)\b[^>]*?(/>|>.*?</\1\s*>)", re.DOTALL)
+"""Lines in a Collada file, which SketchUp writes beside the triangles: assimp_py 1.1 refuses a file that has any."""
 
 
 def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
@@ -23,7 +29,12 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
         | assimp_py.Process_JoinIdenticalVertices
         | assimp_py.Process_GlobalScale  # converts the file's unit to metres
     )
-    scene = assimp_py.import_file(path, flags)
+    with tempfile.NamedTemporaryFile(suffix=Path(path).suffix) as plain:
+        if Path(path).suffix.lower() == ".dae":
+            plain.write(LINES.sub(b"", Path(path).read_bytes()))
+            plain.flush()
+            path = plain.name
+        scene = assimp_py.import_file(path, flags)
     parts: list[np.ndarray[Any, Any]] = []
 
     def gather(node: Any, file_from_parent: np.ndarray[Any, Any]) -> None:
