@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import logging
 import os
 import queue
@@ -26,6 +27,9 @@ PORT = 5600
 PAYLOAD_TYPE = 96
 PACKET_BYTES = 1200
 BITRATE_KBIT_S = 4000
+KEY_FRAMES_MAX = 1000
+"""Pictures after which x264 makes a key frame by itself: more than ever lie between those of each second."""
+SPS, PPS = 7, 8  # types of NAL units
 CLOSE_S = 2.0
 SHORTEST_S = 0.08
 """The minimum time between two pictures, so that a fast simulation does not render constantly."""
@@ -107,12 +111,30 @@ class VideoStream:
 
     @property
     def sdp(self) -> str:
-        """The session description (RFC 8866, RFC 6184) that a receiver on the target host needs to read the stream."""
+        """The session description (RFC 8866, RFC 6184) that a receiver on the target host needs to read the stream.
+
+        It contains the encoder's parameter sets, so that a decoder knows the pictures before a key frame arrives.
+        Raises RuntimeError if ffmpeg does not provide them.
+        """
+        sets = self._parameter_sets()
+        joined = ",".join(base64.b64encode(each).decode() for each in sets)
         return (
             f"v=0\no=- 0 0 IN IP4 127.0.0.1\ns={self._vehicle}/{self.camera}\nc=IN IP4 {self.target.host}\nt=0 0\n"
             f"m=video {self.target.port} RTP/AVP {PAYLOAD_TYPE}\na=rtpmap:{PAYLOAD_TYPE} H264/90000\n"
-            f"a=fmtp:{PAYLOAD_TYPE} packetization-mode=1\n"
+            f"a=fmtp:{PAYLOAD_TYPE} packetization-mode=1; profile-level-id={sets[0][1:4].hex()}; "
+            f"sprop-parameter-sets={joined}\n"
         )
+
+    def _parameter_sets(self) -> tuple[bytes, bytes]:
+        """Return SPS and PPS, which depend only on the options and the size: those of two black pictures."""
+        width, height = self.size
+        command = [*self._encoding((height, width)), "-f", "h264", "pipe:1"]
+        black = bytes(2 * 3 * width * height)  # ffmpeg discards the first, from which it detects the format
+        done = subprocess.run(command, input=black, capture_output=True, timeout=CLOSE_S * 10, check=False)
+        units = {unit[0] & 31: unit for unit in re.split(rb"\x00\x00\x00?\x01", done.stdout) if unit}
+        if not {SPS, PPS} <= units.keys():
+            raise RuntimeError(f"video: no parameter sets: {done.stderr[-200:].decode(errors='replace').strip()}")
+        return units[SPS], units[PPS]
 
     def __enter__(self) -> Self:
         """Start. Raises NotRunningError."""
@@ -169,16 +191,22 @@ class VideoStream:
         finally:
             _end(encoder)
 
-    def _started(self, shape: tuple[int, ...]) -> subprocess.Popen[bytes]:
-        local = "&localaddr=127.0.0.1" if self._is_local else ""
-        command = [
+    def _encoding(self, shape: tuple[int, ...]) -> list[str]:
+        """Return ffmpeg's command up to its output. The key frames are those of the clock, at any rate of pictures."""
+        return [
             self._path, "-loglevel", "error", "-nostdin",
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", f"{shape[1]}x{shape[0]}",
             "-use_wallclock_as_timestamps", "1", "-fflags", "nobuffer", "-probesize", "32", "-i", "pipe:0",
             "-fps_mode", "passthrough", "-an", "-c:v", "libx264", "-preset", "ultrafast", "-tune", "zerolatency",
-            "-pix_fmt", "yuv420p", "-g", "10", "-threads", "1", "-b:v", f"{BITRATE_KBIT_S}k", "-maxrate",
+            "-pix_fmt", "yuv420p", "-g", str(KEY_FRAMES_MAX),
+            "-force_key_frames", "expr:gte(t,n_forced)", "-threads", "1", "-b:v", f"{BITRATE_KBIT_S}k", "-maxrate",
             f"{BITRATE_KBIT_S}k", "-bufsize", f"{BITRATE_KBIT_S}k", "-x264-params", "repeat-headers=1",
-            "-flush_packets", "1", "-payload_type", str(PAYLOAD_TYPE), "-f", "rtp",
+        ]  # fmt: skip
+
+    def _started(self, shape: tuple[int, ...]) -> subprocess.Popen[bytes]:
+        local = "&localaddr=127.0.0.1" if self._is_local else ""
+        command = [
+            *self._encoding(shape), "-flush_packets", "1", "-payload_type", str(PAYLOAD_TYPE), "-f", "rtp",
             f"rtp://{self.target}?pkt_size={PACKET_BYTES}{local}",
         ]  # fmt: skip
         encoder = subprocess.Popen(

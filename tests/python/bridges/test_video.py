@@ -1,7 +1,9 @@
 """A camera's pictures as H.264 by RTP, read by OpenCV's own FFmpeg from the session description."""
 
+import base64
 import logging
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -80,6 +82,45 @@ def test_a_receiver_decodes_the_cameras_pictures(
         assert max(scores) > 30, scores
     assert len({int(np.argmax([psnr_db(frame[..., ::-1], sent) for sent in stream.pictures])) for frame in frames}) > 2
     assert sockets and all(host == "127.0.0.1" for host in sockets)
+
+
+def units_of(payload: bytes) -> list[bytes]:
+    """Return the NAL units that begin in an RTP payload (RFC 6184), of a fragmented one only its header."""
+    if payload[0] & 31 == 24:
+        size = int.from_bytes(payload[1:3], "big")
+        rest = payload[3 + size :]
+        return [payload[3 : 3 + size], *(units_of(b"\x18" + rest) if rest else [])]
+    if payload[0] & 31 == 28:
+        return [bytes([payload[1] & 31])] if payload[1] & 0x80 else []
+    return [payload]
+
+
+@needs_ffmpeg
+def test_the_first_picture_of_each_second_is_a_key_frame_that_the_description_fits(live: LiveSimulator) -> None:
+    """At some four pictures a second, whose times are the packets' own."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(20.0)
+        live.speed = 0.4
+        with VideoStream(live, "rov", Target("127.0.0.1", receiver.getsockname()[1])) as stream:
+            described = re.search(r"sprop-parameter-sets=(.*)", stream.sdp)
+            keys: dict[int, bool] = {}
+            sets: set[str] = set()
+            while sum(keys.values()) < 3:
+                packet = receiver.recv(2000)
+                if packet[1] & 127 != 96:
+                    continue
+                time_90khz = int.from_bytes(packet[4:8], "big")
+                for unit in units_of(packet[12:]):
+                    if unit[0] & 31 in (1, 5):
+                        keys[time_90khz] = keys.get(time_90khz, False) or unit[0] & 31 == 5
+                    elif unit[0] & 31 in (7, 8):
+                        sets.add(base64.b64encode(unit).decode())
+        live.speed = 1.0
+    times = np.array(list(keys)) - next(iter(keys))
+    seconds = np.floor((times + 9) / 90000)  # rounded to milliseconds
+    assert list(keys.values()) == [True, *(np.diff(seconds) > 0)]
+    assert described is not None and set(described[1].split(",")) == sets
 
 
 def _udp_sockets() -> list[str]:
