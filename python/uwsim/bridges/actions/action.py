@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,21 @@ from numpy.typing import NDArray
 from uwsim.channels.authority.steering import Steering
 from uwsim.channels.names import checked_namespace
 from uwsim.channels.source import Source
+from uwsim.missions import OwnVehicle, Steps, goto, turn_to
+from uwsim.missions.moves import follow_leg
+
+
+class Plan(Protocol):
+    """The course of a flight."""
+
+    @property
+    def points_world_m(self) -> NDArray[np.float64]:
+        """The points to fly to, (n, 3), to measure what remains."""
+        ...
+
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+        """Fly it. begin: called with the index of each point after the first, once the vehicle flies to it."""
+        ...
 
 
 class Route(NamedTuple):
@@ -20,6 +36,18 @@ class Route(NamedTuple):
     points_world_m: NDArray[np.float64]
     speed_m_s: float
     heading_rad: float | None
+
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+        """Fly straight legs to the last point, stop there, and turn."""
+        points, speed_m_s = self.points_world_m, self.speed_m_s
+        if len(points) > 1:
+            yield from goto(vehicle, points[0], speed_m_s=speed_m_s)
+            for leg, (start, end) in enumerate(pairwise(points), start=1):
+                begin(leg)
+                yield from follow_leg(vehicle, start, end, speed_m_s=speed_m_s)
+        yield from goto(vehicle, points[-1], speed_m_s=speed_m_s)
+        if self.heading_rad is not None:
+            yield from turn_to(vehicle, self.heading_rad)
 
 
 class Progress(NamedTuple):
@@ -40,7 +68,7 @@ class Action:
     """An action of one vehicle.
 
     name: without a leading slash. type: a key of ACTION_TYPES. uses_truth: whether flights use the true pose, like /tf,
-    instead of the estimate. route: converts a goal message to a route; raises ValueError. feedback: builds the message
+    instead of the estimate. route: converts a goal message to a plan; raises ValueError. feedback: builds the message
     for a Progress. result: builds the message from the duration of the flight [s] and the reason for an early end (""
     for none).
     """
@@ -51,7 +79,7 @@ class Action:
     source: Source
     steering: Steering
     uses_truth: bool
-    route: Callable[[Any], Route]
+    route: Callable[[Any], Plan]
     feedback: Callable[[Progress], Any]
     result: Callable[[float, str], Any]
 

@@ -6,20 +6,18 @@ import logging
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.commands import command_named
-from uwsim.bridges.actions.action import Action, Progress, Route
+from uwsim.bridges.actions.action import Action, Plan, Progress
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.live.vehicle import LiveVehicle
-from uwsim.missions import OwnVehicle, Steps, StoppedError, drive, goto, turn_to
-from uwsim.missions.moves import follow_leg
+from uwsim.missions import OwnVehicle, StoppedError, drive
 from uwsim.navigation.control.protocols import Clock
 from uwsim.simulator.helm import Lease, Reason, Source
 
@@ -58,7 +56,7 @@ class Goal:
         if not self._hull.released:
             raise ValueError(f"vehicle '{self._name}' is at the station: call /{action.source.topic('undock')} first")
         action.steering.helm.require_at_door(action.name, Source.FLIGHT)
-        self._route: Route = action.route(goal)
+        self._plan: Plan = action.route(goal)
         self._stop: _EndedError | None = None
         self._lease: Lease | None = None
         self._leg = 0
@@ -118,18 +116,10 @@ class Goal:
         holds = hull.holds
         if holds is not None and holds.has_control:
             hull.command("hold")
-        drive(self._steps(vehicle), _WatchedClock(clock, self, vehicle, began_s))
+        drive(self._plan.steps(vehicle, self._begin), _WatchedClock(clock, self, vehicle, began_s))
 
-    def _steps(self, vehicle: OwnVehicle) -> Steps[None]:
-        points, speed_m_s = self._route.points_world_m, self._route.speed_m_s
-        if len(points) > 1:
-            yield from goto(vehicle, points[0], speed_m_s=speed_m_s)
-            for start, end in pairwise(points):
-                self._leg += 1
-                yield from follow_leg(vehicle, start, end, speed_m_s=speed_m_s)
-        yield from goto(vehicle, points[-1], speed_m_s=speed_m_s)
-        if self._route.heading_rad is not None:
-            yield from turn_to(vehicle, self._route.heading_rad)
+    def _begin(self, leg: int) -> None:
+        self._leg = leg
 
     def check(self) -> None:
         """Raise an exception with the reason if the flight must end now."""
@@ -142,7 +132,7 @@ class Goal:
         """Report the progress."""
         source, pose = self.action.source, vehicle.pose
         quaternion = Rotation.from_matrix(pose.world_from_body[:3, :3]).as_quat()
-        legs = np.vstack([pose.position_world_m, self._route.points_world_m[self._leg :]])
+        legs = np.vstack([pose.position_world_m, self._plan.points_world_m[self._leg :]])
         remaining_m = float(np.linalg.norm(np.diff(legs, axis=0), axis=1).sum())
         stamped = build.message(
             "geometry_msgs/msg/PoseStamped",
