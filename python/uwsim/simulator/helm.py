@@ -44,6 +44,7 @@ What becomes of a source that falls silent (`Timeout`):
 | a topic's publisher | `SIMULATED`  | `command_timeout_s`   | its command ends                             |
 | a pilot's efforts   | `WALL`       | 0.5 s                 | they are set to zero                         |
 | a pilot's speed hold| `WALL`       | 1.5 s                 | it ends                                      |
+| a MAVLink station   | `WALL`       | FS_GCS_TIMEOUT        | it loses the sticks, and FS_GCS_ENABLE acts  |
 | an autopilot        | `LOCKSTEP`   | `patience_s`          | `step` raises an error; a live world waits   |
 | all of them         | `SIMULATED`  | `failsafe: silence_s` | the failsafe steers, until the next command  |
 """

@@ -14,9 +14,12 @@ WAITING_MAX = 500  # messages of one peer; the largest mission has 1000 items, e
 STICKS_MAX = 10  # of one peer, the newest
 COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
 STICKS = ("MANUAL_CONTROL", "RC_CHANNELS_OVERRIDE")
-FLIGHT = {TERMINATE, ARM, 176, 192, 300}
+FLIGHT = {TERMINATE, ARM, 17, 21, 176, 192, 224, 300}
 """The commands that arm, release or steer the vehicle: a stop that overtakes them also ends them."""
-FLIGHT_MESSAGES = ("SET_MODE", "SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT")
+FLIGHT_MESSAGES = (
+    "SET_MODE", "SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT", "SET_ATTITUDE_TARGET",
+    "MISSION_SET_CURRENT",
+)  # fmt: skip
 
 Received = tuple[Peer, Any]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 from uwsim.bridges.mavlink.endpoint import Peer, Wire
 
@@ -14,8 +14,14 @@ DONE, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
 REQUEST_MESSAGE = 512  # MAV_CMD
 COUNTED_PEERS_MAX = 100
 
-SendText = Callable[[str], None]
-"""Queues a text message for all ground stations."""
+CRITICAL_TEXT, WARNING_TEXT, NOTICE_TEXT, INFO_TEXT = 2, 4, 5, 6  # MAV_SEVERITY
+
+
+class SendText(Protocol):
+    """Queues a text message for all ground stations. Without a severity, it is a warning."""
+
+    def __call__(self, text: str, severity: int = WARNING_TEXT, /) -> None:
+        """Queue a text."""
 
 
 class Component:

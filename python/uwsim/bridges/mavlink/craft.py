@@ -9,10 +9,13 @@ from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
+from uwsim.base.commands import command_named
 from uwsim.bridges.actions import Action
 from uwsim.bridges.mavlink.component import SendText
-from uwsim.bridges.mavlink.earth import Home
-from uwsim.bridges.mavlink.telemetry import State
+from uwsim.bridges.mavlink.earth import Home, Vector
+from uwsim.bridges.mavlink.state import State
 from uwsim.channels.authority.steering import log_error
 from uwsim.live import LiveSimulator
 
@@ -25,9 +28,11 @@ class Craft:
     """A vehicle of a live simulator.
 
     name: the vehicle's name. action: its action `fly_path`, or None if it has none. home: the location of the world's
-    origin. send_text: sends a text to the ground stations. output: the autopilot's messages to all stations, queued by
-    any thread. state: the latest reading. meanwhile: called while a command takes effect, to handle what is more
-    urgent. interruptions: how many stops and disarms there were; each ends the command that waits.
+    origin. send_text: sends a text to the ground stations. output: the autopilot's messages to all stations, or
+    functions that return them when they are sent, queued by any thread. state: the latest reading. meanwhile: called
+    while a command takes effect, to handle what is more urgent. interruptions: how many stops and disarms there were;
+    each ends the command that waits. launch_world_m: the home position, at the surface. is_flying: whether it flies by
+    itself. gain: of the sticks. channels_us: the pulses of the RC channels, by number.
     """
 
     live: LiveSimulator
@@ -39,16 +44,26 @@ class Craft:
     state: State | None = None
     meanwhile: Callable[[], object] = lambda: None
     interruptions: int = 0
+    launch_world_m: Vector = field(default_factory=lambda: np.zeros(3))
+    is_flying: bool = False
+    gain: float = 0.5
+    channels_us: dict[int, int] = field(default_factory=dict)
 
     @property
     def vehicle(self) -> Any:
         """The simulated vehicle."""
         return self.live.simulator.vehicles[self.name]
 
-    def begin(self, command: str, **arguments: Any) -> Future[Any]:
-        """Issue a command if the station's pilot permits it. Raises ValueError."""
+    def require(self, command: str, **arguments: Any) -> None:
+        """Raise ValueError unless a client may issue a command now."""
         if self.action is not None:
             self.action.steering.rights.require(command, {"data": arguments.get("on", True)})
+
+    def begin(self, command: str, **arguments: Any) -> Future[Any]:
+        """Issue a command if the station's pilot permits it. Raises ValueError."""
+        self.require(command, **arguments)
+        if self.action is not None and command_named(command).steers:  # which replaces what steers now
+            return self.action.steering.give(self.live, command, **arguments)
         return self.live.command(command, vehicle=self.name, **arguments)
 
     def command(self, command: str, **arguments: Any) -> None:

@@ -1,8 +1,7 @@
-"""Arming, modes, targets and missions of a MAVLink vehicle."""
+"""Arming, modes and missions of a MAVLink vehicle."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from concurrent.futures import Future
 from contextlib import suppress
@@ -12,22 +11,18 @@ from typing import Any
 import numpy as np
 
 from uwsim.bridges.actions import SUCCEEDED, Goal
-from uwsim.bridges.actions.action import Route
-from uwsim.bridges.actions.table import SPEED_M_S
-from uwsim.bridges.mavlink.component import DONE, UNSUPPORTED, Given, Obey
+from uwsim.bridges.actions.action import Plan, Route
+from uwsim.bridges.mavlink.component import DONE, INFO_TEXT, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import NED_FROM_ENU, Vector, euler_rad
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.bridges.mavlink.missions import FAR_M, SPEED_MAX_M_S, MissionStore, route_of
-from uwsim.bridges.mavlink.modes import AUTO, GUIDED, HOLDS_OF, MANUAL, NAMES, mode_of
+from uwsim.bridges.mavlink.missions import COMPLETE, PAUSED, MissionStore
+from uwsim.bridges.mavlink.modes import ALT_HOLD, AUTO, GUIDED, HOLDS_OF, MANUAL, NAMES, POSHOLD, SURFACE, mode_of
+from uwsim.bridges.mavlink.plan import Ascent, MissionPlan
+from uwsim.bridges.mavlink.servos import Servos
+from uwsim.bridges.mavlink.stations import DISARM, HOLD_DEPTH, Sender, Stations
+from uwsim.bridges.mavlink.stations import SURFACE as THEN_SURFACE
+from uwsim.bridges.mavlink.telemetry import place
 from uwsim.simulator.helm import Source
-
-LOCAL, LOCAL_OFFSET, BODY_OFFSET = 1, 7, 9  # MAV_FRAME
-GLOBAL_FRAMES = (0, 3, 5, 6, 11)
-POSITION_IGNORED, YAW_IGNORED = 0b111, 1 << 10
-RELATIVE_YAW = 2  # MAV_DO_REPOSITION_FLAGS
-DEGREES_E7 = 1e-7
-INFO = 6  # MAV_SEVERITY
 
 
 class Flight:
@@ -36,23 +31,28 @@ class Flight:
     Must be used on the bridge's thread, except for the methods that a flight calls to report its progress.
     """
 
-    def __init__(self, craft: Craft, mission: MissionStore) -> None:
-        self._craft, self._mission = craft, mission
+    def __init__(self, craft: Craft, mission: MissionStore, servos: Servos, stations: Stations) -> None:
+        self._craft, self._mission, self._servos, self._stations = craft, mission, servos, stations
         self.is_armed = False
+        self._kept = MANUAL  # the mode while disarmed
         self._goal: Goal | None = None
-        self._flies = MANUAL  # GUIDED or AUTO while the vehicle flies by itself
+        self._flies = MANUAL  # GUIDED, AUTO or SURFACE while the vehicle flies by itself
         self._target: Route | None = None
+        self._is_steering = False  # at a velocity
+        self._is_at_surface = False  # as a flight to it has found
         self._stop: Future[Any] | None = None
 
     @property
     def commands(self) -> Mapping[int, Obey]:
         """The commands that this part executes, by MAV_CMD."""
-        return {176: self._on_mode, 185: self._on_termination, 192: self._on_reposition, 300: self._on_start,
-                400: self._on_arm}  # fmt: skip
+        return {17: self._on_loiter, 21: self._on_land, 176: self._on_mode, 185: self._on_termination,
+                224: self._on_set_current, 300: self._on_start, 400: self._on_arm}  # fmt: skip
 
     @property
     def mode(self) -> int:
         """The current mode, which depends on the flight in progress or else on the active holds."""
+        if not self.is_armed:
+            return self._kept
         if self._flies != MANUAL:
             return self._flies
         return mode_of(() if self._craft.state is None else self._craft.state.holds)
@@ -67,6 +67,14 @@ class Flight:
         self.set_mode(given.integer(2, 0, 2**32 - 1))
         return DONE
 
+    def _on_loiter(self, given: Given) -> int:
+        self.set_mode(POSHOLD)
+        return DONE
+
+    def _on_land(self, given: Given) -> int:
+        self.set_mode(SURFACE)
+        return DONE
+
     def _on_start(self, given: Given) -> int:
         last = max(len(self._mission.items) - 1, 0)
         for index, whole in ((1, (0, 1)), (2, (0, last))):  # the item at 0 is the home position
@@ -75,14 +83,27 @@ class Flight:
         self.set_mode(AUTO)
         return DONE
 
+    def _on_set_current(self, given: Given) -> int:
+        self._set_current(given.integer(1, 0, max(len(self._mission.items) - 1, 0)))
+        return DONE
+
+    def on_mission_set_current(self, peer: Peer, message: Any) -> None:
+        """Fly an item of the mission next: at once in AUTO, else once it begins."""
+        self._set_current(message.seq)
+
+    def _set_current(self, number: int) -> None:
+        self._mission.choose(number)
+        if self._flies == AUTO:
+            self.set_mode(AUTO)
+
     def _on_arm(self, given: Given) -> int:
-        self.arm() if given.switch(1) else self.disarm()
+        self.arm(given.sender) if given.switch(1) else self.disarm()
         return DONE
 
     def _on_termination(self, given: Given) -> int:
         on = given.switch(1)
         self.end()
-        self.is_armed = False
+        self._disarmed(MANUAL)
         begun, self._stop = self._stop if on else None, None
         self._craft.wait(begun or self._craft.begin("all_stop", on=on), "all_stop", is_stop=on)
         return DONE
@@ -94,39 +115,44 @@ class Flight:
             with suppress(ValueError, RuntimeError):
                 self._stop = self._craft.begin("all_stop", on=True)
 
-    def _on_reposition(self, given: Given) -> int:
-        if given.frame not in GLOBAL_FRAMES:
-            return UNSUPPORTED
-        speed_m_s, yaw = given.real(1, may_be_nan=True), given.real(4, may_be_nan=True)
-        is_default = math.isnan(speed_m_s) or speed_m_s in (-1, 0)
-        if not (is_default or 0 < speed_m_s <= SPEED_MAX_M_S):
-            raise given.denied(1, f"a speed in (0, {SPEED_MAX_M_S:g}] m/s, or -1 for the default")
-        turns = math.isfinite(yaw) and yaw != 0
-        if given.integer(2, 0, 255) & RELATIVE_YAW and turns:
-            raise given.denied(2, "without the flag of a relative yaw (2)")
-        lat_deg, lon_deg = (DEGREES_E7 * given.real(index) for index in (5, 6))
-        point = self._craft.home.world_m(lat_deg, lon_deg, given.real(7))
-        self._require_armed("target")
-        self._fly_to(point, math.pi / 2 - yaw if turns else None, SPEED_M_S if is_default else speed_m_s)
-        return DONE
+    def arm(self, by: Sender) -> None:
+        """Arm the vehicle, undocking it if necessary, in the mode kept. Raises ValueError while all stop is set.
 
-    def arm(self) -> None:
-        """Arm the vehicle, undocking it if necessary. Raises ValueError while all stop is set."""
-        vehicle = self._craft.vehicle
+        A mode in which the vehicle flies by itself only holds it: no flight goes on before it is commanded. by: the
+        station, which owns the sticks from now on unless another has armed before.
+        """
+        if self.is_armed:
+            return
+        craft, vehicle = self._craft, self._craft.vehicle
         vehicle.helm.require("arm", Source.FAILSAFE)
         if not vehicle.released:
-            self._craft.command("undock")
+            craft.command("undock")
         self.is_armed = True
+        self._stations.give_to(by)
+        if craft.state is not None:
+            craft.launch_world_m = craft.state.position_world_m * np.array([1.0, 1.0, 0.0])
+            craft.output.append(place(self._mission.mav, craft))
+        if self._kept != MANUAL:
+            try:
+                self._begin(self._kept, None) if self._kept not in HOLDS_OF else self.set_mode(self._kept)
+            except ValueError as error:
+                craft.send_text(f"armed in MANUAL: {error}")
 
     def disarm(self) -> None:
-        """Disarm: end the flight, the holds and the efforts."""
+        """Disarm: end the flight, the holds and the efforts. The mode is kept, for when it is armed again."""
         self._craft.interruptions += 1
+        mode = self.mode
         self.end()
-        self.is_armed = False
+        self._disarmed(mode)
         self._craft.command("hold")
         self._craft.command("set_effort")
 
-    def _require_armed(self, what: str) -> None:
+    def _disarmed(self, kept: int) -> None:
+        self.is_armed, self._kept = False, kept
+        self._stations.give_to(None)
+
+    def require_armed(self, what: str) -> None:
+        """Raise ValueError unless the vehicle is armed."""
         if not self.is_armed:
             raise ValueError(f"{what}: the vehicle is not armed")
 
@@ -138,95 +164,97 @@ class Flight:
         """Change the mode. Raises ValueError."""
         if mode not in NAMES:
             raise ValueError(f"mode {mode}: must be one of {', '.join(f'{n} ({k})' for k, n in NAMES.items())}")
-        if mode in (AUTO, GUIDED):
-            self._require_armed(NAMES[mode])
-            self._begin(mode, route_of(self._mission.items, self._craft.home)[0] if mode == AUTO else None)
+        if mode not in HOLDS_OF:
+            self.require_armed(NAMES[mode])
+            self._begin(mode, self._plan(mode))
             return
-        self.end()
-        self._craft.command("hold", **dict.fromkeys(HOLDS_OF[mode], True))
+        if not self.is_armed:
+            self._craft.require("hold")
+            self._kept = mode
+            return
+        self._hold(*HOLDS_OF[mode])
 
-    def _begin(self, mode: int, route: Route | None) -> None:
-        """Fly a route or, in GUIDED without a target, engage the holds that the vehicle supports."""
+    def _hold(self, *holds: str) -> None:
+        """End the flight, whose last effort would count as the stick's, and replace the active holds."""
+        was_flying = self._craft.is_flying
+        self.end()
+        if was_flying:
+            self._craft.command("set_effort")
+        self._craft.command("hold", **dict.fromkeys(holds, True))
+
+    def _plan(self, mode: int) -> Plan | None:
+        mission = self._mission
+        if mode == AUTO:
+            return MissionPlan(
+                mission.items, mission.current, self._craft, self._servos, mission.begin, mission.reached
+            )
+        return Ascent() if mode == SURFACE else None
+
+    def _begin(self, mode: int, plan: Plan | None) -> None:
+        """Fly a plan or, without one, engage the holds that the vehicle supports."""
         action = self._craft.action
         if action is None:
             raise ValueError(f"{NAMES[mode]}: the vehicle has no estimate to fly by")
-        self.end()
-        if route is None:
+        if plan is None:
             holds = self._craft.vehicle.holds
             possible = [] if holds is None else holds.possible
-            self._craft.command("hold", **{hold: True for hold in ("heading", "depth", "position") if hold in possible})
+            self._hold(*(hold for hold in ("heading", "depth", "position") if hold in possible))
         else:
+            self.end()
             given = replace(action, route=lambda goal: goal, feedback=lambda progress: progress,
                             result=lambda elapsed_s, why: why)  # fmt: skip
-            numbers = route_of(self._mission.items, self._craft.home)[1] if mode == AUTO else []
-            goal = Goal(self._craft.live, given, route, lambda progress: self._mission.report(numbers, progress.leg),
-                        lambda status, why: self._ended(goal, numbers, status, why))  # fmt: skip
+            goal = Goal(self._craft.live, given, plan, lambda progress: None,
+                        lambda status, why: self._ended(goal, mode, status, why))  # fmt: skip
             goal.start()
-            self._goal, self._target = goal, route
+            self._goal = goal
         self._flies = mode
+        self._craft.is_flying = True
 
-    def _ended(self, goal: Goal, numbers: list[int], status: int, why: str) -> None:
+    def _ended(self, goal: Goal, mode: int, status: int, why: str) -> None:
+        """Report the end of a flight, on its thread."""
         if status == SUCCEEDED:
-            self._mission.report_reached(numbers)
-            self._craft.send_text("Mission complete" if numbers else "Target reached")
-        elif goal is self._goal:
-            self._craft.send_text(f"{NAMES[self._flies]} ended: {why}")
+            if mode == AUTO:
+                self._mission.end(COMPLETE)
+            self._is_at_surface = mode == SURFACE and goal is self._goal
+            done = {AUTO: "Mission complete", SURFACE: "At the surface"}
+            self._craft.send_text(done.get(mode, "Target reached"), INFO_TEXT)
+            return
+        if mode == AUTO:
+            self._mission.end(PAUSED)
+        if goal is self._goal:
+            self._craft.send_text(f"{NAMES[mode]} ended: {why}")
 
     def end(self) -> None:
         """End the flight, if there is one."""
         goal, self._goal, self._target, self._flies = self._goal, None, None, MANUAL
+        self._is_steering = self._is_at_surface = self._craft.is_flying = False
         if goal is not None:
             goal.close()
 
-    def on_set_position_target_local_ned(self, peer: Peer, message: Any) -> None:
-        """Fly to a position in GUIDED, relative to the origin or to the vehicle (along the world's axes or its own)."""
-        frame, offset = message.coordinate_frame, np.array([message.x, message.y, message.z])
-        if frame not in (LOCAL, LOCAL_OFFSET, BODY_OFFSET):
-            raise ValueError(
-                f"target: frame {frame}: must be local NED (1), or an offset along NED (7) or the body (9)"
-            )
-        if not np.isfinite(offset).all():
-            raise ValueError(f"target = {offset.tolist()} m: must be numbers")
-        if frame == LOCAL:
-            self._guide(message, NED_FROM_ENU.T @ offset)
-            return
-        state = self._craft.state
-        if state is None:
-            raise ValueError("target: the vehicle's position is not known yet")
-        if frame == BODY_OFFSET:
-            yaw = euler_rad(state.world_from_body)[2]
-            forward, right = offset[:2]
-            offset[0] = math.cos(yaw) * forward - math.sin(yaw) * right
-            offset[1] = math.sin(yaw) * forward + math.cos(yaw) * right
-        self._guide(message, state.position_world_m + NED_FROM_ENU.T @ offset)
-
-    def on_set_position_target_global_int(self, peer: Peer, message: Any) -> None:
-        """Fly to a geographic location in GUIDED."""
-        if message.coordinate_frame not in GLOBAL_FRAMES:
-            raise ValueError(f"target: frame {message.coordinate_frame}: must be a global one (0, 3, 5, 6, 11)")
-        place = DEGREES_E7 * message.lat_int, DEGREES_E7 * message.lon_int
-        self._guide(message, self._craft.home.world_m(*place, message.alt))
-
-    def _guide(self, message: Any, point: Vector) -> None:
-        self._require_armed("target")
-        if self._flies != GUIDED:
-            raise ValueError("target: must be in mode GUIDED")
-        if message.type_mask & POSITION_IGNORED:
-            raise ValueError("target: only positions are supported, not velocities or accelerations")
-        self._fly_to(point, None if message.type_mask & YAW_IGNORED else math.pi / 2 - message.yaw)
-
-    def _fly_to(self, point: Vector, heading_rad: float | None, speed_m_s: float = SPEED_M_S) -> None:
-        if not (all(math.isfinite(part) and abs(part) < FAR_M for part in point) and point[2] <= 0):
-            raise ValueError(
-                f"target = {[round(float(part), 2) for part in point]} m: must be near, and not above water"
-            )
-        if heading_rad is not None and not math.isfinite(heading_rad):
-            raise ValueError("target: yaw: must be a number")
-        route = Route(point.reshape(1, 3), speed_m_s, heading_rad)
+    def fly_to(self, route: Route) -> None:
+        """Fly to a target in GUIDED, unless the vehicle already does."""
         known = self._target
         if (
             known is None
             or abs(known.points_world_m - route.points_world_m).max() > 1e-3
-            or (known.heading_rad, known.speed_m_s) != (heading_rad, speed_m_s)
+            or (known.heading_rad, known.speed_m_s) != (route.heading_rad, route.speed_m_s)
         ):
             self._begin(GUIDED, route)
+            self._target = route
+
+    def begin_steering(self) -> None:
+        """Make way for velocities in GUIDED: end the flight and the holds that keep the vehicle."""
+        if not self._is_steering:
+            self._hold()
+            self._flies, self._is_steering, self._craft.is_flying = GUIDED, True, True
+
+    def watch(self) -> None:
+        """Change the mode where time does so: at the surface, and once the station that owns the sticks is silent."""
+        if self._is_at_surface:
+            self.set_mode(ALT_HOLD)
+        if self.is_armed:
+            action = self._stations.silent_action()
+            if action == DISARM:
+                self.disarm()
+            elif action in (HOLD_DEPTH, THEN_SURFACE):
+                self.set_mode(ALT_HOLD if action == HOLD_DEPTH else SURFACE)

@@ -10,7 +10,8 @@ from typing import Any
 from uwsim.bridges.mavlink.component import DENIED, DONE, UNSUPPORTED, Component, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.bridges.mavlink.telemetry import EXTRA3, Kind, State
+from uwsim.bridges.mavlink.state import State
+from uwsim.bridges.mavlink.telemetry import EXTRA3, Kind
 
 DEVICE = 1
 """The gimbal device's ID; 1 to 6 are for devices that do not use MAVLink themselves."""
@@ -115,6 +116,11 @@ class Gimbal:
         """Turn to the direction in which the camera is mounted."""
         if self.camera:
             self.turn_to(0.0, 0.0 if self._can_turn(self._yaw_limits_rad) else math.nan)
+
+    def turn_to_share(self, share: float) -> None:
+        """Turn to a pitch, as a share of the motor's range from 0 (lowest) to 1, limited to it."""
+        low, high = self._pitch_limits_rad
+        self.turn_to(low + min(max(share, 0.0), 1.0) * (high - low), math.nan)
 
     def turn_by_stick(self, pitch: float, yaw: float) -> None:
         """Turn for up to a second at a rate set by stick deflections in [-1, 1]."""

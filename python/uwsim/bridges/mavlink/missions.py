@@ -1,4 +1,4 @@
-"""MAVLink missions: their transfer, and the route that they describe."""
+"""MAVLink missions: their transfer, and the item that is flown."""
 
 from __future__ import annotations
 
@@ -8,79 +8,19 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from uwsim.bridges.actions.action import Route
-from uwsim.bridges.actions.table import SPEED_M_S
-from uwsim.bridges.mavlink.earth import Home, Vector
+from uwsim.bridges.mavlink.component import SendText
 from uwsim.bridges.mavlink.endpoint import Peer
+from uwsim.bridges.mavlink.plan import RefusedItemError
+from uwsim.bridges.mavlink.telemetry import EXTENDED_STATUS, Kind
 
-WAYPOINT, CHANGE_SPEED = 16, 178  # MAV_CMD
-ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; both altitudes are relative to the surface
 ITEMS_MAX = 1000
-SPEED_MAX_M_S, FAR_M = 10.0, 1e5
-"""Limits of speeds, and of distances from the world's origin."""
 AGAIN_S = 1.0  # interval at which a missing item is requested again
 GIVE_UP_S = 15.0  # time without an item after which an upload ends
 MISSION = 0  # MAV_MISSION_TYPE; fences and rally points are other types
-ACCEPTED, UNSUPPORTED_FRAME, UNSUPPORTED, NO_SPACE, INVALID, INVALID_SEQUENCE, DENIED, CANCELLED = (
-    0,
-    2,
-    3,
-    4,
-    5,
-    13,
-    14,
-    15,
-)
+ACCEPTED, UNSUPPORTED, NO_SPACE, INVALID, INVALID_SEQUENCE, DENIED, CANCELLED = 0, 3, 4, 5, 13, 14, 15
 """MAV_MISSION_RESULT."""
-
-
-class RefusedItemError(ValueError):
-    """Raised for an item that cannot be flown. result: a MAV_MISSION_RESULT."""
-
-    def __init__(self, result: int, reason: str) -> None:
-        super().__init__(reason)
-        self.result = result
-
-
-def checked(item: Any) -> Any:
-    """Return the item if it can be flown. Raises RefusedItemError."""
-    where = f"mission item {item.seq}"
-    if item.seq == 0:  # ArduPilot keeps the home position here
-        return item
-    if item.command not in (WAYPOINT, CHANGE_SPEED):
-        raise RefusedItemError(UNSUPPORTED, f"{where}: command {item.command}: must be waypoint (16) or speed (178)")
-    if item.command == CHANGE_SPEED:
-        if not 0 < item.param2 <= SPEED_MAX_M_S:
-            raise RefusedItemError(INVALID, f"{where}: speed = {item.param2:g} m/s: must be in (0, {SPEED_MAX_M_S:g}]")
-        return item
-    if item.frame not in ABOVE_SEA + ABOVE_HOME:
-        raise RefusedItemError(UNSUPPORTED_FRAME, f"{where}: frame {item.frame}: must be a global one")
-    if not -FAR_M < item.z <= 0:
-        raise RefusedItemError(
-            INVALID, f"{where}: altitude = {item.z:g} m: must not be above the surface, 0 m, nor below {-FAR_M:g} m"
-        )
-    return item
-
-
-def route_of(items: list[Any], home: Home) -> tuple[Route, list[int]]:
-    """Return the route through a mission's waypoints, and their sequence numbers.
-
-    Raises ValueError if there are none.
-    """
-    points: list[Vector] = []
-    numbers: list[int] = []
-    speed_m_s = SPEED_M_S
-    for item in items[1:]:
-        if item.command == CHANGE_SPEED:
-            speed_m_s = item.param2 if not points else min(speed_m_s, item.param2)
-        else:
-            points.append(home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z))
-            numbers.append(item.seq)
-    if not points:
-        raise ValueError("the mission has no waypoint: upload one")
-    return Route(np.array(points), speed_m_s, None), numbers
+NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = range(1, 6)  # MISSION_STATE
+CURRENT_HZ = 1
 
 
 @dataclass
@@ -96,20 +36,61 @@ class _Upload:
 
 
 class MissionStore:
-    """Exchanges the mission with ground stations. items: the items of the last complete upload.
+    """Exchanges the mission with ground stations, and reports the progress of its flight.
 
     A missing item is requested again every second, and an upload ends after 15 s without an item. Fences and rally
-    points, which MAVLink treats as other types of missions, are empty and cannot be uploaded. output: queue for the
-    messages of a flight's thread. Other methods must be called on one thread.
+    points, which MAVLink treats as other types of missions, are empty and cannot be uploaded. Must be used on one
+    thread, except for `begin` and `reached`, which a flight calls.
+
+    mav: encodes messages. output: queue for the messages of a flight's thread. check: returns an item that can be
+    flown; raises RefusedItemError. items: of the last complete upload. current: the number of the item that is flown
+    now, or next. state: a MISSION_STATE.
     """
 
     def __init__(
-        self, mav: Any, send: Callable[..., None], send_text: Callable[[str], None], output: deque[Any]
+        self, mav: Any, send: Callable[..., None], send_text: SendText, output: deque[Any], check: Callable[[Any], Any]
     ) -> None:
-        self._mav, self._send, self._send_text, self._output = mav, send, send_text, output
+        self.mav, self._send, self._send_text, self._output, self._check = mav, send, send_text, output, check
         self.items: list[Any] = []
+        self.current, self.state = 0, NO_MISSION
         self._upload: _Upload | None = None
         self._ended: _Upload | None = None  # the last upload, whose acknowledgement may have been lost
+
+    @property
+    def kinds(self) -> list[Kind]:
+        """The messages that are sent at a fixed rate: MISSION_CURRENT."""
+        return [Kind(42, lambda mav, figures: [self._progress()], CURRENT_HZ, EXTENDED_STATUS)]
+
+    def _progress(self) -> Any:
+        count = max(len(self.items) - 1, 0)  # without the home position
+        return self.mav.mission_current_encode(self.current, count, self.state, 1 if self.state == ACTIVE else 2)
+
+    def begin(self, number: int) -> None:
+        """Report that an item is flown now, from any thread."""
+        self.current, self.state = number, ACTIVE
+        self._output.append(self._progress)
+
+    def reached(self, number: int) -> None:
+        """Report that an item has been flown, from any thread."""
+        self._output.append(self.mav.mission_item_reached_encode(number))
+
+    def end(self, state: int) -> None:
+        """Report that the mission is no longer flown: PAUSED or COMPLETE, from any thread."""
+        if self.state == ACTIVE:
+            self.state = state
+            if state == COMPLETE:
+                self.current = 1
+            self._output.append(self._progress)
+
+    def choose(self, number: int) -> None:
+        """Make an item the next one that is flown; 0: the first. Raises ValueError."""
+        if number and number >= len(self.items):
+            raise ValueError(f"mission item {number}: there are {len(self.items)} items, numbered from 0")
+        self.current = min(max(number, 1), len(self.items))
+        self._output.append(self._progress)
+
+    def _replace(self, items: list[Any]) -> None:
+        self.items, self.current, self.state = items, min(len(items), 1), NOT_STARTED if items else NO_MISSION
 
     def retry(self, now_s: float) -> None:
         """Request the next item of an upload again if it has not arrived, or give up."""
@@ -125,34 +106,24 @@ class MissionStore:
         else:
             self._request_item(upload)
 
-    def report(self, numbers: list[int], leg: int) -> None:
-        """Report the item that is being flown, from any thread. numbers: the sequence numbers of the waypoints."""
-        if numbers:
-            self._output.append(self._mav.mission_current_encode(numbers[min(leg, len(numbers) - 1)]))
-
-    def report_reached(self, numbers: list[int]) -> None:
-        """Report that the waypoints have been reached, from any thread."""
-        for number in numbers:
-            self._output.append(self._mav.mission_item_reached_encode(number))
-
     def on_mission_request_list(self, peer: Peer, message: Any) -> None:
         """Report the number of items."""
         count = len(self.items) if message.mission_type == MISSION else 0
-        self._send(self._mav.mission_count_encode(*_from(message), count, message.mission_type), peer)
+        self._send(self.mav.mission_count_encode(*_from(message), count, message.mission_type), peer)
 
     def on_mission_request_int(self, peer: Peer, message: Any) -> None:
         """Send an item."""
         item = self._item(peer, message)
         if item is not None:
             place = item.x, item.y, item.z
-            self._send(self._mav.mission_item_int_encode(*_from(message), *_plain(item), *place), peer)
+            self._send(self.mav.mission_item_int_encode(*_from(message), *_plain(item), *place), peer)
 
     def on_mission_request(self, peer: Peer, message: Any) -> None:
         """Send an item with its position in degrees."""
         item = self._item(peer, message)
         if item is not None:
             place = 1e-7 * item.x, 1e-7 * item.y, item.z
-            self._send(self._mav.mission_item_encode(*_from(message), *_plain(item), *place), peer)
+            self._send(self.mav.mission_item_encode(*_from(message), *_plain(item), *place), peer)
 
     def _item(self, peer: Peer, message: Any) -> Any:
         if message.mission_type == MISSION and 0 <= message.seq < len(self.items):
@@ -164,6 +135,9 @@ class MissionStore:
         """Begin an upload."""
         if message.mission_type != MISSION:
             self._acknowledge(peer, _from(message), UNSUPPORTED, message.mission_type)
+        elif self.state == ACTIVE:
+            self._send_text("mission upload: refused while the mission is flown: change the mode first")
+            self._acknowledge(peer, _from(message), DENIED)
         elif message.count == 0:
             self.on_mission_clear_all(peer, message)
         elif message.count > ITEMS_MAX:
@@ -177,7 +151,7 @@ class MissionStore:
 
     def _request_item(self, upload: _Upload) -> None:
         upload.asked_s = time.monotonic()
-        self._send(self._mav.mission_request_int_encode(*upload.asker, len(upload.items)), upload.peer)
+        self._send(self.mav.mission_request_int_encode(*upload.asker, len(upload.items)), upload.peer)
 
     def on_mission_item(self, peer: Peer, message: Any) -> None:
         """Accept an item with its position in degrees."""
@@ -197,7 +171,7 @@ class MissionStore:
         if upload is None or peer != upload.peer or message.seq != len(upload.items):
             return
         try:
-            upload.items.append(checked(message))
+            upload.items.append(self._check(message))
         except RefusedItemError as error:
             self._send_text(str(error))
             self._refuse(peer, error.result)
@@ -206,7 +180,8 @@ class MissionStore:
         if len(upload.items) < upload.count:
             self._request_item(upload)
             return
-        self.items, self._upload, self._ended = upload.items, None, upload
+        self._replace(upload.items)
+        self._upload, self._ended = None, upload
         self._acknowledge(peer, upload.asker, ACCEPTED)
 
     def _refuse(self, peer: Peer, result: int) -> None:
@@ -217,13 +192,16 @@ class MissionStore:
             self._acknowledge(peer, upload.asker, result)
 
     def on_mission_clear_all(self, peer: Peer, message: Any) -> None:
-        """Delete the mission."""
+        """Delete the mission, unless it is flown."""
         if message.mission_type == MISSION:
-            self.items = []
+            if self.state == ACTIVE:
+                self._acknowledge(peer, _from(message), DENIED)
+                return
+            self._replace([])
         self._acknowledge(peer, _from(message), ACCEPTED, message.mission_type)
 
     def _acknowledge(self, peer: Peer, asker: tuple[int, int], result: int, kind: int = MISSION) -> None:
-        self._send(self._mav.mission_ack_encode(*asker, result, kind), peer)
+        self._send(self.mav.mission_ack_encode(*asker, result, kind), peer)
 
 
 def _plain(item: Any) -> tuple[Any, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-MANUAL, STABILIZE, ALT_HOLD, AUTO, GUIDED, POSHOLD, SURFTRAK = 19, 0, 2, 3, 4, 16, 21
+MANUAL, STABILIZE, ALT_HOLD, AUTO, GUIDED, SURFACE, POSHOLD, SURFTRAK = 19, 0, 2, 3, 4, 9, 16, 21
 HOLDS_OF: Mapping[int, tuple[str, ...]] = {
     MANUAL: (),
     STABILIZE: ("heading",),
@@ -19,6 +19,7 @@ NAMES: Mapping[int, str] = {
     ALT_HOLD: "ALT_HOLD",
     AUTO: "AUTO",
     GUIDED: "GUIDED",
+    SURFACE: "SURFACE",
     POSHOLD: "POSHOLD",
     SURFTRAK: "SURFTRAK",
 }

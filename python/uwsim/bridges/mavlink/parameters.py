@@ -10,10 +10,10 @@ from typing import Any
 
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
+from uwsim.bridges.mavlink.settings import Settings
 
 ID_CHARACTERS = 16
 AT_ONCE = 20
-FUNCTION_MAX = 250
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 
 Send = Callable[..., None]
@@ -57,13 +57,13 @@ def as_value(number: float, present: Any) -> Any:
 class ParameterServer:
     """Lists, reads and sets parameters for ground stations. ids: names by ID.
 
-    buttons: further parameters by ID, the functions of a joystick's buttons. Must be used on one thread.
+    settings: further parameters, those of the bridge itself. Must be used on one thread.
     """
 
-    def __init__(self, craft: Craft, mav: Any, send: Send, buttons: dict[str, int]) -> None:
+    def __init__(self, craft: Craft, mav: Any, send: Send, settings: Settings) -> None:
         live = craft.live
-        self._craft, self._live, self._mav, self._send, self._buttons = craft, live, mav, send, buttons
-        self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in buttons}
+        self._craft, self._live, self._mav, self._send, self._settings = craft, live, mav, send, settings
+        self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in settings}
         self._indices = {name: index for index, name in enumerate(self.ids)}
         self._due: deque[tuple[Peer, str]] = deque()
 
@@ -74,7 +74,7 @@ class ParameterServer:
             self._send(self._value(name), peer)
 
     def _present(self, name: str) -> Any:
-        return self._buttons[name] if name in self._buttons else self._live.simulator.parameters[self.ids[name]]
+        return self._settings[name] if name in self._settings else self._live.simulator.parameters[self.ids[name]]
 
     def _value(self, name: str) -> Any:
         value = self._present(name)
@@ -104,15 +104,10 @@ class ParameterServer:
             self._send(self._value(name))
             raise ValueError(f"parameter '{name}' = {message.param_value:g}: {error}") from None
         try:
-            if name in self._buttons:
-                self._set_button(name, value)
+            if name in self._settings:
+                self._settings.set(name, value)
             else:
                 order = self._live.command("set_parameter", name=self.ids[name], value=value)
                 self._craft.wait(order, f"parameter '{name}'")
         finally:
             self._send(self._value(name))
-
-    def _set_button(self, name: str, value: int) -> None:
-        if not 0 <= value <= FUNCTION_MAX:
-            raise ValueError(f"parameter '{name}' = {value}: must be in [0, {FUNCTION_MAX}]")
-        self._buttons[name] = value

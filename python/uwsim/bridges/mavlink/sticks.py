@@ -6,16 +6,17 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from uwsim.bridges.mavlink.component import INFO_TEXT
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import Gimbal
-from uwsim.bridges.mavlink.modes import ALT_HOLD, AUTO, GUIDED, MANUAL, POSHOLD, STABILIZE, SURFTRAK
+from uwsim.bridges.mavlink.modes import ALT_HOLD, AUTO, GUIDED, MANUAL, POSHOLD, STABILIZE, SURFACE, SURFTRAK
+from uwsim.bridges.mavlink.settings import Settings
+from uwsim.bridges.mavlink.stations import Sender, Stations, sender_of
 
 FULL, NEUTRAL_THROTTLE = 1000, 500
 BUTTONS = 16
-DEFAULT_FUNCTIONS = (0, 5, 7, 6, 4, 1, 3, 21, 48, 23, 22, 42, 43, 33, 32, 0)
-"""Functions of buttons 0 to 15 (AP_JSButton.h), as in ArduSub's default_js_buttons."""
 RC_AXES = (("pitch", -1), ("roll", 1), ("heave", 1), ("yaw", -1), ("surge", 1), ("sway", -1))
 """Efforts of RC channels 1 to 6."""
 RC_PAN, RC_TILT, RC_LIGHTS = 7, 8, 9
@@ -28,26 +29,38 @@ RELEASED = {0, 0xFFFE}
 class Sticks:
     """Converts sticks to efforts, and buttons and channels to changes of mode, camera tilt and lights.
 
-    functions: the function of each button, as parameters BTN0_FUNCTION to BTN15_FUNCTION. apply: applies efforts
-    through a channel, which ends them if no more stick messages arrive; None if the vehicle cannot be steered.
+    Only the station that owns the sticks may use them; see Stations. settings: the buttons' functions, and the gain,
+    by which ArduSub multiplies MANUAL_CONTROL. apply: applies efforts through a channel, which ends them if no more
+    stick messages arrive; None if the vehicle cannot be steered.
     """
 
     def __init__(
-        self, craft: Craft, flight: Flight, gimbal: Gimbal, apply: Callable[[Mapping[str, float]], None] | None
+        self,
+        craft: Craft,
+        flight: Flight,
+        gimbal: Gimbal,
+        stations: Stations,
+        settings: Settings,
+        apply: Callable[[Mapping[str, float]], None] | None,
     ) -> None:
         self._craft, self._flight, self._gimbal, self._apply = craft, flight, gimbal, apply
-        self.functions = {f"BTN{k}_FUNCTION": number for k, number in enumerate(DEFAULT_FUNCTIONS)}
+        self._stations, self._settings = stations, settings
+        craft.gain = settings["JS_GAIN_DEFAULT"]
         self._pressed = 0
+        self._sender: Sender = (0, 0)
         self._pulses_us: dict[int, int] = {}
         self._pressing: dict[int, Callable[[], object]] = {
-            2: lambda: flight.disarm() if flight.is_armed else flight.arm(),
-            3: flight.arm,
+            2: lambda: flight.disarm() if flight.is_armed else flight.arm(self._sender),
+            3: lambda: flight.arm(self._sender),
             4: flight.disarm,
             **{function: partial(flight.set_mode, mode) for function, mode in MODE_FUNCTIONS.items()},
             21: gimbal.centre,
             31: lambda: self.light(not self.is_lit),
             32: lambda: self.light(True),
             33: lambda: self.light(False),
+            41: lambda: self._set_gain(1.0 if craft.gain == 0.5 else 0.5),
+            42: lambda: self._change_gain(1),
+            43: lambda: self._change_gain(-1),
         }
         self._holding: dict[int, tuple[float, float]] = {
             22: (1.0, 0.0),
@@ -69,6 +82,8 @@ class Sticks:
 
     def on_manual_control(self, peer: Peer, message: Any) -> None:
         """Set efforts (positive: forward, right, up, clockwise), and execute the functions of the buttons."""
+        if not self._may_use(message):
+            return
         self._obey_buttons(message.buttons)
         if not self._flight.is_by_sticks or self._apply is None:
             return
@@ -76,16 +91,36 @@ class Sticks:
         axes = {name: getattr(message, name) for name in names}
         if any(not -FULL <= value <= FULL for value in axes.values()):
             raise ValueError(f"MANUAL_CONTROL: {axes}: must be in [{-FULL}, {FULL}]")
-        heave = max(-1.0, min((axes["z"] - NEUTRAL_THROTTLE) / NEUTRAL_THROTTLE, 1.0))
+        heave = (axes["z"] - NEUTRAL_THROTTLE) / NEUTRAL_THROTTLE * self._settings["JS_THR_GAIN"]
         efforts = {"surge": axes["x"] / FULL, "sway": -axes["y"] / FULL, "heave": heave, "yaw": -axes["r"] / FULL}
-        self._apply({**efforts, "pitch": -axes.get("s", 0) / FULL, "roll": axes.get("t", 0) / FULL})
+        efforts |= {"pitch": -axes.get("s", 0) / FULL, "roll": axes.get("t", 0) / FULL}
+        efforts = {axis: max(-1.0, min(self._craft.gain * effort, 1.0)) for axis, effort in efforts.items()}
+        self._craft.channels_us = {
+            k: round(NEUTRAL_US + sign * SPAN_US * efforts[axis]) for k, (axis, sign) in enumerate(RC_AXES, start=1)
+        }
+        self._apply(efforts)
+
+    def _may_use(self, message: Any) -> bool:
+        """Return whether the sender has the sticks, or the vehicle is not armed."""
+        self._sender = sender_of(message)
+        return not self._flight.is_armed or self._stations.require(self._sender, message.get_type())
+
+    def _change_gain(self, steps: int) -> None:
+        low, high, count = (self._settings[f"JS_GAIN_{name}"] for name in ("MIN", "MAX", "STEPS"))
+        step = (high - low) / (count - 1) if count > 1 else 0.0
+        gain = self._craft.gain + steps * step if step else self._settings["JS_GAIN_DEFAULT"]
+        self._set_gain(max(low, min(gain, high)))
+
+    def _set_gain(self, gain: float) -> None:
+        self._craft.gain = gain
+        self._craft.send_text(f"#Gain is {100 * gain:.0f}%", INFO_TEXT)
 
     def _obey_buttons(self, buttons: int) -> None:
         new, self._pressed = buttons & ~self._pressed, buttons
         pitch = yaw = 0.0
         is_turning = False
         for k in range(BUTTONS):
-            function = self.functions[f"BTN{k}_FUNCTION"]
+            function = int(self._settings[f"BTN{k}_FUNCTION"])
             if buttons >> k & 1 and function in self._holding:
                 by_pitch, by_yaw = self._holding[function]
                 pitch, yaw, is_turning = pitch + by_pitch, yaw + by_yaw, True
@@ -100,6 +135,8 @@ class Sticks:
         0 releases a channel, and 65535 leaves it unchanged. Above channel 8, 65534 releases it, and 0 leaves it
         unchanged.
         """
+        if not self._may_use(message):
+            return
         for k in range(1, 10):
             pulse_us = getattr(message, f"chan{k}_raw")
             if pulse_us == IGNORED or (k > 8 and pulse_us == 0):
@@ -112,6 +149,7 @@ class Sticks:
                 raise ValueError(
                     f"RC_CHANNELS_OVERRIDE: chan{k}_raw = {pulse_us} us: must be in {list(RC_RANGE_US)}, or 0"
                 )
+        self._craft.channels_us = dict(self._pulses_us)
         if {RC_PAN, RC_TILT} & self._pulses_us.keys():
             self._gimbal.turn_by_stick(self._deflection(RC_TILT), self._deflection(RC_PAN))
         if RC_LIGHTS in self._pulses_us:
@@ -123,4 +161,4 @@ class Sticks:
         return max(-1.0, min((self._pulses_us.get(channel, NEUTRAL_US) - NEUTRAL_US) / SPAN_US, 1.0))
 
 
-MODE_FUNCTIONS = {5: MANUAL, 6: STABILIZE, 7: ALT_HOLD, 8: POSHOLD, 9: AUTO, 11: GUIDED, 13: SURFTRAK}
+MODE_FUNCTIONS = {5: MANUAL, 6: STABILIZE, 7: ALT_HOLD, 8: POSHOLD, 9: AUTO, 11: GUIDED, 12: SURFACE, 13: SURFTRAK}

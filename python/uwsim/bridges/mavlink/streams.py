@@ -8,7 +8,8 @@ from typing import Any
 from uwsim.bridges.mavlink.component import DENIED, DONE, Component, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.bridges.mavlink.telemetry import Figures, Kind, State
+from uwsim.bridges.mavlink.state import State
+from uwsim.bridges.mavlink.telemetry import Figures, Kind
 
 RATE_MAX_HZ, READING_MIN_HZ = 50.0, 10.0
 NO_RATE_HZ = 1 / 60  # ArduPilot's longest interval is one minute
@@ -39,7 +40,7 @@ class Streams:
 
     def send(self, state: State) -> None:
         """Send the messages that are due."""
-        figures = Figures(state, self._craft.home)
+        figures = Figures(state, self._craft)
         for number, rate_hz in self._rates_hz.items():
             slot = int(state.time_s * rate_hz + 1e-6)
             if rate_hz and self._slots.get(number) != slot:
@@ -53,7 +54,7 @@ class Streams:
         if kind is None:
             return None
         state = self._craft.state
-        return [] if state is None else kind.make(self._component.mav, Figures(state, self._craft.home))
+        return [] if state is None else kind.make(self._component.mav, Figures(state, self._craft))
 
     def _on_set_interval(self, given: Given) -> int:
         """Set a message's interval [us]; 0 selects the default, and -1 disables it.

@@ -7,119 +7,43 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Home, Vector, euler_rad
-from uwsim.channels.source import Source
-from uwsim.simulator.simulator import Simulator
-from uwsim.simulator.vehicle import Vehicle
+from uwsim.bridges.mavlink.craft import Craft
+from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Home, euler_rad
+from uwsim.bridges.mavlink.state import CONTROLS, POSITION, PREARM, State
 
 UNKNOWN_U16, UNKNOWN_I16 = 0xFFFF, 0x7FFF
 ULTRASOUND, DOWN = 1, 25  # MAV_DISTANCE_SENSOR, MAV_SENSOR_ORIENTATION
 YAW_IN_VEHICLE = 32  # GIMBAL_DEVICE_FLAGS
-SENSORS = {"imu": 0x1 | 0x2, "compass": 0x4, "pressure": 0x8, "depth": 0x8, "altitude": 0x100}
-"""MAV_SYS_STATUS_SENSOR by kind: gyroscope and accelerometer, magnetometer, absolute pressure, range finder."""
+LIGHTS, TILT = 13, 16
+"""Servo outputs, as a BlueROV2 with the Navigator board assigns them."""
+THROTTLE_US, FULL_US, OFF_US = 1500, 400, 1100
 HPA_PER_PA = 0.01
-
-
-class State(NamedTuple):
-    """One reading. position_world_m: estimated, unless the truth is published. velocity_body: (6,).
-
-    gimbal_rad: pitch (positive up) and yaw (positive to the right) of the first camera with a motor. camera_tilt: that
-    camera's pitch as a fraction of its range, from 0 (lowest) to 1. lights: the fraction of lamps that are on. Values
-    that do not exist are NaN.
-    """
-
-    time_s: float
-    position_world_m: Vector
-    world_from_body: Vector
-    velocity_body: Vector
-    pressure_pa: float
-    temperature_deg_c: float
-    altitude_m: float
-    battery_percent: float
-    throttle_percent: int
-    holds: tuple[str, ...]
-    released: bool
-    all_stopped: bool
-    failsafe: str
-    hold_note: str
-    events: int
-    sensors: int
-    tilt_rad: float
-    gimbal_rad: tuple[float, float]
-    camera_tilt: float
-    lights: float
-
-
-def read(sim: Simulator, source: Source, *, truth: bool) -> State:
-    """Return the current state. Must be called on the simulator's thread."""
-    vehicle = source.of(sim)
-    mover = vehicle if truth else vehicle.estimate
-    pose, velocity = mover.pose, mover.velocity
-    panel, holds = vehicle.telemetry(), vehicle.holds
-    failsafe = vehicle.failsafe
-    gimbal_rad, camera_tilt = _gimbal_of(vehicle)
-    lamps = [lamp.on for lamp in vehicle.lamps.values()]
-    by_kind = {sensor.kind: sensor for sensor in reversed(vehicle.sensors.values())}
-    return State(
-        time_s=sim.time_s,
-        position_world_m=np.asarray(pose.position_world_m),
-        world_from_body=np.asarray(pose.world_from_body),
-        velocity_body=np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s]),
-        pressure_pa=_reading(by_kind, "pressure", panel.pressure_pa),
-        temperature_deg_c=_reading(by_kind, "temperature", panel.temperature_deg_c),
-        altitude_m=_reading(by_kind, "altitude", math.nan),
-        battery_percent=panel.battery_percent,
-        throttle_percent=round(100 * max((abs(effort) for effort in vehicle.effort), default=0.0)),
-        holds=() if holds is None else tuple(name for name, target in holds.targets.items() if target is not None),
-        released=vehicle.released,
-        all_stopped=vehicle.all_stopped,
-        failsafe="" if failsafe is None or not failsafe.has_control else f"{failsafe.state}: {failsafe.cause}",
-        hold_note="" if holds is None else holds.note,
-        events=len(sim.events),
-        sensors=_present(vehicle),
-        tilt_rad=vehicle.sonar.elevation_rad if vehicle.sonars else math.nan,
-        gimbal_rad=gimbal_rad,
-        camera_tilt=camera_tilt,
-        lights=sum(lamps) / len(lamps) if lamps else math.nan,
-    )
-
-
-def _reading(sensors: dict[str, Any], kind: str, otherwise: float) -> float:
-    return float(sensors[kind].read()) if kind in sensors else otherwise
-
-
-def _gimbal_of(vehicle: Vehicle) -> tuple[tuple[float, float], float]:
-    for camera in vehicle.cameras.values():
-        motor = camera.mount.pan_tilt
-        if motor is not None:
-            pan, tilt = camera.aim_rad
-            low, high = (math.radians(limit) for limit in motor.tilt_limits_deg)
-            return (-tilt, -pan), (high - tilt) / (high - low) if high > low else math.nan
-    return (math.nan, math.nan), math.nan
-
-
-def _present(vehicle: Vehicle) -> int:
-    bits = 0
-    for sensor in vehicle.sensors.values():
-        bits |= SENSORS.get(sensor.kind, 0)
-    return bits
+STANDARD_GRAVITY_M_S2 = 9.80665
+ATTITUDE_AND_VELOCITY, POSITION_KNOWN = 0x27, 0x318  # EKF_STATUS_FLAGS; the height comes from the pressure
+NO_FIX, FIX_3D = 1, 3  # GPS_FIX_TYPE
+LANDED, UNDER_WAY = 1, 2  # MAV_LANDED_STATE
+LOCAL_NED, BODY_FRD = 1, 12  # MAV_FRAME
 
 
 class Figures:
     """The values of one reading in MAVLink's units and axes, computed once for all messages."""
 
-    def __init__(self, state: State, home: Home) -> None:
-        self.state, self.home = state, home
+    def __init__(self, state: State, craft: Craft) -> None:
+        self.state, self.craft = state, craft
+        self.us = round(1e6 * state.time_s)
         self.ms = round(1e3 * state.time_s) % 2**32
         self.roll, self.pitch, self.yaw = euler_rad(state.world_from_body)
         self.rates_rad_s = state.velocity_body[3:] * FRD
         self.velocity_ned_m_s = NED_FROM_ENU @ (state.world_from_body[:3, :3] @ state.velocity_body[:3])
         self.position_ned_m = NED_FROM_ENU @ state.position_world_m
-        lat_deg, lon_deg = home.degrees(state.position_world_m)
+        lat_deg, lon_deg = craft.home.degrees(state.position_world_m)
         self.lat_e7, self.lon_e7 = round(1e7 * lat_deg), round(1e7 * lon_deg)
         self.heading_cdeg = round(100 * math.degrees(self.yaw)) % 36000
         percent = state.battery_percent
+        self.current_ca = _int16(100 * state.current_a) if math.isfinite(state.current_a) else -1
+        self.is_placed = bool(state.healthy & POSITION)
         self.percent = -1 if math.isnan(percent) else min(max(round(percent), 0), 100)
 
 
@@ -140,13 +64,82 @@ def _hud(mav: Any, f: Figures) -> Iterable[Any]:
     return [mav.vfr_hud_encode(speed, speed, f.heading_cdeg // 100, f.state.throttle_percent, altitude_m, -down)]
 
 
+HEIGHT_CONTROL, PLACE_CONTROL = 0x2000, 0x4000  # MAV_SYS_STATUS_SENSOR
+
+
 def _status(mav: Any, f: Figures) -> Iterable[Any]:
-    sensors = [f.state.sensors] * 3
-    return [mav.sys_status_encode(*sensors, 0, UNKNOWN_U16, -1, f.percent, 0, 0, 0, 0, 0, 0)]
+    state, craft = f.state, f.craft
+    off = 0 if craft.is_flying or {"depth", "altitude"} & {*state.holds} else HEIGHT_CONTROL
+    off |= 0 if craft.is_flying or "position" in state.holds else PLACE_CONTROL
+    healthy = state.healthy if state.can_arm else state.healthy & ~PREARM
+    bits = state.sensors, state.sensors & ~(off & CONTROLS), healthy
+    voltage_mv = _uint16(1e3 * state.voltage_v)
+    return [mav.sys_status_encode(*bits, 0, voltage_mv, f.current_ca, f.percent, 0, 0, 0, 0, 0, 0)]
 
 
 def _battery(mav: Any, f: Figures) -> Iterable[Any]:
-    return [mav.battery_status_encode(0, 0, 0, UNKNOWN_I16, [UNKNOWN_U16] * 10, -1, -1, -1, f.percent)]
+    voltages_mv = [_uint16(1e3 * f.state.voltage_v), *[UNKNOWN_U16] * 9]
+    consumed_mah = round(1e3 * f.state.consumed_ah) if math.isfinite(f.state.consumed_ah) else -1
+    return [mav.battery_status_encode(0, 0, 0, UNKNOWN_I16, voltages_mv, f.current_ca, consumed_mah, -1, f.percent)]
+
+
+def _pulses_us(thrusters: tuple[float, ...], lights: float, camera_tilt: float) -> list[int]:
+    """Return the pulses of 16 outputs; 0: unused. thrusters: commands. lights, camera_tilt: from 0 to 1, or NaN."""
+    found = [0] * 16
+    for k, command in enumerate(thrusters[: LIGHTS - 1]):
+        found[k] = round(THROTTLE_US + FULL_US * command)
+    for output, share in ((LIGHTS, lights), (TILT, camera_tilt)):
+        if share == share:  # not NaN
+            found[output - 1] = round(OFF_US + 2 * FULL_US * share)
+    return found
+
+
+def _servos(mav: Any, f: Figures) -> Iterable[Any]:
+    pulses = _pulses_us(f.state.thrusters, f.state.lights, f.state.camera_tilt)
+    return [mav.servo_output_raw_encode(f.us % 2**32, 0, *pulses)]
+
+
+def _channels(mav: Any, f: Figures) -> Iterable[Any]:
+    pulses = f.craft.channels_us
+    known = [pulses.get(k, UNKNOWN_U16) for k in range(1, 19)]
+    return [mav.rc_channels_encode(f.ms, max(pulses, default=0), *known, 255)]
+
+
+def _imu(mav: Any, f: Figures) -> Iterable[Any]:
+    """Return SCALED_IMU: thousandths of g and of rad/s; the compass measures no field, so that is 0, unknown."""
+    if math.isnan(f.state.imu[0]):
+        return []
+    force, rates = f.state.imu.reshape(2, 3) * FRD
+    values = [_int16(part) for part in (*(1e3 / STANDARD_GRAVITY_M_S2 * force), *(1e3 * rates))]
+    return [mav.scaled_imu_encode(f.ms, *values, 0, 0, 0)]
+
+
+def _filter(mav: Any, f: Figures) -> Iterable[Any]:
+    flags = ATTITUDE_AND_VELOCITY | (POSITION_KNOWN if f.is_placed else 0)
+    velocity, position, height, heading = f.state.variances
+    return [mav.ekf_status_report_encode(flags, velocity, position, height, heading, 0.0)]
+
+
+def _fix(mav: Any, f: Figures) -> Iterable[Any]:
+    """Return GPS_RAW_INT: the vehicle's own position, as a ground station gets it from a positioning system."""
+    north, east, _ = f.velocity_ned_m_s
+    course_cdeg = round(100 * math.degrees(math.atan2(east, north))) % 36000
+    up_mm, place_mm = round(1e3 * f.state.position_world_m[2]), round(1e3 * math.sqrt(f.state.variances[1]))
+    return [
+        mav.gps_raw_int_encode(
+            f.us, FIX_3D if f.is_placed else NO_FIX, f.lat_e7, f.lon_e7, up_mm, UNKNOWN_U16, UNKNOWN_U16,
+            _uint16(100 * math.hypot(north, east)), course_cdeg, 255, 0, place_mm,
+            round(1e3 * math.sqrt(f.state.variances[2])),
+        )
+    ]  # fmt: skip
+
+
+def _odometry(mav: Any, f: Figures) -> Iterable[Any]:
+    turn = Rotation.from_matrix(NED_FROM_ENU @ f.state.world_from_body[:3, :3] * FRD)
+    q = turn.as_quat(scalar_first=True).tolist()
+    motion = [*(f.state.velocity_body[:3] * FRD), *f.rates_rad_s]
+    unknown = [math.nan] * 21
+    return [mav.odometry_encode(f.us, LOCAL_NED, BODY_FRD, *f.position_ned_m, q, *motion, unknown, unknown)]
 
 
 def _pressure(mav: Any, f: Figures) -> Iterable[Any]:
@@ -166,7 +159,8 @@ def _distance(mav: Any, f: Figures) -> Iterable[Any]:
 
 
 def _named(mav: Any, f: Figures) -> Iterable[Any]:
-    named = {"SonarTilt": f.state.tilt_rad, "CamTilt": f.state.camera_tilt, "Lights1": f.state.lights}
+    named = {"SonarTilt": f.state.tilt_rad, "CamTilt": f.state.camera_tilt, "Lights1": f.state.lights,
+             "PilotGain": f.craft.gain}  # fmt: skip
     return [mav.named_value_float_encode(f.ms, name.encode(), v) for name, v in named.items() if math.isfinite(v)]
 
 
@@ -180,10 +174,11 @@ def _gimbal(mav: Any, f: Figures) -> Iterable[Any]:
     return [mav.gimbal_device_attitude_status_encode(0, 0, f.ms, YAW_IN_VEHICLE, q, *unknown, 0, gimbal_device_id=1)]
 
 
-def place(mav: Any, home: Home) -> Any:
-    """Return HOME_POSITION."""
-    lat, lon = round(1e7 * home.lat_deg), round(1e7 * home.lon_deg)
-    return mav.home_position_encode(lat, lon, 0, 0.0, 0.0, 0.0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0)
+def place(mav: Any, craft: Craft) -> Any:
+    """Return HOME_POSITION: where the vehicle was armed, at the surface; the world's origin before."""
+    home = craft.launch_world_m
+    lat, lon = (round(1e7 * degrees) for degrees in craft.home.degrees(home))
+    return mav.home_position_encode(lat, lon, 0, *(NED_FROM_ENU @ home), [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0)
 
 
 def origin(mav: Any, home: Home) -> Any:
@@ -200,13 +195,15 @@ class Kind(NamedTuple):
     stream: int
 
 
-EXTENDED_STATUS, POSITION, EXTRA1, EXTRA2, EXTRA3, RAW_SENSORS = 2, 6, 10, 11, 12, 1  # MAV_DATA_STREAM
+EXTENDED_STATUS, POSITION_STREAM, EXTRA1, EXTRA2, EXTRA3, RAW_SENSORS, RC_VALUES = 2, 6, 10, 11, 12, 1, 3
+"""MAV_DATA_STREAM."""
 KINDS = [
     Kind(30, lambda mav, f: [mav.attitude_encode(f.ms, f.roll, f.pitch, f.yaw, *f.rates_rad_s)], 10, EXTRA1),
     Kind(
-        32, lambda mav, f: [mav.local_position_ned_encode(f.ms, *f.position_ned_m, *f.velocity_ned_m_s)], 10, POSITION
+        32, lambda mav, f: [mav.local_position_ned_encode(f.ms, *f.position_ned_m, *f.velocity_ned_m_s)], 10,
+        POSITION_STREAM,
     ),
-    Kind(33, _position, 10, POSITION),
+    Kind(33, _position, 10, POSITION_STREAM),
     Kind(137, _pressure, 10, RAW_SENSORS),
     Kind(74, _hud, 10, EXTRA2),
     Kind(1, _status, 10, EXTENDED_STATUS),
@@ -222,11 +219,23 @@ KINDS = [
         EXTRA1,
     ),
     Kind(132, _distance, 0, EXTRA3),
-    Kind(242, lambda mav, f: [place(mav, f.home)], 0, EXTENDED_STATUS),
-    Kind(49, lambda mav, f: [origin(mav, f.home)], 0, EXTENDED_STATUS),
-]
+    Kind(242, lambda mav, f: [place(mav, f.craft)], 0, EXTENDED_STATUS),
+    Kind(49, lambda mav, f: [origin(mav, f.craft.home)], 0, EXTENDED_STATUS),
+    Kind(36, _servos, 4, RC_VALUES),
+    Kind(65, _channels, 4, RC_VALUES),
+    Kind(26, _imu, 4, RAW_SENSORS),
+    Kind(193, _filter, 2, EXTRA3),
+    Kind(24, _fix, 5, EXTENDED_STATUS),
+    Kind(245, lambda mav, f: [mav.extended_sys_state_encode(0, UNDER_WAY if f.state.released else LANDED)], 1,
+         EXTENDED_STATUS),
+    Kind(331, _odometry, 0, POSITION_STREAM),
+]  # fmt: skip
 """All telemetry messages. Adding a message takes one entry."""
 
 
 def _int16(value: float) -> int:
     return min(max(round(value), -0x7FFF), 0x7FFF) if math.isfinite(value) else UNKNOWN_I16
+
+
+def _uint16(value: float) -> int:
+    return min(max(round(value), 0), UNKNOWN_U16 - 1) if math.isfinite(value) else UNKNOWN_U16

@@ -6,15 +6,28 @@ import logging
 import math
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
+from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
 from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.mavlink.backlog import Backlog
 from uwsim.bridges.mavlink.cameras import camera_components
-from uwsim.bridges.mavlink.component import DONE, FAILED, SYSTEM, Commands, Component, Given
+from uwsim.bridges.mavlink.component import (
+    CRITICAL_TEXT,
+    DONE,
+    FAILED,
+    NOTICE_TEXT,
+    SYSTEM,
+    WARNING_TEXT,
+    Commands,
+    Component,
+    Given,
+)
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
@@ -23,9 +36,15 @@ from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
 from uwsim.bridges.mavlink.missions import MissionStore
 from uwsim.bridges.mavlink.modes import MANUAL
 from uwsim.bridges.mavlink.parameters import ParameterServer
+from uwsim.bridges.mavlink.plan import checked
+from uwsim.bridges.mavlink.servos import Servos
+from uwsim.bridges.mavlink.settings import Settings
+from uwsim.bridges.mavlink.state import State, read
+from uwsim.bridges.mavlink.stations import Stations, sender_of
 from uwsim.bridges.mavlink.sticks import Sticks
 from uwsim.bridges.mavlink.streams import Streams
-from uwsim.bridges.mavlink.telemetry import KINDS, State, origin, place, read
+from uwsim.bridges.mavlink.targets import Targets
+from uwsim.bridges.mavlink.telemetry import KINDS, origin, place
 from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.video import VideoStream
 from uwsim.channels import Channel, Service
@@ -47,7 +66,6 @@ CAPABILITIES = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 7 | 1 << 8 | 1 << 13 | 1 << 17
 """MAV_PROTOCOL_CAPABILITY: float parameters, integer missions and commands, targets (2), MAVLink 2, C casts."""
 VERSION = 4 << 24 | 5 << 16 | 255
 """The version reported to ground stations: ArduSub 4.5.0."""
-WARNING = 4  # MAV_SEVERITY
 TEXT_BYTES, TEXT_MAX = 50, 200
 
 
@@ -88,20 +106,26 @@ class MavlinkVehicle(Bridge):
         self.endpoint = self._wire.endpoint
         self._rare = RareLog(logging.getLogger("uwsim.mavlink"))
         self._events, self._texts, self._last_text = 0, 0, ""
-        self._heartbeat_s = -math.inf
+        self._heartbeat_s, self._shown = -math.inf, (MANUAL, False)
         self._readings: Subscription | None = None
         self._autopilot = autopilot = self._component(AUTOPILOT)
-        self._mission = MissionStore(autopilot.mav, autopilot.send, self.send_text, craft.output)
-        self._flight = Flight(craft, self._mission)
+        settings = Settings()
+        self._stations = stations = Stations(settings, self.send_text)
         self._gimbal = Gimbal(craft, autopilot)
-        self._streams = Streams(craft, autopilot, [*KINDS, *self._gimbal.kinds], self._read_at)
-        sticks = Sticks(craft, self._flight, self._gimbal, self._efforts())
-        self._parameters = ParameterServer(craft, autopilot.mav, autopilot.send, sticks.functions)
-        obeys = {520: self._on_capabilities, 410: self._on_home, **self._flight.commands, **self._streams.commands,
-                 **self._gimbal.commands}  # fmt: skip
+        servos = Servos(craft, self._gimbal)
+        self._mission = mission = MissionStore(
+            autopilot.mav, autopilot.send, self.send_text, craft.output, lambda item: checked(item, craft, servos)
+        )
+        self._flight = flight = Flight(craft, mission, servos, stations)
+        self._streams = Streams(craft, autopilot, [*KINDS, *self._gimbal.kinds, *mission.kinds], self._read_at)
+        sticks = Sticks(craft, flight, self._gimbal, stations, settings, self._efforts())
+        targets = Targets(craft, flight, self._velocities())
+        self._parameters = ParameterServer(craft, autopilot.mav, autopilot.send, settings)
+        obeys = {520: self._on_capabilities, 410: self._on_home, **flight.commands, **targets.commands,
+                 **self._streams.commands, **self._gimbal.commands, **servos.commands}  # fmt: skip
         answers = [self._answer, self._gimbal.answer, self._streams.answer]
         self._commands = Commands(autopilot, obeys, answers, self.send_text)
-        self._owners = [self._commands, self._flight, sticks, self._mission, self._parameters, self._streams,
+        self._owners = [self._commands, flight, targets, sticks, mission, self._parameters, self._streams,
                         self._gimbal, self]  # fmt: skip
         self._backlog = Backlog(lambda message: self._flight.stop_at_once(), self._dropped)
         self._depth = 0  # of commands that wait, each within the one before
@@ -117,17 +141,27 @@ class MavlinkVehicle(Bridge):
         """Return a function that applies stick efforts through a channel that ends them; None without an action."""
         if self._action is None:
             return None
-        steering, name = self._action.steering, self.vehicle
-        idle = {"surge": 0.0, "sway": 0.0, "heave": 0.0, "roll": 0.0, "pitch": 0.0, "yaw": 0.0}
-
-        def apply(live: LiveSimulator, efforts: Any) -> object:
-            return steering.give(live, "set_effort", **efforts)
-
-        channel = Channel(
-            "manual_control", "mavlink/MANUAL_CONTROL", "in", f"the sticks of '{name}'", apply=apply,
-            authority=ended_by(idle, apply, steering),
+        steering, idle = self._action.steering, dict.fromkeys(AXES, 0.0)
+        return self._door(
+            "manual_control", "mavlink/MANUAL_CONTROL", f"the sticks of '{self.vehicle}'", idle,
+            lambda live, efforts: steering.give(live, "set_effort", **efforts),
         )  # fmt: skip
-        return lambda efforts: self.apply(channel, efforts)
+
+    def _velocities(self) -> Any:
+        """Return a function that applies a velocity (6,) likewise, under the name of the topic that does so."""
+        if self._action is None:
+            return None
+        return self._door(
+            self._action.source.topic("cmd_vel"), "mavlink/SET_POSITION_TARGET_LOCAL_NED",
+            f"velocities of '{self.vehicle}'", np.zeros(6), self._action.steering.hold_velocity,
+        )  # fmt: skip
+
+    def _door(self, name: str, kind: str, description: str, idle: Any, apply: Any) -> Callable[[Any], None]:
+        assert self._action is not None
+        channel = Channel(
+            name, kind, "in", description, apply=apply, authority=ended_by(idle, apply, self._action.steering)
+        )
+        return lambda given: self.apply(channel, given)
 
     def start(self) -> MavlinkVehicle:
         """Start; return self. Raises NotRunningError if the simulator is not running."""
@@ -170,14 +204,14 @@ class MavlinkVehicle(Bridge):
         self._craft.state = state
         self._craft.output.append(state)
 
-    def send_text(self, text: str) -> None:
+    def send_text(self, text: str, severity: int = WARNING_TEXT, /) -> None:
         """Send a text, from any thread, in messages of up to 50 bytes."""
         data = text.encode()[:TEXT_MAX]
         self._texts = self._texts % 0xFFFF + 1
         number = self._texts if len(data) > TEXT_BYTES else 0
         for k, start in enumerate(range(0, len(data), TEXT_BYTES)):
             part = data[start : start + TEXT_BYTES]
-            self._craft.output.append(self._autopilot.mav.statustext_encode(WARNING, part, number, k))
+            self._craft.output.append(self._autopilot.mav.statustext_encode(severity, part, number, k))
 
     def _run(self) -> None:
         while not self._closing.is_set():
@@ -186,6 +220,7 @@ class MavlinkVehicle(Bridge):
                 until_s = time.monotonic() + SLICE_S
                 while time.monotonic() < until_s and (each := self._backlog.take()) is not None:
                     self._handle(*each)
+                self._attempt(self._flight.watch)
             except NotRunningError:
                 self._rare.warning("the simulator does not run")
             except Exception:
@@ -201,7 +236,10 @@ class MavlinkVehicle(Bridge):
         self._send_what_is_due()
 
     def _receive(self, wait_s: float) -> None:
-        self._backlog.sort(each for each in self._wire.receive(wait_s) if self._concerns(each[1]))
+        received = self._wire.receive(wait_s)
+        for _, message in received:
+            self._stations.hear(sender_of(message))
+        self._backlog.sort(each for each in received if self._concerns(each[1]))
 
     def _handle_urgent(self) -> None:
         """Handle what is more urgent than a command that waits for its effect."""
@@ -237,8 +275,9 @@ class MavlinkVehicle(Bridge):
 
     def _send_what_is_due(self) -> None:
         now_s = time.monotonic()
-        if now_s - self._heartbeat_s >= HEARTBEAT_S:
-            self._heartbeat_s = now_s
+        shown = self._flight.mode, self._flight.is_armed
+        if now_s - self._heartbeat_s >= HEARTBEAT_S or shown != self._shown:  # at once, as ArduPilot
+            self._heartbeat_s, self._shown = now_s, shown
             self._autopilot.send(self._heartbeat())
             for camera in self._cameras:
                 camera.component.send(camera.heartbeat())
@@ -246,7 +285,7 @@ class MavlinkVehicle(Bridge):
         while output:
             item = output.popleft()
             if not isinstance(item, State):
-                self._autopilot.send(item)
+                self._autopilot.send(item() if callable(item) else item)
                 continue
             self._streams.send(item)
             self._gimbal.follow(item)
@@ -258,11 +297,11 @@ class MavlinkVehicle(Bridge):
         """Report events, failsafes and lost holds as texts, once each."""
         events = self._live.simulator.events
         for event in list(events)[self._events :]:
-            self.send_text(f"{event.name} {' '.join(f'{k}={v}' for k, v in event.values.items())}")
+            self.send_text(f"{event.name} {' '.join(f'{k}={v}' for k, v in event.values.items())}", NOTICE_TEXT)
         self._events = len(events)
         news = state.failsafe or state.hold_note
         if news and news != self._last_text:
-            self.send_text(news)
+            self.send_text(news, CRITICAL_TEXT if state.failsafe else WARNING_TEXT)
         self._last_text = news
 
     def _heartbeat(self) -> Any:
@@ -277,22 +316,29 @@ class MavlinkVehicle(Bridge):
     # In
 
     def _handle(self, peer: Peer, message: Any) -> None:
+        self._attempt(lambda: self._pass(peer, message))
+
+    def _pass(self, peer: Peer, message: Any) -> None:
         """Pass a message to the part of the system that handles its type."""
         name = f"on_{message.get_type().lower()}"
         component = getattr(message, "target_component", AUTOPILOT)
+        for camera in self._cameras:
+            if hasattr(camera.commands, name) and (
+                component == camera.component.number or (component == 0 and camera.commands.knows(message))
+            ):
+                getattr(camera.commands, name)(peer, message)
+                if component:
+                    return
+        if component == 0 and not self._commands.knows(message) and self._is_for_cameras(message):
+            return
+        owner = next((owner for owner in self._owners if hasattr(owner, name)), None)
+        if owner is not None and component in (0, AUTOPILOT):
+            getattr(owner, name)(peer, message)
+
+    def _attempt(self, act: Callable[[], object]) -> None:
+        """Do something; report why it fails."""
         try:
-            for camera in self._cameras:
-                if hasattr(camera.commands, name) and (
-                    component == camera.component.number or (component == 0 and camera.commands.knows(message))
-                ):
-                    getattr(camera.commands, name)(peer, message)
-                    if component:
-                        return
-            if component == 0 and not self._commands.knows(message) and self._is_for_cameras(message):
-                return
-            owner = next((owner for owner in self._owners if hasattr(owner, name)), None)
-            if owner is not None and component in (0, AUTOPILOT):
-                getattr(owner, name)(peer, message)
+            act()
         except (ValueError, RuntimeError) as error:
             self.send_text(str(error))
             self.refuse(str(error))
@@ -325,7 +371,7 @@ class MavlinkVehicle(Bridge):
         return DONE
 
     def _on_home(self, given: Given) -> int:
-        given.replies.append(place(self._autopilot.mav, self._craft.home))
+        given.replies.append(place(self._autopilot.mav, self._craft))
         return DONE
 
     def _version(self) -> Any:

@@ -1,0 +1,253 @@
+"""The items of a mission: which of them can be flown, and how."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.bridges.actions.table import SPEED_M_S
+from uwsim.bridges.mavlink.craft import Craft
+from uwsim.bridges.mavlink.earth import Vector
+from uwsim.bridges.mavlink.servos import Servos
+from uwsim.missions import OwnVehicle, Steps, dive_to, goto, hold, turn_to
+from uwsim.missions.moves import follow_leg
+
+ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; both altitudes are relative to the surface
+SPEED_MAX_M_S, FAR_M = 10.0, 1e5
+"""Limits of speeds, and of distances from the world's origin."""
+TIME_MAX_S, TURNS_MAX, RADIUS_MAX_M, TURN_DEG_S = 65535.0, 255.0, 255.0, 60.0
+"""Limits as wide as ArduPilot's storage of an item; TURN_DEG_S: ArduSub's rate of a turn whose item states none."""
+RADIUS_MIN_M = 0.5
+SURFACE_M = 0.2
+"""A vehicle less deep than this is at the surface."""
+CHORDS = 36  # of a circle
+CONTROL_S = 0.1
+UNSUPPORTED_FRAME, UNSUPPORTED, INVALID_PARAMETER, INVALID_X, INVALID_Z = 2, 3, 6, 10, 12  # MAV_MISSION_RESULT
+CHANGE_SPEED = 178
+
+
+class RefusedItemError(ValueError):
+    """Raised for an item that cannot be flown. result: a MAV_MISSION_RESULT."""
+
+    def __init__(self, item: Any, result: int, reason: str) -> None:
+        super().__init__(f"mission item {item.seq}: {reason}")
+        self.result = result
+
+
+@dataclass
+class Pilot:
+    """Flies the items of one mission. speed_m_s: of the next leg. passed: the last waypoint, where a leg begins."""
+
+    vehicle: OwnVehicle
+    craft: Craft
+    servos: Servos
+    speed_m_s: float = SPEED_M_S
+    passed: Vector | None = None
+
+    def place(self, item: Any) -> Vector:
+        """Return an item's position; latitude and longitude 0 stand for the present ones."""
+        point = self.craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z)
+        if not (item.x or item.y):
+            point[:2] = self.vehicle.pose.position_world_m[:2]
+        return point
+
+    def go(self, point: Vector) -> Steps[None]:
+        """Fly along the leg from the last waypoint, if there is one, and to within half a metre of the point."""
+        if self.passed is not None:
+            yield from follow_leg(self.vehicle, self.passed, point, speed_m_s=self.speed_m_s)
+        yield from goto(self.vehicle, point, speed_m_s=self.speed_m_s)
+        self.passed = point
+
+    def stay(self, duration_s: float, point: Vector | None = None) -> Steps[None]:
+        """Hold a position, by default the present one."""
+        if duration_s > 0:
+            yield from hold(self.vehicle, duration_s, position_world_m=point)
+
+    def surface(self) -> Steps[None]:
+        """Rise where the vehicle is."""
+        yield from dive_to(self.vehicle, 0.0, within_m=SURFACE_M)
+        self.passed = None
+
+
+def _waypoint(pilot: Pilot, item: Any) -> Steps[None]:
+    yield from pilot.go(point := pilot.place(item))
+    yield from pilot.stay(item.param1, point)
+
+
+def _loiter(pilot: Pilot, item: Any) -> Steps[None]:
+    yield from pilot.go(point := pilot.place(item))
+    yield from pilot.stay(math.inf, point)
+
+
+def _circle(pilot: Pilot, item: Any) -> Steps[None]:
+    """Fly to the nearest point of a circle, then along its chords. A positive radius is clockwise, seen from above."""
+    centre, radius_m = pilot.place(item), abs(item.param3)
+    east, north = pilot.vehicle.pose.position_world_m[:2] - centre[:2]
+    angles = math.atan2(north, east) - math.copysign(math.tau * item.param1, item.param3) * np.linspace(
+        0, 1, math.ceil(CHORDS * item.param1) + 1
+    )
+    points = centre + radius_m * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+    yield from pilot.go(points[0])
+    for start, end in pairwise(points):
+        yield from follow_leg(pilot.vehicle, start, end, speed_m_s=pilot.speed_m_s)
+    pilot.passed = points[-1]
+
+
+def _return(pilot: Pilot, item: Any) -> Steps[None]:
+    """Fly home at the present depth, then rise, since home is at the surface."""
+    home = pilot.craft.launch_world_m.copy()
+    home[2] = pilot.vehicle.pose.position_world_m[2]
+    pilot.passed = None
+    yield from pilot.go(home)
+    yield from pilot.surface()
+
+
+def _land(pilot: Pilot, item: Any) -> Steps[None]:
+    """Fly to a place, if there is one, at the present depth, then rise: to land is to surface for an ArduSub."""
+    if item.x or item.y:
+        point = pilot.place(item)
+        point[2] = pilot.vehicle.pose.position_world_m[2]
+        yield from pilot.go(point)
+    yield from pilot.surface()
+
+
+def _turn(pilot: Pilot, item: Any) -> Steps[None]:
+    """Turn on the spot at a rate: to an angle from north the shortest way, or by an angle in a direction."""
+    pose = pilot.vehicle.pose
+    angle_rad = math.radians(item.param1)
+    if item.param4:
+        left_rad = -math.copysign(angle_rad, item.param3 or 1)
+    else:
+        left_rad = math.remainder(math.pi / 2 - angle_rad - pose.yaw_rad, math.tau)
+    count = math.ceil(abs(left_rad) / (math.radians(item.param2 or TURN_DEG_S) * CONTROL_S))
+    here = np.array(pose.position_world_m)
+    for k in range(1, count + 1):
+        heading_rad = pose.yaw_rad + left_rad * k / count
+        yield from hold(pilot.vehicle, CONTROL_S, position_world_m=here, heading_rad=heading_rad)
+    yield from turn_to(pilot.vehicle, pose.yaw_rad + left_rad)
+
+
+def _change_speed(pilot: Pilot, item: Any) -> Steps[None]:
+    pilot.speed_m_s = item.param2
+    yield from ()
+
+
+def _set_servo(pilot: Pilot, item: Any) -> Steps[None]:
+    pilot.servos.set(int(item.param1), item.param2)
+    yield from ()
+
+
+Limits = tuple[str, float, float, str]
+"""A parameter's meaning, its least and greatest value, and its unit."""
+
+
+class ItemKind(NamedTuple):
+    """A kind of item. is_placed: whether it has a position. limits: of its parameters, by number from 1."""
+
+    name: str
+    fly: Callable[[Pilot, Any], Steps[None]]
+    is_placed: bool
+    limits: Mapping[int, Limits]
+
+
+SECONDS: Limits = ("hold", 0.0, TIME_MAX_S, "s")
+KINDS: Mapping[int, ItemKind] = {
+    16: ItemKind("waypoint", _waypoint, True, {1: SECONDS}),
+    17: ItemKind("loiter", _loiter, True, {}),
+    18: ItemKind(
+        "circle", _circle, True, {1: ("turns", 0.0, TURNS_MAX, ""), 3: ("radius", -RADIUS_MAX_M, RADIUS_MAX_M, "m")}
+    ),
+    19: ItemKind("loiter for a time", _waypoint, True, {1: SECONDS}),
+    20: ItemKind("return", _return, False, {}),
+    21: ItemKind("surface", _land, True, {}),
+    93: ItemKind("delay", lambda pilot, item: pilot.stay(item.param1), False, {1: ("delay", 0.0, TIME_MAX_S, "s")}),
+    115: ItemKind(
+        "yaw", _turn, False,
+        {1: ("angle", 0.0, 360.0, "deg"), 2: ("rate", 0.0, 90.0, "deg/s"), 3: ("direction", -1, 1, ""),
+         4: ("relative", 0, 1, "")},
+    ),
+    CHANGE_SPEED: ItemKind(
+        "speed", _change_speed, False, {1: ("type", 0, 1, ""), 2: ("speed", 0.01, SPEED_MAX_M_S, "m/s")}
+    ),
+    183: ItemKind("servo", _set_servo, False, {}),
+}  # fmt: skip
+"""The items that can be flown, by MAV_CMD. Another item takes one entry."""
+WHOLE = {115: (3, 4), CHANGE_SPEED: (1,)}
+"""Parameters that must be whole numbers."""
+
+
+def checked(item: Any, craft: Craft, servos: Servos) -> Any:
+    """Return the item if it can be flown. Raises RefusedItemError."""
+    if item.seq == 0:  # ArduPilot keeps the home position here
+        return item
+    kind = KINDS.get(item.command)
+    if kind is None:
+        known = ", ".join(f"{each.name} ({number})" for number, each in KINDS.items())
+        raise RefusedItemError(item, UNSUPPORTED, f"command {item.command}: must be {known}")
+    for number, (meaning, low, high, unit) in kind.limits.items():
+        value = getattr(item, f"param{number}")
+        if not low <= value <= high or (number in WHOLE.get(item.command, ()) and value != int(value)):
+            stated = f"{meaning} = {value:g} {unit}".rstrip()
+            raise RefusedItemError(item, INVALID_PARAMETER + number - 1, f"{stated}: must be in [{low:g}, {high:g}]")
+    if item.command == 18 and abs(item.param3) < RADIUS_MIN_M:
+        reason = f"radius = {item.param3:g} m: must be {RADIUS_MIN_M:g} m or more"
+        raise RefusedItemError(item, INVALID_PARAMETER + 2, reason)
+    if item.command == 183 and (why := servos.refusal(item.param1, item.param2)):
+        raise RefusedItemError(item, INVALID_PARAMETER + why[0] - 1, f"servo param{why[0]}: must be {why[1]}")
+    if kind.is_placed:
+        _check_place(item, craft)
+    return item
+
+
+def _check_place(item: Any, craft: Craft) -> None:
+    if item.frame not in ABOVE_SEA + ABOVE_HOME:
+        raise RefusedItemError(item, UNSUPPORTED_FRAME, f"frame {item.frame}: must be a global one (0, 3, 5, 6)")
+    if not -FAR_M < item.z <= 0:
+        rule = f"must not be above the surface, 0 m, nor below {-FAR_M:g} m"
+        raise RefusedItemError(item, INVALID_Z, f"altitude = {item.z:g} m: {rule}")
+    east, north, _ = (float(part) for part in craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z))
+    if (item.x or item.y) and (edge := craft.vehicle.beyond_terrain(east, north)) is not None:
+        place = f"({east:.1f}, {north:.1f}) m east and north of the origin"
+        raise RefusedItemError(item, INVALID_X, f"position {place}: must be above the terrain, {edge}")
+
+
+class MissionPlan:
+    """The flight of a mission from one of its items on. begun, reached: called with each item's sequence number."""
+
+    points_world_m: NDArray[np.float64] = np.empty((0, 3))
+
+    def __init__(
+        self, items: Iterable[Any], first: int, craft: Craft, servos: Servos,
+        begun: Callable[[int], object], reached: Callable[[int], object],
+    ) -> None:  # fmt: skip
+        self._items, self._first = list(items)[1:], first
+        self._craft, self._servos, self._begun, self._reached = craft, servos, begun, reached
+        if not self._items:
+            raise ValueError("there is no mission: upload one")
+
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+        """Fly the items in turn, at the speed that the ones before have set."""
+        pilot = Pilot(vehicle, self._craft, self._servos)
+        for item in self._items:
+            if item.seq >= self._first:
+                self._begun(item.seq)
+                yield from KINDS[item.command].fly(pilot, item)
+                self._reached(item.seq)
+            elif item.command == CHANGE_SPEED:
+                pilot.speed_m_s = item.param2
+
+
+class Ascent:
+    """A flight to the surface, as of ArduSub's mode SURFACE."""
+
+    points_world_m: NDArray[np.float64] = np.empty((0, 3))
+
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+        """Rise on the spot."""
+        yield from dive_to(vehicle, 0.0, within_m=SURFACE_M)

@@ -1,0 +1,185 @@
+"""A mission's items: each is flown as uploaded, or refused with its number and MAVLink's result."""
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pymavlink", reason="needs the extra mavlink")
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+
+from uwsim import Simulator
+from uwsim.bridges.mavlink.craft import Craft
+from uwsim.bridges.mavlink.earth import Home
+from uwsim.bridges.mavlink.plan import MissionPlan, RefusedItemError, checked
+from uwsim.bridges.mavlink.state import read
+from uwsim.bridges.mavlink.telemetry import KINDS, Figures
+from uwsim.channels import Table
+from uwsim.missions import OwnVehicle, drive
+
+HOME = Home(33.810313, -118.393867)
+NAN = math.nan
+
+
+def item(
+    number: int, command: int, *values: float, at: tuple[float, float, float] | None = None, frame: int = 6
+) -> Any:
+    """Return an item. values: its parameters. at: metres east, north and up of the world's origin."""
+    lat, lon = HOME.degrees(np.array(at)) if at else (0.0, 0.0)
+    parameters = [*values, *[0.0] * (4 - len(values))]
+    place = round(1e7 * lat), round(1e7 * lon), at[2] if at else 0.0
+    return dialect.MAVLink_mission_item_int_message(1, 1, number, frame, command, 0, 1, *parameters, *place)
+
+
+class Servos(NamedTuple):
+    """Outputs that keep the pulses that are set."""
+
+    pulses: dict[int, float]
+
+    def set(self, output: int, pulse_us: float) -> None:
+        self.pulses[output] = pulse_us
+
+    def refusal(self, output: float, pulse_us: float) -> tuple[int, str] | None:
+        return None if output == 13 else (1, "13")
+
+
+def craft_of(sim: Simulator) -> Any:
+    launch = sim.rov.pose.position_world_m * [1, 1, 0]
+    return SimpleNamespace(home=HOME, vehicle=sim.rov, launch_world_m=launch)
+
+
+@pytest.fixture(scope="module")
+def sim() -> Any:
+    with Simulator("lagoon", seed=3) as sim:
+        sim.rov.undock()
+        yield sim
+
+
+class Flown(NamedTuple):
+    """The track of a flight: time [s], position (n, 3), yaw [rad], and the times at which each item began and ended."""
+
+    times: np.ndarray
+    points: np.ndarray
+    yaws: np.ndarray
+    began: dict[int, float]
+    ended: dict[int, float]
+    pulses: dict[int, float]
+
+    def during(self, number: int) -> np.ndarray:
+        return (self.times >= self.began[number]) & (self.times <= self.ended[number])
+
+
+def fly(sim: Simulator, *items: Any, first: int = 1) -> Flown:
+    servos, began, ended, rows = Servos({}), {}, {}, []
+    craft = craft_of(sim)
+    whole = [item(0, 16), *(checked(each, craft, servos) for each in items)]
+    plan = MissionPlan(
+        whole, first, craft, servos,
+        lambda number: began.update({number: sim.time_s}), lambda number: ended.update({number: sim.time_s}),
+    )  # fmt: skip
+    vehicle = OwnVehicle(sim.rov, sim)
+
+    def watched() -> Any:
+        for each in plan.steps(vehicle, lambda leg: None):
+            rows.append((sim.time_s, *vehicle.pose.position_world_m, vehicle.pose.yaw_rad))
+            yield each
+
+    drive(watched(), sim)
+    assert list(ended) == [each.seq for each in items if each.seq >= first] == list(began)
+    table = np.array(rows)
+    return Flown(table[:, 0], table[:, 1:4], np.unwrap(table[:, 4]), began, ended, servos.pulses)
+
+
+def test_each_leg_is_flown_at_its_speed_and_each_hold_lasts(sim: Simulator) -> None:
+    start = np.array([-14.0, -18.0, -3.0])
+    ends = [start + np.array([0, 6, 0]), start + np.array([0, 12, -1])]
+    flown = fly(
+        sim, item(1, 16, at=tuple(start)), item(2, 178, 1, 0.3, -1), item(3, 16, 4.0, at=tuple(ends[0])),
+        item(4, 178, 1, 0.6, -1), item(5, 16, at=tuple(ends[1])), item(6, 93, 3.0, -1, -1, -1), item(7, 183, 13, 1900),
+    )  # fmt: skip
+    for number, speed, end in ((3, 0.3, ends[0]), (5, 0.6, ends[1])):
+        on = flown.during(number)
+        gone = np.linalg.norm(flown.points[on][:, :2] - (end - [0, 6, 0])[:2], axis=1)
+        mid = (gone > 2) & (gone < 5)
+        speeds = np.gradient(gone[mid], flown.times[on][mid])
+        assert speeds.mean() == pytest.approx(speed, rel=0.1)
+        assert np.linalg.norm(flown.points[on] - end, axis=1).min() < 0.5
+    near = np.linalg.norm(flown.points - ends[0], axis=1) < 0.5
+    assert np.ptp(flown.times[near & flown.during(3)]) >= 4.0
+    assert flown.ended[6] - flown.began[6] == pytest.approx(3.0, abs=0.11)
+    assert flown.pulses == {13: 1900}
+
+
+def test_circles_and_turns_go_the_stated_way(sim: Simulator) -> None:
+    flown = fly(
+        sim, item(1, 178, 1, 0.5), item(2, 18, 1, 0, 3.0, at=(-10.0, -10.0, -3.0)), item(3, 115, 90, 30, 0, 0),
+        item(4, 115, 200, 60, 1, 1), item(5, 19, 2.0, at=(0.0, 0.0, -3.0)), first=2,
+    )  # fmt: skip
+    offset = flown.points[flown.during(2)][:, :2] - [-10.0, -10.0]
+    radius, angle = np.hypot(*offset.T), np.unwrap(np.arctan2(offset[:, 1], offset[:, 0]))
+    on_it = abs(radius - 3.0) < 0.5
+    assert np.ptp(angle[on_it]) == pytest.approx(math.tau, abs=0.5) and angle[on_it][-1] < angle[on_it][0]
+    yaw = flown.yaws[flown.during(3)]
+    assert math.remainder(yaw[-1], math.tau) == pytest.approx(0.0, abs=0.06), "90 deg from north is east"
+    yaw = flown.yaws[flown.during(4)]
+    assert yaw[-1] - yaw[0] == pytest.approx(-math.radians(200), abs=0.1)
+    assert flown.ended[5] - flown.began[5] >= 2.0
+
+
+def test_land_and_return_end_at_the_surface(sim: Simulator) -> None:
+    home = sim.rov.pose.position_world_m.copy()
+    flown = fly(sim, item(1, 16, at=(home[0] + 3, home[1], -2.0)), item(2, 20, NAN, NAN, NAN, NAN))
+    assert np.hypot(*(flown.points[-1] - home)[:2]) < 0.7 and flown.points[-1, 2] > -0.3
+    landed = fly(sim, item(1, 16, at=(home[0], home[1] + 3, -2.0)), item(2, 21))
+    assert np.hypot(*(landed.points[-1] - home - [0, 3, 0])[:2]) < 0.7 and landed.points[-1, 2] > -0.3
+
+
+@pytest.mark.parametrize(
+    ("wrong", "result", "words"),
+    [
+        (item(4, 22, at=(0, 0, -1)), dialect.MAV_MISSION_UNSUPPORTED, "command 22: must be waypoint (16)"),
+        (item(4, 16, -1.0, at=(0, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM1, "hold = -1 s"),
+        (item(4, 16, NAN, at=(0, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM1, "hold = nan s"),
+        (item(4, 16, at=(0, 0, 1)), dialect.MAV_MISSION_INVALID_PARAM7, "altitude = 1 m"),
+        (item(4, 16, at=(500, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM5_X, "must be above the terrain"),
+        (item(4, 16, at=(0, 0, -1), frame=10), dialect.MAV_MISSION_UNSUPPORTED_FRAME, "frame 10"),
+        (item(4, 18, 1, 0, 0.1, at=(0, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM3, "radius = 0.1 m"),
+        (item(4, 93, -1, 12, 0, 0), dialect.MAV_MISSION_INVALID_PARAM1, "delay = -1 s"),
+        (item(4, 115, 90, 0, 0.5), dialect.MAV_MISSION_INVALID_PARAM3, "direction = 0.5"),
+        (item(4, 178, 2, 1.0), dialect.MAV_MISSION_INVALID_PARAM1, "type = 2"),
+        (item(4, 178, 1, NAN), dialect.MAV_MISSION_INVALID_PARAM2, "speed = nan m/s"),
+        (item(4, 183, 1, 1500), dialect.MAV_MISSION_INVALID_PARAM1, "servo param1"),
+    ],
+)
+def test_an_item_that_cannot_be_flown_is_refused(sim: Simulator, wrong: Any, result: int, words: str) -> None:
+    with pytest.raises(RefusedItemError, match=r"^mission item 4: ") as caught:
+        checked(wrong, craft_of(sim), Servos({}))
+    assert caught.value.result == result and words in str(caught.value)
+
+
+POWERED = """
+name: powered
+mission_time_s: 60
+terrain: {source: noise, size_m: [400, 400], spacing_m: 20, bed_depth_m: 60}
+vehicles:
+  - {name: rov, model: bluerov2_heavy, start: {position_m: [0, 0, -20]}, battery: {model: bluerov2_18ah, hotel_w: 40}}
+"""
+
+
+def test_volts_and_amperes_are_the_packs(tmp_path: Path) -> None:
+    """At the terminals, and the charge that has left, in mAh."""
+    (tmp_path / "powered.yaml").write_text(POWERED)
+    with Simulator(tmp_path / "powered.yaml") as sim:
+        sim.rov.set_effort(surge=0.5)
+        sim.advance(20.0)
+        pack, state = sim.rov.battery, read(sim, Table(sim).sources[0], truth=True)
+        figures = Figures(state, Craft(None, "rov", None, HOME, lambda text, severity=4, /: None))  # type: ignore
+        made = (kind.make(dialect.MAVLink(None), figures) for kind in KINDS if kind.number in (1, 147))
+        found = {message.get_type(): message for messages in made for message in messages}
+    assert found["SYS_STATUS"].voltage_battery == found["BATTERY_STATUS"].voltages[0] == round(1e3 * pack.voltage_v)
+    assert found["SYS_STATUS"].current_battery == found["BATTERY_STATUS"].current_battery == round(100 * pack.current_a)
+    assert found["BATTERY_STATUS"].current_consumed == round(1e3 * (pack.capacity_ah - pack.charge_ah)) > 0
+    assert 10 < pack.voltage_v < 17 and pack.current_a > 1
