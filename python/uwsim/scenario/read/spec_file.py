@@ -21,10 +21,15 @@ def read_spec(model: type[Spec], source: str | Path, kind: str, folder: Path | N
     kind: the assets folder in which packaged names are found, such as "vehicles". folder: the base of relative paths,
     by default the working folder.
     """
-    beside = (folder or Path()) / source
-    path = beside if beside.is_file() else find_yaml(source, kind)
+    path = spec_path(source, kind, folder)
     document = read_yaml(path, shown_name(path))
     spec = validated(model, document.values, document, folder=path.resolve().parent)
     if "_source_file" in spec.__private_attributes__:
         spec._source_file = SourceFile(document)  # type: ignore[attr-defined]
     return spec
+
+
+def spec_path(source: str | Path, kind: str, folder: Path | None = None) -> Path:
+    """Return the YAML file that read_spec reads. Raises ScenarioError if there is none."""
+    beside = (folder or Path()) / source
+    return beside if beside.is_file() else find_yaml(source, kind)

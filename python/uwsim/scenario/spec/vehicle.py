@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
-from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+from pydantic import (
+    Field,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from uwsim.scenario.read.source_file import SourceFile
-from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.read.spec_file import read_spec, spec_path
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
 from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
 from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.failsafe import Failsafe
-from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.fields import AssetFile, AssetName, Factor, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.sensor import Sensors
@@ -28,6 +38,11 @@ VOLUMES_M3 = (1e-6, 1e5)
 """Plausible volumes of hulls: from a thimble to twice the largest submarine."""
 
 MASSES = ("mass_kg", "density_kg_m3", "buoyancy")
+NEEDED = ("name", "mesh", "centre_of_mass_m")
+PARTS = ("thrusters", "fins", "sensors", "cameras", "lamps", "imaging_sonars")
+"""The fields that hold parts by name."""
+
+VehicleName = Annotated[str, AssetName("vehicles")]
 
 Force = Annotated[float, InRange(0, 1e6, "N")]
 Torque = Annotated[float, InRange(0, 1e6, "N m")]
@@ -68,7 +83,9 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     """A rigid vehicle, driven by thrusters and fins, or by forces and torques along and about its axes.
 
     Six-vectors are surge, sway, heave, roll, pitch, yaw; all components are magnitudes and not negative. A full matrix
-    about the origin, such as added_mass_matrix, may be given by rows instead. mesh: the hull, closed and winding
+    about the origin, such as added_mass_matrix, may be given by rows instead. builds_on: another vehicle, a packaged
+    name or a file, whose values apply where this one gives none; parts by name are added to its parts, or replace those
+    of the same name, and `null` removes a value or a part. mesh: the hull, closed and winding
     outward. Buoyancy acts on its triangles, and collisions use it. It also determines the volume, and the inertia (as a
     solid of uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's
     axis that points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: mass of the
@@ -96,6 +113,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     contact or to a fault.
     """
 
+    builds_on: VehicleName | None = None
     name: Name
     description: str = ""
     mesh: AssetFile
@@ -146,10 +164,20 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        own = handler.resolve_ref_schema(schema)
+        own["anyOf"] = [{"required": own.pop("required")}, {"required": ["builds_on"]}]
+        return schema
+
     @model_validator(mode="wrap")
     @classmethod
-    def _names_all_absent_keys(cls, values: Any, handler: ModelWrapValidatorHandler[VehicleModel]) -> VehicleModel:
+    def _names_all_absent_keys(
+        cls, values: Any, handler: ModelWrapValidatorHandler[VehicleModel], info: ValidationInfo
+    ) -> VehicleModel:
         """Where nothing but keys is missing, name all of them: pydantic would stop at the first broken rule."""
+        values = _on_its_base(values, (info.context or {}).get("folder"))
         try:
             return handler(values)
         except ValidationError as error:
@@ -210,6 +238,30 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
         return np.diag(np.zeros(6) if diagonal is None else np.array(diagonal, np.float64))
 
 
+_building: ContextVar[tuple[Path, ...]] = ContextVar("_building", default=())
+"""The vehicles' files that are being read as the base of another, innermost last."""
+
+
+def _on_its_base(values: Any, folder: Path | None) -> Any:
+    """Return a vehicle's values together with those of the vehicle that it builds on, if any. Raises ScenarioError."""
+    if not isinstance(values, Mapping) or not isinstance(values.get("builds_on"), str | Path):
+        return values
+    path = spec_path(values["builds_on"], "vehicles", folder).resolve()
+    if path in (above := _building.get()):
+        raise broken("must not build on itself", at=("builds_on",), value=str(values["builds_on"]))
+    token = _building.set((*above, path))
+    try:
+        merged = load_vehicle(path).given()
+    finally:
+        _building.reset(token)
+    for key, value in values.items():
+        if key in PARTS and isinstance(value, Mapping):
+            parts = {**merged.get(key, {}), **value}
+            value = {name: part for name, part in parts.items() if part is not None}
+        merged[key] = value
+    return {key: value for key, value in merged.items() if value is not None and key != "builds_on"}
+
+
 def _not_one_mass(given: int) -> PydanticCustomError:
     return broken(f"exactly one of {MASSES[0]}, {MASSES[1]} and {MASSES[2]} must be given, not {given}")
 
@@ -225,7 +277,7 @@ def _absent(values: Mapping[str, Any]) -> Iterator[InitErrorDetails]:
     def lacks(*keys: str) -> bool:
         return all(values.get(key) is None for key in keys)
 
-    needed = [key for key in ("name", "mesh", "centre_of_mass_m") if lacks(key)]
+    needed = [key for key in NEEDED if lacks(key)]
     needed += [key for key in ("linear_damping", "quadratic_damping") if lacks(key, f"{key}_matrix")]
     needed += [key for key in ("max_force_n", "max_torque_nm") if lacks(key) and not values.get("thrusters")]
     yield from (InitErrorDetails(type="missing", loc=(key,), input=values) for key in needed)

@@ -11,11 +11,9 @@ from pydantic_core.core_schema import ValidationInfo
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.battery import BatterySpec
 from uwsim.scenario.spec.failsafe import Failsafe
-from uwsim.scenario.spec.fields import AssetName, Degrees, InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
-from uwsim.scenario.spec.vehicle import Trim, VehicleModel, load_vehicle
-
-VehicleName = Annotated[str, AssetName("vehicles")]
+from uwsim.scenario.spec.vehicle import Trim, VehicleModel, VehicleName, load_vehicle
 
 
 class StartPose(Model):
