@@ -36,6 +36,7 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.missions.survey_pilot import Pilot, memory_of, remember, survey_pilot
 from uwsim.navigation.control.autopilot import wrap_angle
 from uwsim.navigation.control.protocols import Clock, PingLike, SurveyVehicle, Watch
+from uwsim.navigation.sensor_choice import port_proximity
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
@@ -74,8 +75,8 @@ class AdaptiveLawnMower(Sealed):
     _changed_by = MappingProxyType({"state": "restore()", "lanes": "the plan's lanes"})
 
     def __init__(self, vehicle: SurveyVehicle, clock: Watch, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
-        if missing := missing_for_lanes(vehicle):
-            raise ValueError(f"the vehicle cannot fly lanes: {'; '.join(missing)}")
+        if missing := missing_for_lanes(vehicle, plan.altitude_m):
+            raise ValueError(f"the vehicle cannot fly lanes: {'; '.join(missing.values())}")
         self.vehicle = vehicle
         self.clock = clock
         self.plan = plan
@@ -244,10 +245,8 @@ class AdaptiveLawnMower(Sealed):
 
     def _require_clearance_to_port(self) -> None:
         """Stop, as in the paper, if an obstacle is close to port during a turn; not without a sensor there."""
-        if "proximity_port" not in self.vehicle.sensors:
-            return
-        port_m = self.vehicle.sensors["proximity_port"].read()
-        if port_m < TURN_RANGE_M:
+        sensor = port_proximity(self.vehicle.sensors)
+        if sensor is not None and (port_m := sensor.read()) < TURN_RANGE_M:
             raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
 
     def _side_step(self, start: LegStart) -> Steps[LegName]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from uwsim.base.sealed import Sealed
-from uwsim.missions.altimeter import altimeter
 from uwsim.missions.moves import CLIMB_M, steer
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -14,6 +13,7 @@ from uwsim.missions.steps import Steps
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import PingLike
+from uwsim.navigation.sensor_choice import altimeter
 
 HIGHEST_Z_M = -1.5
 """The lookout never makes the vehicle climb above this height."""
@@ -48,7 +48,7 @@ class Lookout(Sealed):
         most_climb_m: float = CLIMB_M,
         autopilot: Autopilot | Controller | None = None,
     ) -> None:
-        if (found := altimeter(vehicle)) is None:
+        if (found := altimeter(vehicle.sensors)) is None:
             raise ValueError("the vehicle has no sensor of kind 'altitude': missions steer by it")
         self._altimeter = found
         self._slowest = SLOWEST if "heave" in vehicle.controllable else 1.0

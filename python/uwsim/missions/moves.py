@@ -21,6 +21,7 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.missions.vehicle import Vehicle
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller
+from uwsim.navigation.sensor_choice import altimeter
 
 Point = Sequence[float] | NDArray[Any]
 GRACE_S = 60.0  # added to a move's time limit, which is otherwise three times its nominal duration
@@ -198,10 +199,10 @@ def _target(
                 f"{step}: position_world_m = {point.tolist()}: z must be at most 0 m, the mean water surface"
             )
         return x, y, lambda: z
-    if "altitude" not in vehicle.sensors:
-        raise ValueError(f"{step}: altitude_m: the vehicle has no sensor 'altitude'")
+    if (altitude := altimeter(vehicle.sensors)) is None:
+        raise ValueError(f"{step}: altitude_m: the vehicle has no sensor of kind 'altitude'")
     require_positive(step, altitude_m=altitude_m)
-    above_m, altitude = float(altitude_m), vehicle.sensors["altitude"]
+    above_m = float(altitude_m)
 
     def height() -> float:
         bed_m = float(altitude.read())

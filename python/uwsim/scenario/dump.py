@@ -37,6 +37,11 @@ def write_scenario(path: Path, scenario: Scenario) -> None:
 
 def write_model(path: Path, model: Model) -> None:
     """Write a scenario, a vehicle or another part of one as a YAML file. Raises OSError."""
+    write_atomically(path, yaml_text(plain(model)).encode())
+
+
+def yaml_text(values: Any) -> str:
+    """Return plain values, in which paths become text, as YAML."""
     from ruamel.yaml import YAML  # here, since it is slow to import
 
     text = io.StringIO()
@@ -44,8 +49,8 @@ def write_model(path: Path, model: Model) -> None:
     yaml.default_flow_style = None  # lists of numbers on one line
     yaml.width = 120
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.dump(_with_text_for_paths(plain(model)), text)
-    write_atomically(path, text.getvalue().encode())
+    yaml.dump(_with_text_for_paths(values), text)
+    return text.getvalue()
 
 
 def _with_text_for_paths(value: Any) -> Any:

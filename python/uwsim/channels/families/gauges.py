@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from uwsim.channels.source import Source
 from uwsim.navigation.estimation import Navigator
+from uwsim.navigation.sensor_choice import port_proximity
 from uwsim.simulator.simulator import Simulator
 
 NAN = math.nan
@@ -22,7 +23,6 @@ SCALARS = {
     "depth": "depth", "pressure": "pressure", "temperature": "temperature", "distance_to_seabed": "altitude"
 }  # fmt: skip
 """The kind of sensor that measures each field of /telemetry."""
-PORT = "proximity_port"
 SPEEDS = {"linear": "speed", "angular": "angular_speed"}
 
 
@@ -57,7 +57,8 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
 
     for field, kind in SCALARS.items():
         fill(field, first(kind))
-    fill("distance_to_port", PORT if PORT in sensors else None)
+    to_port = port_proximity(sensors)
+    fill("distance_to_port", None if to_port is None else to_port.name)
     for field in ("linear_acceleration", "angular_acceleration"):
         fill(field, first("acceleration"), np.full(3, NAN), f"{field}_{'m_s2' if field[0] == 'l' else 'rad_s2'}")
     if (name := first("position")) is not None:

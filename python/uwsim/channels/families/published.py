@@ -22,6 +22,7 @@ from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator
 from uwsim.mapping import ranging
+from uwsim.navigation.sensor_choice import port_proximity
 from uwsim.simulator.simulator import Simulator
 
 POSE_HZ = 50.0
@@ -96,12 +97,13 @@ def published_channels(
             authority=Authority(abandoned=lambda live: _abandon_key(live, steering)),
         ),
     ]  # fmt: skip
-    if "proximity_port" in vehicle.sensors:
+    if (to_port := port_proximity(vehicle.sensors)) is not None:
+        port = to_port.name
         found.append(
             Channel(
                 topic("proximitySensor"), TEXT, "out", "distance to port [m], 10 at most", rate_hz=PANEL_HZ,
                 over_link=OverLink(),
-                read=lambda sim: build.text(csharp_number(_number(source.of(sim).sensors["proximity_port"].read()))),
+                read=lambda sim: build.text(csharp_number(_number(source.of(sim).sensors[port].read()))),
             )
         )  # fmt: skip
     if pings is not None:

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.base.texts.yaml_document import YamlDocument
+from uwsim.evidence.scenario_check.remedy import remedy
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import measured_scene
 from uwsim.evidence.scenario_check.surprises import surprises
-from uwsim.flight.flyable_lanes import flyable_plan, require_lanes_flown_by, survey_plan
+from uwsim.flight.flyable_lanes import flyable_plan, missing_for_survey, require_lanes_flown_by, survey_plan
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.read.assets import find_yaml, shown_name
@@ -38,29 +39,37 @@ def check_file(source: str | Path) -> CheckReport:
     with warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always", UserWarning)
         mistakes = _mistakes(document, path.resolve().parent)
-        sim = None
+        sim, paste = None, ""
         if not mistakes:
-            try:
+            found = Collected()
+            with found.noted():
                 sim = Simulator(load(source))
-                left_out = _survey_left_out(sim)
-            except ScenarioError as error:
-                mistakes = error.mistakes
+            if sim is not None:
+                left_out, paste = _survey_left_out(sim, found)
+            mistakes = tuple(found.mistakes)
     if mistakes or sim is None:
-        return CheckReport(document.name, tuple(mistakes))
+        return CheckReport(document.name, tuple(mistakes), paste=paste)
     scene = measured_scene(sim)
     notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
     notes += [left_out] if left_out else []
     return CheckReport(document.name, (), (*dict.fromkeys(notes), *surprises(sim, scene)), scene, sim)
 
 
-def _survey_left_out(sim: Simulator) -> str | None:
-    """Return a sentence about the lanes that cannot be flown, if any. Raises ScenarioError if the survey cannot be."""
-    survey = sim.scenario.survey
+def _survey_left_out(sim: Simulator, found: Collected) -> tuple[str | None, str]:
+    """Note why the survey cannot be flown, if so.
+
+    Return a sentence about lanes that cannot be flown, if any, and YAML that gives the vehicle what it lacks.
+    """
+    survey, left_out = sim.scenario.survey, None
     if survey is None:
-        return None
-    require_lanes_flown_by(sim)
-    left_out = flyable_plan(sim, survey_plan(survey))[1]
-    return None if left_out is None else f"{sim.scenario.source_file.line_prefix('survey', 'area_m')}{left_out}"
+        return None, ""
+    with found.noted():
+        require_lanes_flown_by(sim)
+    with found.noted():
+        left_out = flyable_plan(sim, survey_plan(survey))[1]
+    missing = missing_for_survey(sim)
+    paste = remedy(sim, missing) if missing else ""
+    return left_out and f"{sim.scenario.source_file.line_prefix('survey', 'area_m')}{left_out}", paste
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:

@@ -87,7 +87,7 @@ def proposed_thrusters(body: Body, axes: Collection[str]) -> tuple[Thrust, ...]:
     Surge and yaw share a pair beside the stern, sway has one amidships; heave, roll and pitch share one, two or four
     vertical ones. All thrust lines pass the height of the centroid, where the drag acts.
     """
-    needed = _needed(body, axes)
+    needed = needed_wrench(body, axes)
     stern, side = 0.8 * float(body.low_m[0]), max(float(body.high_m[1]) + CLEAR_M, ARM * body.length_m)
     fore, beam = 0.35 * body.length_m, 0.35 * float(body.high_m[1] - body.low_m[1])
     places: list[tuple[str, tuple[float, float, float], int]] = []
@@ -120,8 +120,8 @@ def _ends_n() -> tuple[float, float]:
     return thrusts_n[0], thrusts_n[-1]
 
 
-def _needed(body: Body, axes: Collection[str]) -> Floats:
-    """Return the forces and torques (6,) that the thrusters must produce; 0 on other axes."""
+def needed_wrench(body: Body, axes: Collection[str]) -> Floats:
+    """Return the forces and torques (6,) that drive `axes` at these speeds and accelerations; 0 on other axes."""
     speeds = np.array([*SPEEDS_M_S, *[body.turn_rad_s] * 3])
     accelerations = np.array([*[ACCELERATION_M_S2] * 3, *[body.turn_acceleration_rad_s2] * 3])
     inertia = np.array([*[body.mass_kg] * 3, *body.inertia_kg_m2]) + np.diagonal(body.added)

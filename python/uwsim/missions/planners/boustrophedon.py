@@ -29,6 +29,7 @@ from uwsim.missions.planners.unseen_patches import look_at_unseen
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.sensor_choice import height_above_bed_m
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ def mow_area(
     lanes = boustrophedon_lanes(area, spacing_m, here)
     yield from lookout.tilt()
     yield from find_bed(vehicle)
-    depth_m = float(vehicle.sensors["altitude"].read()) - float(vehicle.pose.position_world_m[2])
+    depth_m = height_above_bed_m(vehicle) - float(vehicle.pose.position_world_m[2])
     if altitude_m > depth_m + HIGHEST_Z_M:
         vehicle.log("shallow", depth_m=depth_m, altitude_m=altitude_m, kept_m=max(depth_m + HIGHEST_Z_M, 0.0))
     flown = yield from fly_lanes(lookout, lanes, chart)

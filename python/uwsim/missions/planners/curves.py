@@ -23,6 +23,7 @@ from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.wayfinder import Wayfinder
 from uwsim.missions.steps import Steps, race, wait
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.sensor_choice import altimeter
 
 Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
@@ -42,9 +43,9 @@ def fly_through(
     """Fly a curve from the vehicle's position through points (n, 3), or (n, 2) with altitude_m above the bed.
 
     radius_m: turning radius of the Dubins path, which begins at the vehicle's heading. Returns the path followed, (m,
-    3) or (m, 2). The path does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and an 'altitude'
-    sensor looks ahead and stops before obstacles at its height. Raises ValueError for invalid arguments, StoppedError
-    if stopped.
+    3) or (m, 2). The path does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and an
+    altimeter looks ahead and stops before obstacles at its height. Raises ValueError for invalid arguments,
+    StoppedError if stopped.
     """
     width = 3 if altitude_m is None else 2
     points = np.asarray(points_world_m, np.float64)
@@ -59,7 +60,7 @@ def fly_through(
     ahead = path[1] - path[0]
     yield from turn_to(vehicle, math.atan2(ahead[1], ahead[0]))
     flight = follow(vehicle, path, altitude_m=altitude_m, speed_m_s=speed_m_s)
-    if altitude_m is None or not vehicle.sonars or "altitude" not in vehicle.sensors:
+    if altitude_m is None or not vehicle.sonars or altimeter(vehicle.sensors) is None:
         yield from flight
         return path
     lookout = Wayfinder(vehicle, altitude_m, speed_m_s)

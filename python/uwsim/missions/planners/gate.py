@@ -22,6 +22,7 @@ from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.protocols import PingLike
+from uwsim.navigation.sensor_choice import height_above_bed_m
 
 Floats = NDArray[np.float64]
 STAND_OFF_M = 6.0  # in front of and behind the gate
@@ -97,7 +98,7 @@ def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: fl
     """Return the gate's median over several pings from one place, or None if fewer than half of them show it."""
     seen = []
     x, y, z = vehicle.pose.position_world_m.tolist()
-    here = (x, y, z - float(vehicle.sensors["altitude"].read()) + altitude_m)  # the vehicle may still be sinking
+    here = (x, y, z - height_above_bed_m(vehicle) + altitude_m)  # the vehicle may still be sinking
     for _ in range(LOOKS):
         yield from hold(vehicle, LOOK_PERIOD_S, position_world_m=here)
         pair = gate_posts(posts(vehicle.sonar.ping()), place, width_m)

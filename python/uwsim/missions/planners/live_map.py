@@ -12,6 +12,7 @@ from uwsim.mapping.ranging import place_deviation_m
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells
 from uwsim.navigation.control.protocols import PingLike
+from uwsim.navigation.sensor_choice import height_above_bed_m
 
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 2.0
 LONGEST_RAY_M = 30.0  # for echoes farther away, water is marked as free up to this distance
@@ -38,7 +39,7 @@ class LiveMap:
         if now_s < self._next_s:
             return
         self._next_s = now_s + self._period_s - 1e-6
-        below_m = float(self._vehicle.sensors["altitude"].read())
+        below_m = height_above_bed_m(self._vehicle)
         bed = np.asarray(self._vehicle.pose.position_world_m, np.float64) - (0.0, 0.0, below_m)
         met = np.isfinite(np.asarray(ping.points_sonar_m)[:, 0])
         kept = np.isfinite(self._kept_m(ping))[met]

@@ -26,6 +26,7 @@ from uwsim.missions.planners.wayfinder import Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 from uwsim.missions.vehicle import PictureLike
+from uwsim.navigation.sensor_choice import height_above_bed_m
 
 Floats = NDArray[np.float64]
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 1.0
@@ -116,7 +117,7 @@ class _Look:
             away_m = np.linalg.norm(echoes[:, :2] - self._vehicle.pose.position_world_m[:2], axis=1)
             self._note("by_sonar", self._track.add_ping(echoes[away_m < FARTHEST * self._lookout.view_m]))
         if self._eye is not None and self._is_due("by_camera", LOOK_PERIOD_S):
-            pose, altitude_m = self._vehicle.pose, float(self._vehicle.sensors["altitude"].read())
+            pose, altitude_m = self._vehicle.pose, height_above_bed_m(self._vehicle)
             pipe = pipe_in_picture(self._eye.capture(), float(pose.position_world_m[2]) - altitude_m, self._diameter_m)
             self._note("by_camera", self._track.add_picture(pipe))
 

@@ -24,6 +24,7 @@ from uwsim.missions.planners.cells import Cell, Cells, nearest
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.sensor_choice import height_above_bed_m
 
 ECHOES_TO_CLOSE = 4  # this many echoes in one ping close a cell
 OVERSHOOT = 1.0  # how far past the next cell to aim, in cells
@@ -76,7 +77,7 @@ def mow_unknown_water(
 def find_bed(vehicle: OwnVehicle) -> Steps[None]:
     """Dive on the spot until the altimeter sees the bed. Raises StoppedError if this takes too long."""
     pose, end_s = vehicle.pose, vehicle.time_s + FIND_BED_S
-    while not math.isfinite(float(vehicle.sensors["altitude"].read())):
+    while not math.isfinite(height_above_bed_m(vehicle)):
         if vehicle.time_s > end_s:
             raise StoppedError("no bed below: the altimeter has no echo")
         z_m = float(vehicle.pose.position_world_m[2])
@@ -149,7 +150,7 @@ class _Mower:
                 return True
             if following in self._closed and following not in self._flown:
                 return False
-            if not math.isfinite(float(self._vehicle.sensors["altitude"].read())):
+            if not math.isfinite(height_above_bed_m(self._vehicle)):
                 self._close(following, "no bed below")
                 return False
             if self._vehicle.time_s > deadline_s:

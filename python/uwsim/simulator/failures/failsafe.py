@@ -12,6 +12,7 @@ from uwsim.base.agenda import NEVER
 from uwsim.base.saved_state import State, Tick
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller
+from uwsim.navigation.sensor_choice import altimeter
 from uwsim.scenario.spec.failsafe import Failsafe as Figures
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.failures import manoeuvres
@@ -288,7 +289,7 @@ class Failsafe(Sealed):
             manoeuvres.fly_back(pilot, self._began, self.figures, time_s, self.home_m, self._above_bed_m())
 
     def _above_bed_m(self) -> float:
-        sensor = self._vehicle.sensors.get("altitude")
+        sensor = altimeter(self._vehicle.sensors)
         sample = None if sensor is None else sensor.sample()
         return float(sample.value) if sample is not None and sample.valid else math.inf
 
