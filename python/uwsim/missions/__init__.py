@@ -1,6 +1,7 @@
 """Missions: Python programs that fly a vehicle in simulated time. See docs/guides/missions.md for how to write one."""
 
 from uwsim.missions.aiming import aim_to
+from uwsim.missions.heights import YoYo
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
@@ -29,6 +30,7 @@ __all__ = [
     "StoppedError",
     "Vehicle",
     "Wait",
+    "YoYo",
     "aim_to",
     "begin",
     "dive_to",

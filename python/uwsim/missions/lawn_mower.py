@@ -22,12 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sealed import Sealed
+from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lane_curves import LaneCurves
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
-from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
+from uwsim.missions.lookout import Lookout
 from uwsim.missions.mission_state import checked_state
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import is_at
@@ -92,6 +93,7 @@ class AdaptiveLawnMower(Sealed):
             turn_first_rad=TURN_FIRST_RAD,
             most_climb_m=math.inf,
             autopilot=self.autopilot,
+            yoyo=plan.yoyo,
         )
         self._drives_sway = "sway" in self._own.controllable
         self._speed_m_s = max(plan.speed_m_s, float(getattr(self._own.control, "speed_min_m_s", 0.0)))
@@ -125,7 +127,7 @@ class AdaptiveLawnMower(Sealed):
         """Return, as JSON values, all state that the rest of the mission depends on, except vehicle and clock."""
         seen = self.lookout
         peaks = [(x, y, z) for x, y, z in seen.obstacles.peaks_world_m.tolist()]
-        return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells))
+        return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells, seen.heights))
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Load a state returned by `save`; `run` then continues from there. Raises ValueError for an invalid state."""
@@ -135,6 +137,7 @@ class AdaptiveLawnMower(Sealed):
         self._plan_lanes()
         self.lookout.obstacles.restore(saved.lookout)
         self.lookout.shoals.restore(saved.shoals)
+        self.lookout.heights.restore(saved.heights)
 
     def run(self) -> str:
         """Fly until the last lane ends (COVERED) or the mission stops early; return the reason."""

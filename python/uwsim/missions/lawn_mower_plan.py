@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uwsim.missions.heights import YoYo
 from uwsim.missions.lanes import Lane
 
 TRANSIT_VIEW_S = 20.0  # on transits, the fan hits a flat bed this many seconds ahead, early enough to see a rise
@@ -17,7 +18,8 @@ class LawnMowerPlan:
     """How to survey an area in parallel lanes.
 
     area_m: the polygon's corners (k, 2). altitude_m: height above the bed. tilt_deg: the sonar's tilt, nose down.
-    lanes: the lanes in flight order; by default, lanes that cover the whole area.
+    lanes: the lanes in flight order; by default, lanes that cover the whole area. yoyo: fly one instead of altitude_m
+    above the bed.
     """
 
     area_m: Sequence[Sequence[float]]
@@ -26,6 +28,7 @@ class LawnMowerPlan:
     speed_m_s: float = 1.0
     tilt_deg: float = 30.0
     lanes: Sequence[Lane] | None = None
+    yoyo: YoYo | None = None
 
     @property
     def reach_m(self) -> float:

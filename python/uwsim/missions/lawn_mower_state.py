@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge
 
+from uwsim.missions.heights import HeightState
+
 LegName = Literal["undock", "approach", "transit", "tilt", "turn", "abreast", "mow"]
 
 
@@ -45,9 +47,10 @@ class MowerState:
 
 @dataclass
 class SavedMission:
-    """A saved lawn-mower: its own state, plus that of its pilot, obstacle memory and shoal chart."""
+    """A saved lawn-mower: its own state, plus that of its pilot, obstacle memory, shoal chart and heights."""
 
     mower: MowerState
     autopilot: tuple[float, ...]
     lookout: list[tuple[float, float, float]]
     shoals: list[tuple[int, int]] = field(default_factory=list)
+    heights: HeightState = field(default_factory=HeightState)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from uwsim.base.sealed import Sealed
+from uwsim.missions.heights import HIGHEST_Z_M, HeightState, YoYo
 from uwsim.missions.moves import CLIMB_M, steer
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -15,8 +16,6 @@ from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import PingLike
 from uwsim.navigation.sensor_choice import altimeter
 
-HIGHEST_Z_M = -1.5
-"""The lookout never makes the vehicle climb above this height."""
 CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a larger remaining climb reduces the speed, to zero at the second value
 SLOWEST = 0.1  # lowest fraction of the commanded speed
 
@@ -27,13 +26,16 @@ class Lookout(Sealed):
     The vehicle needs a sonar and an altimeter. half_width_m, ahead_m: size of the corridor in which echoes are
     considered. passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which the vehicle turns
     before moving. most_climb_m: limit on the height error used for steering. autopilot: defaults to the vehicle's own.
-    A vehicle that nothing lifts climbs by its pitch, so it keeps its speed. Raises ValueError without an altimeter.
+    A vehicle that nothing lifts climbs by its pitch, so it keeps its speed. yoyo: fly one instead of altitude_m above
+    the bed; a vehicle that climbs by its pitch and keeps swinging about that height begins one by itself, above it.
+    heights: the state of that. Raises ValueError without an altimeter.
     """
 
     vehicle: OwnVehicle
     altitude_m: float
     obstacles: ObstacleMemory
     shoals: ShoalChart
+    heights: HeightState
     _fixed_when = "the lookout is made"
 
     def __init__(
@@ -47,11 +49,13 @@ class Lookout(Sealed):
         turn_first_rad: float,
         most_climb_m: float = CLIMB_M,
         autopilot: Autopilot | Controller | None = None,
+        yoyo: YoYo | None = None,
     ) -> None:
         if (found := altimeter(vehicle.sensors)) is None:
             raise ValueError("the vehicle has no sensor of kind 'altitude': missions steer by it")
         self._altimeter = found
-        self._slowest = SLOWEST if "heave" in vehicle.controllable else 1.0
+        self._lifts = "heave" in vehicle.controllable
+        self.heights = HeightState(yoyo)
         self.vehicle, self.altitude_m = vehicle, float(altitude_m)
         self.obstacles = ObstacleMemory(half_width_m, ahead_m)
         self.shoals = ShoalChart(passable_z_m)
@@ -73,7 +77,7 @@ class Lookout(Sealed):
     def steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Steps[None]:
         """Look ahead, then fly one control period at a heading and a velocity (2,), slowing down before a climb."""
         self.look()
-        z_m = self.safe_height_m()
+        z_m = self._next_height_m()
         share = self.share_of_speed(z_m)
         east, north = velocity_world_m_s
         yield from self.steer_at(heading_rad, (share * east, share * north), z_m)
@@ -94,13 +98,30 @@ class Lookout(Sealed):
 
     def safe_height_m(self) -> float:
         """Return the height z that is altitude_m above both the bed below and any known obstacle ahead."""
+        wanted_m = self._top_m() + self.altitude_m
+        return min(wanted_m if math.isfinite(wanted_m) else float(self.vehicle.pose.position_world_m[2]), HIGHEST_Z_M)
+
+    def _top_m(self) -> float:
+        """Return the height z of the bed below or of a known obstacle ahead, whichever is higher; else -inf."""
         pose = self.vehicle.pose
-        z_m = float(pose.position_world_m[2])
-        bed_m = z_m - float(self._altimeter.read())
-        wanted_m = max(bed_m, self.obstacles.highest_m(pose.position_world_m, pose.yaw_rad)) + self.altitude_m
-        return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
+        bed_m = float(pose.position_world_m[2]) - float(self._altimeter.read())
+        return max(bed_m, self.obstacles.highest_m(pose.position_world_m, pose.yaw_rad))
+
+    def _next_height_m(self) -> float:
+        """Return the height z to steer for: a safe one, or that of the yo-yo."""
+        vehicle, heights = self.vehicle, self.heights
+        z_m = float(vehicle.pose.position_world_m[2])
+        if heights.yoyo is None:
+            wanted_m = self.safe_height_m()
+            if self._lifts or not heights.swings_about(z_m, wanted_m, vehicle.time_s):
+                return wanted_m
+            begun = heights.begin_yoyo(self.altitude_m)
+            vehicle.log("yoyo", upper_m=round(begun.upper_m, 1), lower_m=round(begun.lower_m, 1), above_bed=True)
+        ahead, aside, _ = (vehicle.pose.world_from_body[:3, :3] @ vehicle.velocity.linear_body_m_s).tolist()
+        period_s = (vehicle.autopilot if self._autopilot is None else self._autopilot).period_s
+        return heights.next_z_m(z_m, self._top_m(), period_s * math.hypot(ahead, aside))
 
     def share_of_speed(self, z_world_m: float) -> float:
         """Return the fraction of full speed that lets the vehicle reach a height in time; below 1 during a climb."""
         climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
-        return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, self._slowest), 1.0)
+        return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST if self._lifts else 1.0), 1.0)

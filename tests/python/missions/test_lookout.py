@@ -10,7 +10,8 @@ import pytest
 
 from test_missions import PLAN, ScriptedVehicle
 from uwsim.missions import AdaptiveLawnMower, OwnVehicle, drive
-from uwsim.missions.lookout import HIGHEST_Z_M, SLOWEST, Lookout
+from uwsim.missions.heights import HIGHEST_Z_M
+from uwsim.missions.lookout import SLOWEST, Lookout
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 
 ALTITUDE_M = 3.0

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+from uwsim.missions.heights import YoYo
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan
+from uwsim.missions.mow import mow
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.boustrophedon import MownArea, mow_area
 from uwsim.missions.planners.frontier import Explored, explore
@@ -38,6 +41,25 @@ def boustrophedon(
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS)]
     area_m = [(x + bound_m * math.cos(angle), y + bound_m * math.sin(angle)) for angle in angles]
     return (yield from mow_area(vehicle, area_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
+
+
+def yoyo(
+    vehicle: OwnVehicle,
+    bound_m: float = 16.0,
+    upper_m: float = 5.0,
+    lower_m: float = 2.5,
+    slope_deg: float = 12.0,
+    line_spacing_m: float = 5.0,
+    speed_m_s: float = 0.6,
+) -> Steps[None]:
+    """Mow a square ahead, bound_m long, in lanes that go down and up between two heights above the bed."""
+    x, y, _ = vehicle.pose.position_world_m.tolist()
+    heading = vehicle.pose.yaw_rad
+    ahead, port = (math.cos(heading), math.sin(heading)), (-math.sin(heading), math.cos(heading))
+    sides = ((0.5, -0.5), (1.5, -0.5), (1.5, 0.5), (0.5, 0.5))
+    area_m = [[at + bound_m * (u * a + v * p) for at, a, p in zip((x, y), ahead, port, strict=True)] for u, v in sides]
+    profile = YoYo(upper_m, lower_m, above_bed=True, slope_deg=slope_deg, clear_m=lower_m)
+    yield from mow(vehicle, LawnMowerPlan(area_m, lower_m, line_spacing_m, speed_m_s, tilt_deg=20.0, yoyo=profile))
 
 
 def _leave_station(vehicle: OwnVehicle) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.missions.lookout import HIGHEST_Z_M
+from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps

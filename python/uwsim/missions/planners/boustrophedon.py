@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
 from uwsim.mapping import OccupancyMap
+from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lanes import Lane, Span, cells_of, ordered, spans
-from uwsim.missions.lookout import HIGHEST_Z_M
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.area_pilot import AreaPilot

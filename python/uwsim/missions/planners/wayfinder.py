@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
-from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
+from uwsim.missions.heights import HIGHEST_Z_M
+from uwsim.missions.lookout import Lookout
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
