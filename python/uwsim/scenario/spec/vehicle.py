@@ -169,6 +169,10 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
         schema = super().__get_pydantic_json_schema__(core, handler)
         own = handler.resolve_ref_schema(schema)
         own["anyOf"] = [{"required": own.pop("required")}, {"required": ["builds_on"]}]
+        for key in PARTS:  # `null` removes a part of the vehicle below
+            for arm in own["properties"][key].get("anyOf", [own["properties"][key]]):
+                for name, part in arm.get("patternProperties", {}).items():
+                    arm["patternProperties"][name] = {"anyOf": [part, {"type": "null"}]}
         return schema
 
     @model_validator(mode="wrap")
