@@ -58,6 +58,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     VehicleEntry: frozenset({"name", "start", "failsafe", "trim"}),
     VehicleModel: frozenset(
         [
+            "builds_on",
             "name",
             "description",
             "mesh",
