@@ -15,6 +15,7 @@ from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, YoYo
 from uwsim.missions.heights import HIGHEST_Z_M, HeightState
 from uwsim.missions.planners.area_missions import yoyo
+from uwsim.scenario.read.assets import find_yaml
 
 SLOPE_DEG, SLOW_DEG_S = 12.0, 2.0
 
@@ -28,7 +29,7 @@ def deep(tmp_path: Path):
     """Return a function that writes a flat basin, 30 m deep, with a REMUS 100, whose elevators may be slow."""
 
     def written(is_slow: bool = False) -> Path:
-        remus = yaml.safe_load(uwsim.scenario.read.assets.find_yaml("remus100", "vehicles").read_text())
+        remus = yaml.safe_load(find_yaml("remus100", "vehicles").read_text())
         elevators = {name: remus["fins"][name] for name in ("port", "starboard")}
         model = {"builds_on": "remus100"} | ({"fins": slow(elevators)} if is_slow else {})
         scenario = {
