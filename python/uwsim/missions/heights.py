@@ -61,10 +61,10 @@ class HeightState:
     """The progress of a yo-yo, and what level flight was like before it.
 
     yoyo: None in level flight. z_m: the ramp's height; None before it begins. top_m: the last height of the bed, or of
-    what the sonar saw ahead; None before. early_m: how far before the lower and the
-    upper limit the ramp turns, so that the vehicle just reaches them. past_m: how far it has gone past the last one.
-    side, swings, since_s: the side of the wanted height on which it was last, how often it has changed sides by itself,
-    and when. swung_m: its height and the wanted one then. widest_m: its largest distance from the wanted height since.
+    what the sonar saw ahead; None before. early_m: how far before the lower and the upper limit the ramp turns, so that
+    the vehicle just reaches them. past_m: how far it has gone past the last one, negative before it. side, swings,
+    since_s: the side of the wanted height on which it was last, how often it has changed sides by itself, and when.
+    swung_m: its height and the wanted one then. widest_m: its largest distance from the wanted height since.
     """
 
     yoyo: YoYo | None = None

@@ -10,6 +10,7 @@ import numpy as np
 
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.draft_actuators import Body, needed_wrench, proposed_thrusters
+from uwsim.flight.flyable_lanes import required_survey
 from uwsim.missions.lawn_mower_needs import ALTIMETER, SONAR
 from uwsim.navigation.sensor_choice import altimeter
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
@@ -18,8 +19,8 @@ from uwsim.scenario.spec.vehicle import PARTS, VehicleModel
 from uwsim.simulator.simulator import Simulator
 
 ALTITUDE = {"kind": "altitude", "rate_hz": 15, "noise": {"std": 0.0024}}
-RANGE_M = 100
-"""Range of a proposed altimeter, as that of a Ping; the errors are those of the packaged sensors `bluerov2`."""
+RANGE_M = 100.0
+"""Least range of a proposed altimeter, as that of a Ping; the errors are those of the packaged sensors `bluerov2`."""
 INDENT = "    "
 
 
@@ -32,18 +33,20 @@ def remedy(sim: Simulator, missing: Collection[str]) -> str:
     if SONAR in missing:
         added["sonar"] = {"position_m": _rounded([0.9 * high[0], 0.0, low[2]])}
     if ALTIMETER in missing:
-        added["sensors"] = _altimeter(sim, low)
+        added["sensors"] = _altimeter(sim, low, max(RANGE_M, 2.0 * required_survey(sim.scenario).altitude_m))
     if axes := [axis for axis in AXES if axis in missing]:
         added |= _actuators(model, body, axes)
-    return indent(yaml_text({"model": _built_on(_written(sim), added)}), INDENT)
+    document = sim.scenario.source_file.document
+    written = model.name if document is None else document.values["vehicles"][0]["model"]
+    return indent(yaml_text({"model": _built_on(written, added)}), INDENT)
 
 
-def _altimeter(sim: Simulator, low_m: np.ndarray[Any, Any]) -> dict[str, Any]:
+def _altimeter(sim: Simulator, low_m: np.ndarray[Any, Any], range_m: float) -> dict[str, Any]:
     if (found := altimeter(sim.rov.sensors)) is None:
-        return {"altitude": ALTITUDE | {"position_m": _rounded([0.0, 0.0, low_m[2]]), "range_max_m": RANGE_M}}
+        return {"altitude": ALTITUDE | {"position_m": _rounded([0.0, 0.0, low_m[2]]), "range_max_m": range_m}}
     mount = plain(sim.scenario.vehicles[0].model.sensors[found.name])
     parameters = {key: values[0] for key, values in mount.pop("parameters", {}).items()}
-    return {found.name: mount | parameters | {"on": True, "range_max_m": RANGE_M}}
+    return {found.name: mount | parameters | {"on": True, "range_max_m": range_m}}
 
 
 def _actuators(model: VehicleModel, body: Body, axes: Collection[str]) -> dict[str, Any]:
@@ -71,12 +74,6 @@ def _body(model: VehicleModel, density_kg_m3: float) -> Body:
         vertices.min(axis=0), vertices.max(axis=0), rigid.mass_kg, rigid.inertia_kg_m2, model.matrix("added_mass"),
         drag, (float(drag[0]), float(drag[0])), model.munk_share, 0.0, density_kg_m3,
     )  # fmt: skip
-
-
-def _written(sim: Simulator) -> Any:
-    """Return the value of `model:` in the scenario's file."""
-    document = sim.scenario.source_file.document
-    return sim.scenario.vehicles[0].model.name if document is None else document.values["vehicles"][0]["model"]
 
 
 def _built_on(written: Any, added: Mapping[str, Any]) -> dict[str, Any]:
