@@ -24,7 +24,7 @@ TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 RCL = "rcl_interfaces/srv/"
 NUMBER = build.message("uwsim_msgs/msg/NamedNumber", name="nothing", value=0.5)
 SERVICE_WRITER = 0x03
-SURGE = "rov.drag.linear.surge"
+SURGE, FOLLOWS = "rov.drag.linear.surge", "rov.sonar.range_max_m"
 PUBLISHED = {  # hashes in ROS 2's own type descriptions
     "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
     "service_msgs/msg/ServiceEventInfo": "41bcbbe07a75c9b52bc96bfd5c24d7f0fc0a08c0cb7921b3373c5732345a6f45",
@@ -123,6 +123,10 @@ def test_parameters_are_listed_read_described_and_set_and_each_change_is_publish
     friction = parameter("rov.friction", type=3, double_value=0.7)
     assert not call("set_parameters_atomically", parameters=[friction, bad]).result.successful
     assert live.simulator.parameters["rov.friction"] != 0.7, "all or none"
+    follows = call("get_parameters", names=[FOLLOWS]).values[0]  # from the sonar's model: it cannot be changed
+    same = build.message("rcl_interfaces/msg/Parameter", name=FOLLOWS, value=follows)
+    assert [one.successful for one in call("set_parameters", parameters=[same, bad, friction]).results] == [1, 0, 1]
+    assert live.simulator.parameters["rov.friction"] == 0.7
 
 
 def test_humble_s_types_have_services_too_even_if_they_were_in_use_before(live):
@@ -157,6 +161,21 @@ def test_a_participant_met_again_is_asked_for_its_endpoints(other, node):
     peers.clear()  # as after an interruption longer than the lease
     until(lambda: any(peer.clients for peer in list(peers.values())), "a client was not announced again")
     assert client.readers() == 1
+
+
+def test_a_new_client_is_asked_for_requests_that_came_before_its_announcement(other, node, monkeypatch):
+    """Fast DDS would send them again after 3 s."""
+    send, sent, ours = RtpsParticipant._send, [], bytes(12)
+
+    def watched(participant, address, prefix, submessage):
+        sent.extend(one.submessage for one in rtps.read(rtps.header(ours, bytes(2)) + submessage, ours))
+        send(participant, address, prefix, submessage)
+
+    monkeypatch.setattr(RtpsParticipant, "_send", watched)
+    qos = writer_qos(1, latched=False, user_data=b"")
+    client = other.participant.writer("rq/lights/downRequest", "std_srvs/srv/SetBool_Request", qos)
+    asked = (client.guid[12:], (1,))
+    until(lambda: asked in [(one.writer, one.numbers) for one in sent if isinstance(one, rtps.Missing)], "a request")
 
 
 def test_submessages_of_several_participants_may_share_a_message():

@@ -14,7 +14,7 @@ import socket
 import struct
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 
@@ -193,8 +193,8 @@ class RtpsParticipant:
                 self._send(peer.discovery, prefix, *submessages)
             peer.awaited[writer] = 1
             self._send(peer.discovery, prefix, self._heartbeat(history))
-            self._count += 1  # a peer that was lost for a while would otherwise not send its endpoints again
-            self._send(peer.discovery, prefix, rtps.missing(READER_OF[writer], writer, 1, [], self._count, more=True))
+            # a peer that was lost for a while would otherwise not send its endpoints again
+            self._send(peer.discovery, prefix, self._acknowledgement(peer, READER_OF[writer], writer, [], more=True))
 
     # Samples
 
@@ -217,8 +217,7 @@ class RtpsParticipant:
                 track.skip_to(found.first)
                 wanted = track.missing(found.last)
                 if wanted or not found.is_final:
-                    self._count += 1
-                    answer = rtps.missing(reader, found.writer, track.base, wanted, self._count)
+                    answer = self._acknowledgement(peer, reader, found.writer, wanted)
                     self._send_to(prefix, peer, found.writer, answer)
 
     def _reader_for(self, peer: Peer, found: rtps.Gap | rtps.Heartbeat) -> bytes | None:
@@ -233,7 +232,7 @@ class RtpsParticipant:
         if not peer.tracks.setdefault(found.writer, Track()).add(found.number):
             return
         if found.writer in READER_OF:
-            self._learn(peer, found)
+            self._learn(prefix, peer, found)
         elif not found.payload:
             return
         elif server is not None and peer.vendor == CYCLONE_DDS:
@@ -249,8 +248,12 @@ class RtpsParticipant:
             identity = client + struct.pack("<iI", found.number >> 32, found.number & 0xFFFF_FFFF)
             server.receive(Call(found.payload, partial(self._respond, prefix, server.history, identity)))
 
-    def _learn(self, peer: Peer, found: rtps.Data) -> None:
-        """Register an endpoint that a participant has announced, if it writes requests or reads responses."""
+    def _learn(self, prefix: bytes, peer: Peer, found: rtps.Data) -> None:
+        """Register an endpoint that a participant has announced, if it writes requests or reads responses.
+
+        Fast DDS would send a request that came before its writer's announcement again after 3 s, if it were not asked,
+        and let a new reader acknowledge a heartbeat after 70 ms.
+        """
         order = _order_of(found.payload)
         known = dict(rtps.read_parameters(found.payload[4:], order)[0]) if found.payload else {}
         entity = known.get(rtps.ENDPOINT_GUID, found.qos.get(rtps.KEY_HASH, bytes(16)))[12:]
@@ -258,11 +261,14 @@ class RtpsParticipant:
         if rtps.STATUS_INFO in found.qos:  # it has been deleted
             peer.remove_reader(entity)
         elif found.writer == PUBLICATIONS and topic in self._servers and len(peer.clients) < CLIENTS_MAX:
-            peer.clients[entity] = self._servers[topic]
+            server = peer.clients[entity] = self._servers[topic]
+            first = peer.tracks.setdefault(entity, Track()).base
+            self._send(peer.address, prefix, self._acknowledgement(peer, server.reader, entity, [first]))
         elif found.writer == SUBSCRIPTIONS and topic in self._responses:
             kind = known.get(RELIABILITY, b"")[:4]
             if int.from_bytes(kind, "little" if order == "<" else "big") == RELIABLE:
                 peer.add_reader(entity, self._responses[topic])
+                self._send(peer.address, prefix, self._heartbeat(self._histories[self._responses[topic]]))
 
     def _respond(self, prefix: bytes, history: History, identity: bytes, response: memoryview) -> bool:
         """Send a response as soon as the client can receive it. Called on a service's thread."""
@@ -307,6 +313,13 @@ class RtpsParticipant:
     def _heartbeat(self, history: History) -> bytes:
         self._count += 1
         return history.heartbeat(self._count)
+
+    def _acknowledgement(
+        self, peer: Peer, reader: bytes, writer: bytes, wanted: Sequence[int], more: bool = False
+    ) -> bytes:
+        self._count += 1
+        base = peer.tracks.setdefault(writer, Track()).base
+        return rtps.missing(reader, writer, base, wanted, self._count, more)
 
     def _send_to(self, prefix: bytes, peer: Peer, writer: bytes, submessage: bytes) -> None:
         self._send(peer.discovery if writer in READER_OF else peer.address, prefix, submessage)

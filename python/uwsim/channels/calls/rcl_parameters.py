@@ -129,7 +129,16 @@ def _described(name: str, one: Parameter | None) -> Request:
 
 
 def _set(live: LiveSimulator, request: Request) -> Request:
-    return {"results": [_changed(live, [one]) for one in request["parameters"]]}
+    return {"results": _each_changed(live, request["parameters"])}
+
+
+def _each_changed(live: LiveSimulator, parameters: Sequence[Any]) -> list[Request]:
+    """Set each parameter that is valid, in few commands, since each of them checks the whole scenario."""
+    result = _changed(live, parameters)
+    if result["successful"] or len(parameters) == 1:
+        return [result] * len(parameters)
+    half = len(parameters) // 2
+    return [*_each_changed(live, parameters[:half]), *_each_changed(live, parameters[half:])]
 
 
 def _set_all(live: LiveSimulator, request: Request) -> Request:
@@ -137,20 +146,30 @@ def _set_all(live: LiveSimulator, request: Request) -> Request:
 
 
 def _changed(live: LiveSimulator, parameters: Sequence[Any]) -> Request:
-    """Set all parameters (messages of type rcl_interfaces/Parameter) or none; return a SetParametersResult."""
+    """Set all parameters (messages of type rcl_interfaces/Parameter) or none; return a SetParametersResult.
+
+    A parameter that has its new value already is left alone, since some values can be read but not set: those that
+    follow from others.
+    """
     try:
-        changes = {one.name: _wanted(live, one) for one in parameters}
-        live.command("set_parameters", changes=changes).result()
+        known = _known(live, [one.name for one in parameters])
+        wanted = [_wanted(one, now) for one, now in zip(parameters, known, strict=True)]
+        changes = {
+            one.name: value
+            for one, now, value in zip(parameters, known, wanted, strict=True)
+            if now is None or (type_of(now.value), now.value) != (one.value.type, value)
+        }
+        if changes:
+            live.command("set_parameters", changes=changes).result()
     except ValueError as error:
         return {"successful": False, "reason": str(error)}
     return {"successful": True, "reason": ""}
 
 
-def _wanted(live: LiveSimulator, one: Any) -> Any:
+def _wanted(one: Any, known: Parameter | None) -> Any:
     if one.value.type == NOT_SET:
         return None
     value = value_of(one.value)
-    known = _known(live, [one.name])[0]
     if isinstance(value, str) and known is not None and known.type in ("list", "structure"):
         return json_value(value, one.name)
     return value
