@@ -1,7 +1,7 @@
-"""Print the requirements of pyproject.toml, one per line: `python tools/requirements.py build|run|dev`.
+"""Print the requirements of pyproject.toml, one per line: `python tools/requirements.py build|run|dev|jazzy`.
 
 build: requirements for building. run: also those for running, with the extra `standard`. dev: also all extras and the
-group `dev`.
+group `dev`. jazzy: only the group of that name, which has an environment of its own.
 """
 
 import re
@@ -13,10 +13,13 @@ from pathlib import Path
 def requirements(mode: str) -> list[str]:
     """Return the lines, with uwsim's own extras resolved."""
     config = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
+    groups = config["dependency-groups"]
+    if mode == "jazzy":
+        return list(groups[mode])
     wanted = dict.fromkeys(config["build-system"]["requires"])
     if mode != "build":
         wanted |= dict.fromkeys(config["project"]["dependencies"])
-    lines = {"build": [], "run": ["uwsim[standard]"], "dev": config["dependency-groups"]["dev"]}[mode]
+    lines = {"build": [], "run": ["uwsim[standard]"], "dev": groups["dev"]}[mode]
     while lines:
         line, *lines = lines
         if own := re.fullmatch(r"uwsim\[(.*)\]", line):
