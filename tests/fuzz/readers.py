@@ -377,6 +377,7 @@ READERS = {
     "mapping": Reader(text_readers.mapping, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     "motion_csv": Reader(text_readers.motion_log(".csv"), ("csv",), has_end=_without_end),
     "motion_mcap": Reader(text_readers.motion_log(".mcap"), ("mcap", "rosbags"), has_end=_without_end),
+    "thruster_csv": Reader(text_readers.thruster_sheet, ("csv",), has_end=_without_end),
     "profile": Reader(_profile, ("csv",), has_end=_without_end),
     "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),
     "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),

@@ -52,6 +52,9 @@ DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/CO
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
 PROFILE = b"# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
+SHEET = (
+    b"# ours\nvoltage_v,command,thrust_n,current_a,rpm\n10,-1,-5,1,900\n10,1,5,1,900\n16,-1,-9,2,1200\n16,1,9,2,1200\n"
+)
 MAPPING = b"""time_s: t
 position_m: [x, y, z]
 orientation_xyzw: [a, b, c, d]
@@ -362,6 +365,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "mapping": lambda: [MAPPING],
     "motion_csv": _motion_log,
     "motion_mcap": _motion_recording,
+    "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],
     "track_csv": lambda: [TRACK],
     "track_npz": _track_npz,

@@ -1,4 +1,4 @@
-"""Readers of JSON, and of the files of `uwsim identify` and `uwsim exercise`."""
+"""Readers of JSON, of thrusters' sheets, and of the files of `uwsim identify` and `uwsim exercise`."""
 
 from __future__ import annotations
 
@@ -18,6 +18,13 @@ def json_text(data: bytes, _: Path) -> str:
     for each in value if isinstance(value, list) else value.values() if isinstance(value, dict) else [value]:
         assert not is_number(each) or float(each) == each or abs(each) > 2**53
     return repr(value)
+
+
+def thruster_sheet(data: bytes, folder: Path) -> str:
+    """Read a thruster's performance by voltage."""
+    from uwsim.scenario.read.thruster_sheets import read_sheet_rows
+
+    return repr(read_sheet_rows(_written(folder / "sheet.csv", data)))
 
 
 def mapping(data: bytes, folder: Path) -> str:

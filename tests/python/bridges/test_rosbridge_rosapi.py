@@ -53,6 +53,7 @@ def test_rosapi_knows_the_graph(ask, graph):
         assert ask("service_providers", service=service) == {"providers": ["/s"]}
     assert {"std_msgs/String", "demo/Go", "rosapi/Topics"} <= set(ask("interfaces")["interfaces"])
     assert ask("get_ros_version") == {"version": 1, "distro": "noetic"}
+    assert ask("service_type", service="/rosapi/get_ros_version") == {"type": "rosapi/GetROSVersion"}
     assert ask("get_time") == {"time": {"secs": 12, "nsecs": 34}}
     assert "string data" in ask("topics_and_raw_types")["typedefs_full_text"][0]
 

@@ -26,6 +26,7 @@ MOST_TEXT = 1 << 20
 """The maximum total length of the definitions in one answer."""
 DISTROS: dict[Ros, str] = {1: "noetic", 2: "jazzy"}
 """The distribution whose types and spelling are used, by the generation of ROS."""
+IRREGULAR = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
 STANDARD = {  # std_srvs, used by the simulator's services
     "std_srvs/Empty": ("", ""),
     "std_srvs/SetBool": ("bool data\n", "bool success\nstring message\n"),
@@ -49,7 +50,7 @@ def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callab
 
 def _type_of(name: str) -> str:
     """Return a service's type, such as "rosapi/TopicType" for topic_type."""
-    return "rosapi/GetActionServers" if name == "action_servers" else f"rosapi/{name.title().replace('_', '')}"
+    return f"rosapi/{IRREGULAR.get(name) or name.title().replace('_', '')}"
 
 
 def _handler(name: str, query: Query) -> Handler:
