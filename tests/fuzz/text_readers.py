@@ -49,6 +49,7 @@ def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
         }
         chosen = Mapping.model_validate(columns) if suffix == ".csv" else None
         log = read_log(_written(folder / f"log{suffix}", data), chosen)
+        assert np.allclose(np.linalg.norm(log.orientation_xyzw, axis=1), 1.0)
         assert np.isfinite(log.times_s).all() and len(parts_of(log, 29, 60.0, None)) <= len(log.times_s)
         return [log.times_s.tobytes(), log.position_m.tobytes(), log.effort_times_s.tobytes(), log.efforts.tobytes()]
 

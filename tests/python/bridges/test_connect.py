@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 import time
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from client_socket import connect as websocket
 from client_socket import receive, send
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
+from uwsim.bridges.nodes.websocket import checked_url
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel
 from uwsim.channels.ros.messages import default_message
@@ -95,6 +97,42 @@ def test_messages_that_a_server_finds_too_large_are_left_out_and_said_once(caplo
             receive(peer, op="publish", topic="/small")
     assert caplog.text.count("topic 'large': messages of") == 1
     assert caplog.text.count("topic 'huge': messages of") == 1
+
+
+def test_a_server_that_redirects_to_no_address_is_reported_and_tried_again():
+    asked = []
+
+    class Redirect(BaseHTTPRequestHandler):
+        protocol_version = "HTTP/1.1"
+
+        def do_GET(self):
+            asked.append(self.path)
+            self.send_response(301)
+            self.send_header("Location", "ws://127.0.0.1:99999/")
+            self.send_header("Content-Length", "0")
+            self.send_header("Connection", "close")
+            self.end_headers()
+
+        def log_message(self, *args):
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Redirect) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        try:
+            with RosbridgeClient(LiveSimulator("pool"), f"ws://127.0.0.1:{server.server_port}", channels=[]) as client:
+                until(lambda: len(asked) > 1, "another attempt")
+                assert "Port out of range" in client.trouble
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@pytest.mark.parametrize("url", ["ws://", "ws://host:99999", "ws://[::1", f"ws://{70 * 'a'}:9090", "ws://host:x"])
+def test_an_address_that_no_server_can_have_is_refused_at_once(url):
+    with pytest.raises(ValueError, match="must have a host and a port"):
+        checked_url(url)
+    assert checked_url("wss://[::1]:9090/?token=a") == "wss://[::1]:9090/?token=a"
 
 
 @pytest.mark.parametrize(

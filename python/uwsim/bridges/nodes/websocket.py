@@ -14,7 +14,8 @@ from threading import Lock, Thread
 from typing import TypeVar
 
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, ConnectionClosedOK, InvalidHandshake
+from websockets.exceptions import ConnectionClosed, ConnectionClosedOK, InvalidHandshake, InvalidURI
+from websockets.uri import parse_uri
 
 CONNECT_S = 10.0
 CLOSE_S = 1.0
@@ -29,6 +30,10 @@ def checked_url(url: str) -> str:
     """Return the URL of a WebSocket server. Raises ValueError for any other URL."""
     if not url.startswith(("ws://", "wss://")):
         raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
+    try:
+        parse_uri(url).host.encode("idna")
+    except (InvalidURI, ValueError) as error:  # ValueError: a port beyond 65535, a name that no host can have
+        raise ValueError(f"url = '{url}': must have a host and a port, as ws://host:9090 ({error})") from None
     return url
 
 

@@ -132,7 +132,7 @@ class RosbridgeClient(Bridge):
                     await self._converse(connection)
                 self.trouble = "the connection has ended"
                 self.log.warning("%s: the connection has ended", self.url)
-            except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI) as error:
+            except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI, ValueError) as error:
                 self.trouble = why_not_connected(error)
                 self.log.warning("%s: %s; next attempt in %g s", self.url, self.trouble, wait_s)
                 if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:

@@ -163,7 +163,7 @@ def own_mapping(messages: MessageLog, vehicle: str) -> Mapping:
 def _checked(path: Path, log: MotionLog) -> MotionLog:
     """Return the log without rows that lack an attitude. Raises ValueError."""
     norms = np.linalg.norm(log.orientation_xyzw, axis=1)
-    kept = norms > 0.5
+    kept = (norms > 0.5) & np.isfinite(norms)
     if kept.sum() < LEAST_ROWS:
         raise ValueError(f"{path}: {kept.sum()} rows with an attitude: at least {LEAST_ROWS} are needed")
     times_s = log.times_s[kept]
