@@ -1,5 +1,6 @@
 """`uwsim connect` from the shell: it waits for its server, joins it, and reconnects after an outage."""
 
+import logging
 import signal
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
 import pytest
+from websockets.sync.server import serve
 
 from client_socket import connect as websocket
 from client_socket import receive, send
@@ -126,6 +128,22 @@ def test_a_server_that_redirects_to_no_address_is_reported_and_tried_again():
         finally:
             server.shutdown()
             thread.join()
+
+
+def test_a_server_that_ends_each_connection_is_asked_less_and_less_often(monkeypatch, caplog):
+    caplog.set_level(logging.INFO, "uwsim.rosbridge")
+    monkeypatch.setattr("uwsim.bridges.rosbridge.client.FIRST_WAIT_S", 0.01)
+    with serve(lambda connection: None, "127.0.0.1", 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            url = f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
+            with RosbridgeClient(LiveSimulator("pool"), url, channels=[]):
+                until(lambda: "next attempt in 0.08 s" in caplog.text)
+        finally:
+            server.shutdown()
+            thread.join()
+    assert ": connected" not in caplog.text
 
 
 @pytest.mark.parametrize("url", ["ws://", "ws://host:99999", "ws://[::1", f"ws://{70 * 'a'}:9090", "ws://host:x"])

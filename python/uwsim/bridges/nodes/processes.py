@@ -98,13 +98,13 @@ def _spin(node: Node, is_over: Callable[[], bool], rare: RareLog) -> None:
 
 
 def _reconnect(node: Node, is_over: Callable[[], bool], wait: Callable[[float], object]) -> None:
-    """Try to connect until it works or the end, waiting longer after each failure."""
+    """Try to connect until it works or the end, waiting before each attempt, longer after each failure."""
     wait_s = FIRST_WAIT_S
     while not is_over():
+        wait(wait_s)
         try:
             return node.reconnect()
         except (OSError, WebSocketException):
-            wait(wait_s)
             wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
     return None
 

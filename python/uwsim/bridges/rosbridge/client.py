@@ -121,22 +121,23 @@ class RosbridgeClient(Bridge):
         await asyncio.gather(keeping, return_exceptions=True)
 
     async def _keep_connected(self) -> None:
-        """Connect repeatedly, pausing longer after each failure."""
+        """Connect repeatedly, pausing longer after each failure; one that ends before the introduction is another."""
         wait_s = FIRST_WAIT_S
         while True:
+            before = self.connections
             try:
                 async with connect(
                     self.url, compression=None, max_size=self._limits.frame_bytes, close_timeout=1, open_timeout=5
                 ) as connection:
-                    wait_s = FIRST_WAIT_S
                     await self._converse(connection)
                 self.trouble = "the connection has ended"
-                self.log.warning("%s: the connection has ended", self.url)
             except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI, ValueError) as error:
                 self.trouble = why_not_connected(error)
-                self.log.warning("%s: %s; next attempt in %g s", self.url, self.trouble, wait_s)
                 if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
                     self._refused_bytes = self._largest_sent
+            if self.connections > before:
+                wait_s = FIRST_WAIT_S
+            self.log.warning("%s: %s; next attempt in %g s", self.url, self.trouble, wait_s)
             await asyncio.sleep(wait_s)
             wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
 
