@@ -124,6 +124,14 @@ def test_services_of_a_vehicle(live: LiveSimulator) -> None:
     assert ask(live, "rov/lights/front")["message"] == "data = None: must be given, as bool"
 
 
+@pytest.mark.parametrize("field", ["name", "vehicle", "live", "self", "by", "sim", "target", "tick"])
+def test_a_field_that_a_command_has_not_is_refused_whatever_its_name(live: LiveSimulator, field: str) -> None:
+    """Also the names of parameters of the functions that pass it on."""
+    for service in ("rov/release", "rov/set_wrench"):
+        answer = ask(live, service, **{field: "other"})
+        assert not answer["success"] and f"'{field}': " in answer["message"]
+
+
 def test_the_map_is_saved_where_the_simulator_runs_and_nowhere_else(
     live: LiveSimulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -75,6 +75,10 @@ def test_one_flies_and_the_other_watches_until_the_controls_are_handed_over(pool
         ):
             assert "Ada has the controls" in bob.call(call, **args)["message"], call
         assert ada.call("drive", vehicle="rov", surge=0.5)["success"]
+        for other in ([bob.id], {}, 5, "nobody"):
+            assert "is not a member" in ada.call("hand_over", to=other)["message"]
+        both = ada.call("command", name="undock", vehicle="rov", args={"vehicle": "rov"})
+        assert both["message"] == "args.vehicle: is given beside args"
         assert ada.call("hand_over", to=bob.id)["success"]
         station.present().live.read(lambda sim: None).result()
         assert not station.present().live.rov.effort.any()

@@ -127,14 +127,14 @@ class Steering:
         if self.shore is not self.helm:
             self.shore.clear(Reason.REPLACED)
 
-    def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
+    def ask(self, live: LiveSimulator, name: str, /, **arguments: Any) -> Future[Any]:
         """Issue a command that does not steer. The command is silently lost if a fault has cut the vehicle's link."""
         return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
 
     def _is_cut_off(self, live: LiveSimulator) -> bool:
         return is_cut_off(live.simulator, self._source.name)
 
-    def _command(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
+    def _command(self, live: LiveSimulator, name: str, /, **arguments: Any) -> Future[Any]:
         future = live.command(name, vehicle=self._source.name, **arguments)
         future.add_done_callback(log_error)
         return future

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwsim.base.arguments import plain
 from uwsim.base.commands import COMMANDS, SET_BOOL, Command
+from uwsim.base.commands.command import VEHICLE
 from uwsim.channels.authority.steering import Steering, require_link
 from uwsim.channels.calls.request import Request, answered, answered_later, field
 from uwsim.channels.channel import Service
@@ -44,7 +45,9 @@ def _called(vehicle: str, command: Command, steering: Steering) -> Callable[[Liv
 
 
 def arguments_of(command: Command, request: Request) -> dict[str, Any]:
-    """Extract a command's arguments from a service request. Raises ValueError for a SetBool without `data`."""
+    """Extract a command's arguments from a service request. Raises ValueError, as for a SetBool without `data`."""
+    if VEHICLE.name in request:
+        raise ValueError(f"command '{command.name}': '{VEHICLE.name}': each vehicle has a service of its own")
     if command.service == SET_BOOL:
         return {command.arguments[0].name: field(request, "data", bool, None)}
     return dict(request)

@@ -57,9 +57,9 @@ class Lease:
     def hand_over(self, client: str, to: object) -> None:
         """Hand over the controls to a member, or release them if `to` is "". Raises ValueError."""
         self.require_pilot(client)
-        if to != "" and to not in self.members:
+        if not isinstance(to, str) or (to and to not in self.members):
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is not a member")
-        self._set_pilot(str(to))
+        self._set_pilot(to)
 
     def require_pilot(self, client: str) -> None:
         """Raise ValueError unless this connection has the controls."""

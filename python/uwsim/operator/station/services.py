@@ -130,6 +130,8 @@ class Services:
             raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(running.commands())}")
         live, text = running.far, ""
         given = {str(key): value for key, value in arguments.items()}
+        if vehicle and "vehicle" in given:
+            raise ValueError("args.vehicle: is given beside args")
         if COMMANDS[name].crosses_link:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
             text = _sent(running)
