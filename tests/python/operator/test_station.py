@@ -77,6 +77,11 @@ def test_one_flies_and_the_other_watches_until_the_controls_are_handed_over(pool
         assert ada.call("drive", vehicle="rov", surge=0.5)["success"]
         for other in ([bob.id], {}, 5, "nobody"):
             assert "is not a member" in ada.call("hand_over", to=other)["message"]
+        for call, args in (
+            ("plan", {"action": "fly", "points_m": [[1, 0, -2]]}),
+            ("notes", {"action": "add", "text": "a", "category": "leak"}),
+        ):
+            assert "vehicle = ['rov']: must be one of rov" in ada.call(call, vehicle=["rov"], **args)["message"]
         both = ada.call("command", name="undock", vehicle="rov", args={"vehicle": "rov"})
         assert both["message"] == "args.vehicle: is given beside args"
         assert ada.call("hand_over", to=bob.id)["success"]

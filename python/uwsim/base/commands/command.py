@@ -171,5 +171,5 @@ class Command:
 def item(items: Mapping[str, Any], name: Any, what: str) -> Any:
     """Look up an item by name. Raises ValueError, listing the known names."""
     if not isinstance(name, str) or name not in items:
-        raise ValueError(f"{what} = {name!r}: must be one of {', '.join(items)}")
+        raise ValueError(f"{what} = {name!r:.60}: must be one of {', '.join(items)}")
     return items[name]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.commands import COMMENT, NOTE, require_note
+from uwsim.base.commands.command import item
 from uwsim.base.quaternions import matrix, product
 from uwsim.channels.guest import Values
 from uwsim.instruments.cameras.image_file import encode_png
@@ -181,8 +182,7 @@ class Inspection:
 
     def _vehicle(self, request: Values) -> str:
         name = request.get("vehicle")
-        if name not in self._live.vehicles:
-            raise ValueError(f"vehicle = {str(name)[:40]!r}: must be one of {', '.join(self._live.vehicles)}")
+        item(self._live.vehicles, name, "vehicle")
         return str(name)
 
 

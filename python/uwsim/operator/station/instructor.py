@@ -141,7 +141,7 @@ def _truth(sim: Any) -> Values:
 
 def _command(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
     name, given = arguments.get("name"), arguments.get("args") or {}
-    if name not in EVENT_COMMANDS or not isinstance(given, dict):
+    if not isinstance(name, str) or name not in EVENT_COMMANDS or not isinstance(given, dict):
         raise ValueError(f"name = {str(name)[:40]!r}: must be one of {', '.join(EVENT_COMMANDS)}")
     running.live.command(name, **{str(key): value for key, value in given.items()}).result(TIMEOUT_S)
     return str(name).replace("_", " ")

@@ -10,6 +10,7 @@ from typing import Any
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS, HOLDS
+from uwsim.base.commands.command import item
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.guest import GuestService, Values
 from uwsim.operator.station.calls import CALLS
@@ -164,8 +165,7 @@ class Services:
         if running.judged is not None:
             running.judged.require_begun("plan")
         name = request.get("vehicle")
-        if name not in running.live.vehicles:
-            raise ValueError(f"vehicle = {str(name)[:40]!r}: must be one of {', '.join(running.live.vehicles)}")
+        item(running.live.vehicles, name, "vehicle")
         if running.carrier is not None:
             raise ValueError("a plan cannot be flown over a link: its control loop runs at the station")
         if running.plan is not None and running.plan.is_on:
