@@ -15,6 +15,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import require_own
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
@@ -82,9 +84,11 @@ def _command(path: Path) -> Callable[..., None]:
     options = {name: each.annotation for name, each in inspect.signature(main, eval_str=True).parameters.items()}
 
     def run(json_file: Path | None, **given: Any) -> None:
+        if json_file is not None:
+            require_own(json_file)  # now, since a benchmark takes minutes
         figures = main(**given)
         if json_file is not None:
-            json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+            write_atomically(json_file, (json.dumps(figures, indent=2) + "\n").encode())
 
     run.__doc__ = main.__doc__
     defaults = {name: each.default for name, each in inspect.signature(main).parameters.items()}

@@ -145,6 +145,10 @@ def test_a_benchmarks_own_options_are_listed() -> None:
 
 def test_the_survey_benchmark_prints_where_the_time_goes(tmp_path: Path) -> None:
     results = tmp_path / "results.json"
+    results.write_text("of another program")
+    refused = uwsim("bench", "survey", "pool", "--json", str(results))
+    assert "uwsim did not write it" in error_line(refused) and results.read_text() == "of another program"
+    results.unlink()
     result = uwsim("bench", "survey", "pool", "--runs", "1", "--mission-time", "3", "--json", str(results))
     assert result.returncode == 0, result.stderr
     for stage in ("physics", "rays", "codec", "conversion", "map"):

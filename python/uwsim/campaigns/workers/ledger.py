@@ -82,7 +82,7 @@ class Ledger:
             plan, *results = [json_value(line, f"line {k}") for k, line in enumerate(lines, start=1)]
             self.results = {int(result["job"]): result for result in results}
             return dict(plan["plan"])
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, OverflowError):
             raise ValueError(f"'{self.path}': is damaged") from None
 
     def add(self, job: int, result: Mapping[str, Any]) -> None:
