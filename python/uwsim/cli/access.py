@@ -58,7 +58,9 @@ class Access(Tokens):
 def secret(option: str, value: str | None, file: Path | None, variable: str) -> str | None:
     """Return a token: an option's value, the content of `option`-file or an environment variable. Raises ValueError."""
     if file is None:
-        return value if value is not None else os.environ.get(variable) or None
+        if value is None and (value := os.environ.get(variable)) == "":  # as from a missing file: it would be open
+            raise ValueError(f"{variable} is empty: give it a value, or unset it")
+        return value
     if value is not None:
         raise ValueError(f"{option}: cannot be given with {option}-file")
     try:

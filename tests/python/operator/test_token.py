@@ -68,6 +68,11 @@ def test_a_token_comes_from_the_option_the_file_or_the_environment(
     assert Access(token="by-option").settings("127.0.0.1")["token"] == "by-option"
     with pytest.raises(ValueError, match="--token: cannot be given with --token-file"):
         secret("--token", "by-option", file, "UWSIM_TOKEN")
+    monkeypatch.setenv("UWSIM_TOKEN", "")
+    with pytest.raises(ValueError, match="UWSIM_TOKEN is empty"):
+        secret("--token", None, None, "UWSIM_TOKEN")
+    monkeypatch.delenv("UWSIM_TOKEN")
+    assert secret("--token", None, None, "UWSIM_TOKEN") is None
     file.write_text("\n")
     with pytest.raises(ValueError, match="is empty"):
         secret("--token", None, file, "UWSIM_TOKEN")
