@@ -75,7 +75,7 @@ def test_one_flies_and_the_other_watches_until_the_controls_are_handed_over(pool
         ):
             assert "Ada has the controls" in bob.call(call, **args)["message"], call
         assert ada.call("drive", vehicle="rov", surge=0.5)["success"]
-        for other in ([bob.id], {}, 5, "nobody"):
+        for other in ([bob.id], {}, 5, "absent"):
             assert "is not a member" in ada.call("hand_over", to=other)["message"]
         for call, args in (
             ("plan", {"action": "fly", "points_m": [[1, 0, -2]]}),

@@ -6,8 +6,8 @@ RiverPro along x, y and z from the noise of its beams, and the scatter of the Wo
 Doppler velocity (DVL). Snapir, an ECA A18D with an RDI Workhorse Navigator, 13 runs off Haifa, 2022-06-08 (A-KIT data,
 ansfl/A-KIT): robust standard deviations of 5 to 6 mm/s along x and y and 2 to 3 mm/s along z against the post-processed
 inertial solution, in quiet runs at 1.6 to 2.1 m/s. RiverPro 1200 kHz, four beams at 20 degrees (MHKiT's example data):
-the file's error velocity gives the noise of a beam, and from it the expected scatter of the simulated instrument in x
-and y (0.05 m/s) and z (0.018 m/s).
+the file's error velocity gives the noise of a beam; the same pings scatter by 0.05 m/s along x and y, and 0.018 m/s
+along z (robust, from second differences).
 
 Echosounder. Ping1D on a BlueROV2, 80,000 pings from 0.7 to 8 m (Seattle Aquarium, CCR_ROV_survey_methods): noise 1.2 mm
 below 2 m and 2.4 mm above; 15 pings per second; no echo found in 6 to 13 % of the pings.
