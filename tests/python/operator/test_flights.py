@@ -103,7 +103,9 @@ def test_only_the_newest_within_the_bounds_are_kept(unasked: Path, tmp_path: Pat
     assert Bounds.of("7,30") == Bounds(7, 30_000_000)
 
 
-def test_only_recordings_that_the_station_made_unasked_are_deleted(flown: Path, unasked: Path, tmp_path: Path, caplog):
+def test_only_recordings_that_the_station_made_unasked_are_deleted(
+    flown: Path, unasked: Path, tmp_path: Path, caplog, monkeypatch
+):
     for k in range(20):
         (tmp_path / f"2019-my-lake-{k:02d}.mcap").write_bytes(b"from another program")
         shutil.copy(flown, tmp_path / f"20190101-0000{k:02d}-pool.mcap")  # ours, but made with a Recorder
@@ -118,6 +120,7 @@ def test_only_recordings_that_the_station_made_unasked_are_deleted(flown: Path, 
     assert len(left) == len(foreign) + 3  # the others count towards no bound
     assert len(caplog.records) == 3 and "1-cut.mcap is deleted: at most 3 flights" in caplog.records[0].getMessage()
     found.bounds = Bounds(0)
+    monkeypatch.setattr(Flights, "_paths", lambda self: [tmp_path / "deleted-meanwhile.mcap", *sorted(left)])
     found.make_room()
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == foreign
 

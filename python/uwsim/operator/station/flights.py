@@ -104,7 +104,10 @@ class Flights:
         with self._lock:
             begun, sizes = {}, {}
             for path in self._paths():
-                stat = path.stat()
+                try:
+                    stat = path.stat()
+                except FileNotFoundError:  # another program has deleted it meanwhile
+                    continue
                 if path == self.growing:
                     sizes[path] = stat.st_size
                 elif (start := _recorded_unasked(path, stat.st_size, stat.st_mtime_ns)) is not None:

@@ -161,9 +161,9 @@ class Judged:
 
     def _write(self, course: Course) -> None:
         """Write a sheet on a thread of its own."""
-        self._writing = [each for each in self._writing if each.is_alive()]
-        self._writing.append(threading.Thread(target=self._write_now, args=(course,), name="uwsim-sheet", daemon=True))
-        self._writing[-1].start()
+        writing = threading.Thread(target=self._write_now, args=(course,), name="uwsim-sheet", daemon=True)
+        writing.start()  # before `close`, on another thread, may join it
+        self._writing = [*(each for each in self._writing if each.is_alive()), writing]
 
     def _write_now(self, course: Course) -> None:
         try:
