@@ -204,13 +204,13 @@ class _Tap:
     def _read(self, sim: Simulator) -> Reading | None:
         is_first, self._is_first = self._is_first, False
         shared = None if is_first else self._fresh.get(self._channel.name)
-        if shared is not None and shared.tick == sim.tick:
-            return shared
-        message = self._channel.read(sim)
+        if shared is not None and shared.tick != sim.tick:
+            shared = None
+        message = self._channel.read(sim) if shared is None else shared.message
         if message is None or (self._channel.delivery.is_sampled and message is self._sent and not is_first):
             return None
         self._sent = message
-        return Reading(self._channel, message, sim.time_ns, sim.tick)
+        return shared or Reading(self._channel, message, sim.time_ns, sim.tick)
 
     def _publish(self, reading: Reading | None) -> None:
         if reading is None:
