@@ -171,6 +171,17 @@ def test_a_broken_log_or_mapping_is_refused_with_its_file_line_and_rule(
     assert "\n" not in str(refused.value) and len(str(refused.value)) < 400
 
 
+def test_rows_without_an_attitude_are_left_out(tmp_path: Path) -> None:
+    text = "\n".join(["t,px,py,pz,qx,qy,qz,qw,e0", *ROWS, ""])
+    for row, quaternion in (("0.5", "0,0,0,0"), ("1.5", "0,0,0,"), ("2.5", "0,0,0,1e200")):
+        text = text.replace(f"\n{row},0,0,-9,0,0,0,1,", f"\n{row},0,0,-9,{quaternion},")
+    (tmp_path / "log.csv").write_text(text)
+    (tmp_path / "map.yaml").write_text(MAP)
+    log = read_log(tmp_path / "log.csv", read_mapping(tmp_path / "map.yaml"))
+    assert set(log.times_s) == {k / 10 for k in range(30)} - {0.5, 1.5, 2.5}
+    np.testing.assert_array_equal(np.linalg.norm(log.orientation_xyzw, axis=1), 1.0)
+
+
 def test_a_log_with_a_gap_is_simulated_where_it_has_rows(model: VehicleModel, tmp_path: Path) -> None:
     rows = [*ROWS, *(f"{3000 + 0.1 * k:.1f},5,0,-9,0,0,0,1,0.3" for k in range(30))]
     (tmp_path / "log.csv").write_text("\n".join(["t,px,py,pz,qx,qy,qz,qw,e0", *rows, ""]))
