@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from uwsim.channels.families.diagnostics import diagnostics_channel
 from uwsim.channels.families.frames import Tf, clock_channel
@@ -24,11 +25,13 @@ def served_table(
     truth: bool = True,
     tf: Tf = "truth",
     frame_prefix: str = "",
+    **options: Any,
 ) -> Table:
     """Return the table of channels, plus /diagnostics and, because clients use simulated time, /clock.
 
     wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping pace is more
-    important. Steps that a client requests while the simulator is paused do wait. Raises ValueError.
+    important. Steps that a client requests while the simulator is paused do wait. options: more of Table's. Raises
+    ValueError.
     """
 
     def may_wait() -> bool:
@@ -38,7 +41,14 @@ def served_table(
     wire = scenario.wire if wire is None else wire
     origin = default_origin(scenario) if origin is None else origin
     table = Table(
-        live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth, tf=tf, frame_prefix=frame_prefix
+        live.simulator,
+        wire=wire,
+        origin=origin,
+        may_wait=may_wait,
+        truth=truth,
+        tf=tf,
+        frame_prefix=frame_prefix,
+        **options,
     )
     table.channels.insert(
         0, clock_channel() if wire == "published" else diagnostics_channel(live, lambda: table.channels)

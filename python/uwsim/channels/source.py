@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.simulator import Simulator
@@ -33,6 +34,16 @@ class Source:
     def name(self) -> str:
         """The vehicle's name."""
         return self.entry.name
+
+    @classmethod
+    def all_of(cls, scenario: Scenario, origin_m: Vector, frame_prefix: str = "") -> list[Source]:
+        """Return the sources of a scenario's vehicles."""
+        alone = len(scenario.vehicles) == 1
+        prefixes = ["" if alone else f"{entry.name}/" for entry in scenario.vehicles]
+        return [
+            cls(entry, prefix, origin_m, frame_prefix + prefix)
+            for entry, prefix in zip(scenario.vehicles, prefixes, strict=True)
+        ]
 
     def of(self, sim: Simulator) -> Vehicle:
         """Return the simulated vehicle."""

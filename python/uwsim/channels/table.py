@@ -19,6 +19,7 @@ from uwsim.channels.delivery.pictures import Pictures
 from uwsim.channels.families import frames
 from uwsim.channels.families.cameras import station_cameras, vehicle_cameras
 from uwsim.channels.families.commands import command_channels
+from uwsim.channels.families.description import description_channel
 from uwsim.channels.families.estimate import estimate_channels, has_estimate
 from uwsim.channels.families.frames import Tf
 from uwsim.channels.families.imaging import imaging_channels
@@ -29,6 +30,7 @@ from uwsim.channels.families.plain_link import plain_link_channels
 from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
 from uwsim.channels.families.scans import scan_channels
 from uwsim.channels.families.telemetry import telemetry_channel
+from uwsim.channels.families.twins import twin_channels
 from uwsim.channels.families.water_column import water_column_channels
 from uwsim.channels.source import Source
 from uwsim.simulator.helm import Helm
@@ -49,7 +51,8 @@ class Table:
     all frames except world, such as "auv/". may_wait: whether the steps may wait for pictures; if not, late pictures
     are skipped. truth: whether the true motion is published, on /telemetry, /ground_truth/odom, /odom, /tf and the
     paper's /propPos and /stateData. If it is not, /odom and /tf carry the estimate, and the true motion is omitted
-    elsewhere. Raises ValueError.
+    elsewhere. tf_rate_hz: the rate of /tf. joint_frames: whether /tf and /tf_static also have the frames that otherwise
+    only the URDF has. thruster_topics: whether each thruster also has a command topic of its own. Raises ValueError.
 
     published: the names of the topics of the paper's simulator. channels, services: the channels and services visible
     to clients. Links and recorders replace them with those that they carry or record.
@@ -65,16 +68,16 @@ class Table:
         truth: bool = True,
         tf: Tf = "truth",
         frame_prefix: str = "",
+        tf_rate_hz: float = frames.RATE_HZ,
+        joint_frames: bool = False,
+        thruster_topics: bool = False,
     ) -> None:
         self.truth = truth
+        self.tf_rate_hz, self.joint_frames = checked_rate(sim, tf_rate_hz), joint_frames
+        self._thruster_topics = thruster_topics
         self.frame_prefix = frame_prefix
         self.origin_m = checked_wire(wire, origin)
-        alone = len(sim.scenario.vehicles) == 1
-        prefixes = ["" if alone else f"{entry.name}/" for entry in sim.scenario.vehicles]
-        self.sources = [
-            Source(entry, prefix, self.origin_m, frame_prefix + prefix)
-            for entry, prefix in zip(sim.scenario.vehicles, prefixes, strict=True)
-        ]
+        self.sources = Source.all_of(sim.scenario, self.origin_m, frame_prefix)
         self.tf: Tf = tf if truth else _without_truth(tf, self.sources)
         check_tf(self.tf, self.sources)
         self.pictures = Pictures(may_wait)
@@ -122,7 +125,9 @@ class Table:
 
     def _standard(self, sim: Simulator) -> list[Channel]:
         """Return the usual ROS topics."""
-        found = frames.common_channels(self.sources, self.tf, self.frame_prefix)
+        found = frames.common_channels(
+            self.sources, self.tf, self.frame_prefix, rate_hz=self.tf_rate_hz, joint_frames=self.joint_frames
+        )
         found += station_cameras(sim, self.pictures, self.frame_prefix)
         for source in self.sources:
             found += self._vehicles(source, self._standard_of(source, sim))
@@ -145,6 +150,8 @@ class Table:
         found += vehicle_cameras(source, sim, self.pictures)
         found += imaging_channels(source, sim, self.pictures)
         found += command_channels(source, sim, self.steering[source.name])
+        found += twin_channels(source, sim, self.steering[source.name], per_thruster=self._thruster_topics)
+        found.append(description_channel(source))
         if source.name in self.pings:
             found += scan_channels(source, self.pings[source.name])
             found += water_column_channels(self.pings[source.name], sim)
@@ -205,6 +212,13 @@ def check_tf(tf: str, sources: Sequence[Source]) -> None:
     for source in sources:
         if tf == "odom" and not has_estimate(source):
             raise ValueError(f"tf = 'odom': vehicle '{source.name}' has no IMU, by which it could estimate its motion")
+
+
+def checked_rate(sim: Simulator, rate_hz: float) -> float:
+    """Return the rate of /tf. Raises ValueError unless it is positive and at most one per step."""
+    if not 0.0 < rate_hz <= (1.0 + 1e-9) / sim.step_s:
+        raise ValueError(f"tf_rate_hz = {rate_hz:g} Hz: must be in (0, {1.0 / sim.step_s:g}] Hz, one per step at most")
+    return rate_hz
 
 
 def checked_wire(wire: str, origin: str | Sequence[float]) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, Json, NonNegativeInt, ValidationError
 
 from uwsim.channels.delivery.pictures import Stream
-from uwsim.channels.families.frames import Tf
+from uwsim.channels.families.frames import RATE_HZ, Tf
 
 Metadata = TypeVar("Metadata", bound=BaseModel)
 
@@ -29,6 +29,8 @@ class Start(BaseModel):
     truth: Json[bool]
     tf: Tf = "truth"
     frame_prefix: str = ""
+    tf_rate_hz: Annotated[FiniteFloat, Field(gt=0.0)] = RATE_HZ
+    joint_frames: Json[bool] = False
     through_link: Json[bool] = False
     on_wall_clock: Json[bool]
     fingerprint: str

@@ -95,7 +95,15 @@ def replay(
 def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[Channel]]:
     """Return a table with the recording's options, and the channels that were available to the recorder."""
     start = recording.start
-    table = Table(sim, origin=start.origin, truth=start.truth, tf=start.tf, frame_prefix=start.frame_prefix)
+    table = Table(
+        sim,
+        origin=start.origin,
+        truth=start.truth,
+        tf=start.tf,
+        frame_prefix=start.frame_prefix,
+        tf_rate_hz=start.tf_rate_hz,
+        joint_frames=start.joint_frames,
+    )
     known = seen_channels(sim, table) if start.through_link else table.channels
     for key, stream in start.streams.items():
         table.pictures.set_stream(key, stream)

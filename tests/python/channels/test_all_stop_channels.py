@@ -28,9 +28,11 @@ def floats(*values: float) -> Any:
 
 AHEAD = build.pose((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 X, ZERO = build.vector((0.5, 0.0, 0.0)), build.vector((0.0, 0.0, 0.0))
+TWIST = build.message("geometry_msgs/msg/Twist", linear=X, angular=ZERO)
 HEARD: dict[str, Any] = {
     "thrusters/key": AHEAD, "fins/key": AHEAD, "forces/key": AHEAD,
-    **{f"{name}/cmd_vel": build.message("geometry_msgs/msg/Twist", linear=X, angular=ZERO) for name in DRIVES},
+    **{f"{name}/cmd_vel": TWIST for name in DRIVES},
+    **{f"{name}/cmd_vel_stamped": build.message("geometry_msgs/msg/TwistStamped", twist=TWIST) for name in DRIVES},
     **{f"{name}/cmd_wrench": build.message("geometry_msgs/msg/Wrench", force=X, torque=ZERO) for name in DRIVES},
     "thrusters/cmd_thrusters": floats(*[0.5] * 8), "fins/cmd_thrusters": floats(1.0),
     "fins/cmd_fins": floats(0.1, 0.1, 0.2, 0.2),

@@ -19,6 +19,9 @@ ABSENT, IDLE, PANEL, LINK = (
     "this scenario has no link",
 )
 REASONS = {
+    "AccelWithCovarianceStamped.accel.accel.angular.x": "not measured by an IMU",
+    "AccelWithCovarianceStamped.accel.accel.angular.y": "not measured by an IMU",
+    "AccelWithCovarianceStamped.accel.accel.angular.z": "not measured by an IMU",
     "BatteryState.cell_temperature": ABSENT, "BatteryState.cell_voltage": ABSENT, "BatteryState.location": ABSENT,
     "BatteryState.serial_number": ABSENT, "BatteryState.power_supply_health": "0 is unknown",
     "BatteryState.power_supply_status": "0 is unknown", "BatteryState.power_supply_technology": "0 is unknown",
@@ -26,6 +29,8 @@ REASONS = {
     "CameraInfo.binning_x": "0 is none", "CameraInfo.binning_y": "0 is none", "CameraInfo.roi.do_rectify": "whole",
     "CameraInfo.roi.height": "whole", "CameraInfo.roi.width": "whole", "CameraInfo.roi.x_offset": "whole",
     "CameraInfo.roi.y_offset": "whole",
+    "DVL.beams.nsd": "not modelled", "DVL.beams.rssi": "not modelled", "DVL.status": "0 is no error",
+    "DVL.form": "of a driver's JSON",
     "Dvl.dvl_type": "0 is piston", "Range.radiation_type": "0 is ultrasound",
     "Image.is_bigendian": "little-endian", "PointCloud2.is_bigendian": "little-endian",
     "ProjectedSonarImage.image.is_bigendian": "little-endian",
@@ -42,8 +47,6 @@ REASONS = {
     "PoseWithCovarianceStamped.pose.pose.orientation.x": "not measured by depth",
     "PoseWithCovarianceStamped.pose.pose.orientation.y": "not measured by depth",
     "PoseWithCovarianceStamped.pose.pose.orientation.z": "not measured by depth",
-    "PoseWithCovarianceStamped.pose.pose.position.x": "not measured by depth",
-    "PoseWithCovarianceStamped.pose.pose.position.y": "not measured by depth",
     "ProjectedSonarImage.beam_directions.x": "its fan is in the plane of y and z",
     "Range.field_of_view": "one ray", "Range.min_range": "from the sensor",
     "Telemetry.alarms": PANEL, "Telemetry.collision_warning": PANEL, "Telemetry.collisions": PANEL,

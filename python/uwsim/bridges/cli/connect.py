@@ -83,7 +83,12 @@ def connect(
 
             carrier = sinks.enter_context(Carrier(live, table))
             table.channels, table.services = carrier.channels, carrier.over(table.services)
-        sent = [each for each in table.channels if not each.delivery.on_request]  # the server reports no readers
+        # The server reports no readers: what is sent on request only, and not once, would always be sent.
+        sent = [
+            each
+            for each in table.channels
+            if each.direction == "in" or each.delivery.latched or not each.delivery.on_request
+        ]
         named = {
             "channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)
         }  # fmt: skip

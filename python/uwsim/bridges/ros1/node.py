@@ -14,6 +14,7 @@ from uwsim.bridges.ros1.services import offer_service
 from uwsim.channels import Channel, Service
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Job, Line, Outgoing, queue_of
+from uwsim.channels.families.description import descriptions
 from uwsim.channels.names import NODE, checked_namespace
 from uwsim.channels.ros.messages import to_bytes
 from uwsim.live import LiveSimulator
@@ -50,12 +51,15 @@ class Ros1Node(Bridge):
         self._rospy = rospy = load_rospy()
         self.master = require_master()
         super().__init__("ros1", live, channels, services, feed)
-        if namespace:  # which rospy otherwise reads from ROS_NAMESPACE, only when it is imported
+        if checked_namespace(namespace):  # which rospy otherwise reads from ROS_NAMESPACE, only when it is imported
             rospy.names._set_caller_id(f"/{checked_namespace(namespace)}/unnamed")
         # Otherwise rospy would replace our logging, and, if use_sim_time is set, wait for our clock.
         rospy.init_node(NODE, argv=[], disable_signals=True, disable_rostime=True)
         if CLOCK in self.outputs:
             rospy.set_param("/use_sim_time", True)
+        described = {} if live is None else descriptions(channels, live.simulator)
+        for name, text in described.items():  # RViz and robot_state_publisher read it as a parameter
+            rospy.set_param(f"/{name}", text)
         self._outgoing = Outgoing("uwsim-ros1")
         self._lines: dict[str, Line[Job]] = {
             name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()

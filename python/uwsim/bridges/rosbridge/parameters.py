@@ -24,17 +24,24 @@ class Parameters:
 
     Setting a simulator parameter, such as rov/drag/linear/surge, takes effect. Others are merely stored for clients.
     present: the initial content of the store, such as use_sim_time. live: returns the current simulator.
+    described: returns the vehicles' URDFs by name, which clients read unless they have stored others.
     """
 
-    def __init__(self, present: Mapping[str, str], live: Callable[[], LiveSimulator | None] = lambda: None) -> None:
+    def __init__(
+        self,
+        present: Mapping[str, str],
+        live: Callable[[], LiveSimulator | None] = lambda: None,
+        described: Callable[[], Mapping[str, str]] = dict,
+    ) -> None:
         self._values = dict(present)
         self._bytes = sum(_size(name, text) for name, text in present.items())
         self._live = live
+        self._described = described
 
     def names(self) -> list[str]:
         """Return all names, sorted."""
         own = self._simulators()
-        return sorted([*self._values, *(name.replace(".", "/") for name in own or ())])
+        return sorted([*{**self._described(), **self._values}, *(name.replace(".", "/") for name in own or ())])
 
     def _simulators(self) -> SimulatorParameters | None:
         live = self._live()
@@ -46,14 +53,17 @@ class Parameters:
 
     def has(self, name: str) -> bool:
         """Return whether a parameter has a value."""
-        return name in self._values or self._in_simulator(name)
+        return name in self._values or name in self._described() or self._in_simulator(name)
 
     def get_json(self, name: str, default: str = "null") -> str:
         """Return a parameter's value as JSON or, for a prefix of simulator names, an object of all values below it."""
         own = self._simulators()
         if own is not None and self._in_simulator(name):
             return json.dumps(own[name.replace("/", ".")])
-        return self._values.get(name, default)
+        if name in self._values:
+            return self._values[name]
+        described = self._described()
+        return json.dumps(described[name]) if name in described else default
 
     def set_json(self, name: str, text: Any) -> Future[Any] | None:
         """Set a parameter from JSON.

@@ -28,6 +28,7 @@ from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.bridges.rosbridge.tf_republisher import offer_tf
 from uwsim.channels import Channel, Service
 from uwsim.channels.delivery.feed import Readings
+from uwsim.channels.families.description import descriptions
 from uwsim.channels.guest import Guest
 from uwsim.channels.ros.message_types import ros1_typestore
 from uwsim.channels.ros.messages import Ros, typestore
@@ -157,7 +158,8 @@ class RosbridgeServer:
         self._desk = Desk(self._share, self._pool)
         self._join(loop)
         has_time = self._node is not None or bool(self._guests)
-        parameters = Parameters({"use_sim_time": "true"} if has_time else {}, lambda: self._live)
+        present = {"use_sim_time": "true"} if has_time else {}
+        parameters = Parameters(present, lambda: self._live, self._described)
         self.graph.time_ns = lambda: self._time_ns() if self._live is not None else time.time_ns()
         offer_rosapi(self.graph, parameters, self._ros, self._time_ns)
         republisher = offer_tf(self.graph, loop)
@@ -214,6 +216,9 @@ class RosbridgeServer:
             self._node = SimulatorNode(
                 self._live, self.channels, self.services, self._feed, self.graph, loop, self.actions
             )
+
+    def _described(self) -> dict[str, str]:
+        return {} if self._live is None else descriptions(self.channels, self._live.simulator)
 
     def _time_ns(self) -> int:
         return 0 if self._live is None else self._live.simulator.time_ns

@@ -22,7 +22,8 @@ from uwsim.simulator.simulator import Simulator
 
 CHECK_S = 0.05
 CONTROL_S = 0.05
-TOGETHER = ("cmd_thrusters", "cmd_fins")
+ONE_THRUSTER = "/command"
+TOGETHER = ("cmd_thrusters", "cmd_fins", ONE_THRUSTER)
 """Name endings of channels whose commands do not replace each other."""
 
 logger = logging.getLogger("uwsim.channels")
@@ -48,6 +49,7 @@ class Steering:
         self.shore = shore
         self._loop: Subscription | None = None
         self._checks: Subscription | None = None
+        self._loop_name = ""
         self._wanted = np.zeros(6)
         self.by_keys = False
 
@@ -164,15 +166,16 @@ class Steering:
         is_held = self._loop is not None and not self._loop.cancelled
         return is_held or bool(self.helm.name_of(Rank.FLIGHT))
 
-    def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
-        """Hold a velocity (6,) [m/s, rad/s] in body axes. Raises ValueError while others steer the vehicle."""
+    def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64], name: str = "cmd_vel") -> None:
+        """Hold a velocity (6,) [m/s, rad/s] in body axes, for a topic. Raises ValueError while others steer."""
         if self._is_cut_off(live):
             return
         with self.helm.lock:
-            self.helm.require_at_door("cmd_vel", Rank.CLIENT)
+            self.helm.require_at_door(name, Rank.CLIENT)
             self._wanted, self.by_keys = velocity_body, False
-            if self._loop is None or self._loop.cancelled:
-                self.helm.take(Rank.CLIENT, self._source.topic("cmd_vel"), self._end_loop)
+            if self._loop is None or self._loop.cancelled or self._loop_name != name:
+                self.helm.take(Rank.CLIENT, self._source.topic(name), self._end_loop)
+                self._loop_name = name
                 hold = VelocityHold(live.simulator.vehicles[self._source.name], CONTROL_S)
                 self._loop = live.every(CONTROL_S, lambda sim: hold, lambda hold: self._steer(live, hold))
 
@@ -190,7 +193,7 @@ class Steering:
 
 def _beside(name: str) -> tuple[str, ...]:
     """Return the endings of the channels whose commands stay in effect beside a command or a channel's."""
-    return TOGETHER if name.endswith(("thrusters", "fins")) else ()
+    return TOGETHER if name.endswith(("thrusters", "fins", ONE_THRUSTER)) else ()
 
 
 def _moves(arguments: Mapping[str, Any]) -> bool:

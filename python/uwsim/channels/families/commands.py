@@ -40,7 +40,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
     found = [
         inbound(
             "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next command",
-            lambda live, message: steering.hold_velocity(live, _six("cmd_vel", message.linear, message.angular)),
+            lambda live, message: steering.hold_velocity(live, six("cmd_vel", message.linear, message.angular)),
             idle=build.message("geometry_msgs/msg/Twist"), packing="twist",
         ),
         inbound(
@@ -78,7 +78,8 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
     return found
 
 
-def _six(topic: str, first: Any, second: Any, limit: float = SPEED_MAX) -> NDArray[np.float64]:
+def six(topic: str, first: Any, second: Any, limit: float = SPEED_MAX) -> NDArray[np.float64]:
+    """Return two vectors as (6,). Raises ValueError, with the topic's name, beyond the limit."""
     values = np.array([first.x, first.y, first.z, second.x, second.y, second.z], np.float64)
     if not np.isfinite(values).all() or np.abs(values).max() > limit:
         raise ValueError(f"{topic} = {values.tolist()}: must be finite and within {limit:g}")
@@ -86,7 +87,7 @@ def _six(topic: str, first: Any, second: Any, limit: float = SPEED_MAX) -> NDArr
 
 
 def _wrench(live: LiveSimulator, steering: Steering, message: Any) -> None:
-    wrench = _six("cmd_wrench", message.force, message.torque, limit=1e9)
+    wrench = six("cmd_wrench", message.force, message.torque, limit=1e9)
     steering.give(live, "set_wrench", force_body_n=wrench[:3], torque_body_nm=wrench[3:])
 
 

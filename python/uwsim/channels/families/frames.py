@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from uwsim.channels.channel import LATCHED, Channel, Delivery, OverLink
+from uwsim.channels.families.body_frames import SONAR_TILT, body_frames
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.instruments.cameras import Camera
@@ -30,18 +31,29 @@ def clock_channel() -> Channel:
     )  # fmt: skip
 
 
-def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "") -> list[Channel]:
-    """Return the channels that all vehicles share. prefix: the prefix of frames that do not belong to a vehicle."""
+def common_channels(
+    sources: Sequence[Source],
+    tf: Tf = "truth",
+    prefix: str = "",
+    *,
+    rate_hz: float = RATE_HZ,
+    joint_frames: bool = False,
+) -> list[Channel]:
+    """Return the channels that all vehicles share. prefix: the prefix of frames that do not belong to a vehicle.
+
+    rate_hz: the rate of /tf. joint_frames: whether the frames that only the URDF has are published, too, as
+    robot_state_publisher would: cameras' pan and tilt, thrusters, fins.
+    """
     return [
         clock_channel(),
         Channel(
             "tf", "tf2_msgs/msg/TFMessage", "out", "moving frames: vehicles, sonar heads, cameras that turn or follow",
-            rate_hz=RATE_HZ, delivery=Delivery(leads=True), over_link=OverLink(),
-            read=lambda sim: _moving(sources, tf, prefix, sim),
+            rate_hz=rate_hz, delivery=Delivery(leads=True), over_link=OverLink(),
+            read=lambda sim: _moving(sources, tf, prefix, joint_frames, sim),
         ),
         Channel(
             "tf_static", "tf2_msgs/msg/TFMessage", "out", "fixed frames: world -> map -> odom, sensors, cameras",
-            delivery=LATCHED, read=lambda sim: _fixed(sources, tf, prefix, sim),
+            delivery=LATCHED, read=lambda sim: _fixed(sources, tf, prefix, joint_frames, sim),
         ),
     ]  # fmt: skip
 
@@ -88,13 +100,18 @@ def _odometry(source: Source, sim: Simulator) -> Any:
     )
 
 
-def _joints(source: Source, sim: Simulator) -> Any:
+def _angles(source: Source, sim: Simulator) -> dict[str, float]:
+    """Return the angle [rad] of each joint by name."""
     vehicle = source.of(sim)
-    angles = {"sonar_tilt": -vehicle.sonar.elevation_rad} if source.has_sonar else {}
+    angles = {SONAR_TILT: -vehicle.sonar.elevation_rad} if source.has_sonar else {}
     for name, camera in vehicle.cameras.items():
         if camera.mount.pan_tilt is not None:
             angles |= dict(zip((f"{name}_pan", f"{name}_tilt"), camera.aim_rad, strict=True))
-    angles |= vehicle.fins
+    return angles | vehicle.fins
+
+
+def _joints(source: Source, sim: Simulator) -> Any:
+    angles = _angles(source, sim)
     return build.message(
         "sensor_msgs/msg/JointState",
         header=build.header(sim.time_ns, ""),
@@ -103,7 +120,7 @@ def _joints(source: Source, sim: Simulator) -> Any:
     )
 
 
-def _moving(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> Any:
+def _moving(sources: Sequence[Source], tf: Tf, prefix: str, joint_frames: bool, sim: Simulator) -> Any:
     transforms = []
     for source in sources:
         vehicle, frame = source.of(sim), source.frame
@@ -121,8 +138,10 @@ def _moving(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> A
         for name, camera in vehicle.cameras.items():
             if camera.mount.follows == "heading":
                 transforms.append(_following(sim, frame(f"{name}_optical"), camera))
-            elif camera.mount.pan_tilt is not None:
+            elif camera.mount.pan_tilt is not None and not joint_frames:
                 transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
+        if joint_frames:
+            transforms += _turning(source, sim)
     transforms += [
         _optical(sim, prefix + "station", prefix + name, camera)
         for name, camera in sim.cameras.items()
@@ -131,7 +150,20 @@ def _moving(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> A
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
 
 
-def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> Any:
+def _turning(source: Source, sim: Simulator) -> list[Any]:
+    """Return the transforms of the joints that are on /tf on request only."""
+    angles = _angles(source, sim)
+    return [
+        build.transform(
+            sim.time_ns, source.frame(one.parent), source.frame(one.name), one.position_m,
+            one.turned_xyzw(angles[one.joint.name]),
+        )
+        for one in body_frames(source.entry.model)
+        if one.joint is not None and one.is_described_only
+    ]  # fmt: skip
+
+
+def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, joint_frames: bool, sim: Simulator) -> Any:
     station = sim.scenario.station
     yaw_xyzw = build.mount_xyzw((station.yaw_deg, 0.0, 0.0))
     transforms = [build.transform(sim.time_ns, "world", prefix + "station", station.position_m, yaw_xyzw)]
@@ -148,19 +180,11 @@ def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> An
         transforms.append(build.transform(sim.time_ns, frame(parent), frame(child), (0.0, 0.0, 0.0)))
         if tf != "none":
             transforms.append(build.transform(sim.time_ns, prefix + "map", frame("odom"), (0.0, 0.0, 0.0)))
-        for name, sensor in source.entry.model.sensors.items():
-            turn = build.mount_xyzw(sensor.yaw_pitch_roll_deg)
-            if sensor.kind == "dvl":
-                turn = build.turned_xyzw(turn, build.DOWN_XYZW)
-            child = frame(f"{name}_link")
-            transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sensor.position_m, turn))
-        for name, sonar in source.entry.model.imaging_sonars.items():
-            turn = build.turned_xyzw(build.mount_xyzw(sonar.yaw_pitch_roll_deg), build.FAN_XYZW)
-            child = frame(f"{name}_link")
-            transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sonar.position_m, turn))
-        for name, camera in source.of(sim).cameras.items():
-            if camera.mount.follows == "body" and camera.mount.pan_tilt is None:
-                transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
+        transforms += [
+            build.transform(sim.time_ns, frame(one.parent), frame(one.name), one.position_m, one.orientation_xyzw)
+            for one in body_frames(source.entry.model)
+            if one.joint is None and (joint_frames or not one.is_described_only)
+        ]
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
 
 

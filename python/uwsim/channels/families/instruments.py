@@ -48,7 +48,7 @@ class FilterInput(NamedTuple):
     """A second message for one kind of sensor, of a type that filters accept as input.
 
     write(value, header, errors, origin_m): builds the message; origin_m is the world's origin in odom. frame: the
-    message's frame; "" means the sensor's frame.
+    message's frame; "" means the sensor's frame. even_invalid: as for Kind.
     """
 
     suffix: str
@@ -56,6 +56,7 @@ class FilterInput(NamedTuple):
     description: str
     write: Callable[[Any, Any, Errors, Any], Any]
     frame: str = ""
+    even_invalid: bool = False
 
 
 class Kind(NamedTuple):
@@ -91,7 +92,7 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
                 )
             )  # fmt: skip
         if sensor.kind in FILTER_INPUTS:
-            found.append(_filter_input(source, name, sensor.rate_hz or DEFAULT_HZ, FILTER_INPUTS[sensor.kind]))
+            found.append(filter_input(source, name, sensor.rate_hz or DEFAULT_HZ, FILTER_INPUTS[sensor.kind]))
     return found
 
 
@@ -109,13 +110,20 @@ def _kind(name: str) -> Kind | None:
     return Kind(type_, message)
 
 
-def _filter_input(source: Source, name: str, rate_hz: float, input_: FilterInput) -> Channel:
+def filter_input(
+    source: Source, name: str, rate_hz: float, input_: FilterInput, delivery: Delivery = SAMPLED
+) -> Channel:
     """Return the channel of a sensor's values in the form that filters such as robot_localization accept."""
     frame_id = source.frame(input_.frame or f"{name}_link")
-    kind = Kind(input_.type, lambda value, header, errors: input_.write(value, header, errors, source.origin_m))
+
+    def write(value: Any, header: Any, errors: Errors) -> Any:
+        return input_.write(value, header, errors, source.origin_m)
+
+    kind = Kind(input_.type, write, input_.even_invalid)
     return Channel(
         source.topic(f"{name}/{input_.suffix}"), input_.type, "out", input_.description, rate_hz=rate_hz,
-        frame_id=frame_id, over_link=OverLink(packing=""), delivery=SAMPLED, read=_reader(source, name, kind, frame_id),
+        frame_id=frame_id, over_link=OverLink(packing=""), delivery=delivery,
+        read=_reader(source, name, kind, frame_id),
     )  # fmt: skip
 
 
@@ -211,7 +219,7 @@ def _default(kind: str, parameter: str) -> float:
     return float(_core.sensor_kind(kind).parameters[parameter].by_default)
 
 
-def _dvl(value: Any, header: Any, errors: Errors) -> Any:
+def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
     """Return a marine_acoustic_msgs/Dvl in axes with x forward, y to starboard and z along the beams."""
     mount = errors.mount
     down = np.array([1.0, -1.0, -1.0])
@@ -288,7 +296,7 @@ def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
 
 
 def _dvl_twist(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
-    dvl = _dvl(value, header, errors)
+    dvl = dvl_message(value, header, errors)
     covariance = np.diag([UNOBSERVED] * 6)
     covariance[:3, :3] = dvl.velocity_covar.reshape(3, 3)
     if covariance[0, 0] < 0.0:
@@ -327,7 +335,7 @@ KINDS: dict[str, Kind] = {
     ),
     "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
     "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
-    "dvl": Kind("marine_acoustic_msgs/msg/Dvl", _dvl, even_invalid=True),
+    "dvl": Kind("marine_acoustic_msgs/msg/Dvl", dvl_message, even_invalid=True),
     "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
     "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),

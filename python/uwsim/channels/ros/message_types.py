@@ -50,6 +50,13 @@ ADDED = {
         "geometry_msgs/Vector3[4] beam_unit_vec\nfloat64[4] range\nfloat32[4] range_covar\nfloat32[4] beam_quality\n"
         "float32[4] beam_velocity\nfloat32[4] beam_velocity_covar\n"
     ),
+    # https://github.com/paagutie/dvl_msgs, of the driver of Water Linked's DVL A50
+    "dvl_msgs/msg/DVLBeam": ("int64 id\nfloat64 velocity\nfloat64 distance\nfloat64 rssi\nfloat64 nsd\nbool valid\n"),
+    "dvl_msgs/msg/DVL": (
+        "std_msgs/Header header\nfloat64 time\ngeometry_msgs/Vector3 velocity\nfloat64 fom\nfloat64[] covariance\n"
+        "float64 altitude\ndvl_msgs/DVLBeam[] beams\nbool velocity_valid\nint64 status\nint64 time_of_validity\n"
+        "int64 time_of_transmission\nstring form\n"
+    ),
     "marine_acoustic_msgs/msg/PingInfo": (
         "float32 frequency\nfloat32 sound_speed\nfloat32[] tx_beamwidths\nfloat32[] rx_beamwidths\n"
     ),

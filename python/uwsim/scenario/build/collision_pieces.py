@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.extras import explained
-from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.scale import size_text
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
@@ -31,10 +31,8 @@ percent."""
 def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
     """Return a vehicle's collision pieces in the body frame, scaled and placed like its mesh. Raises ScenarioError."""
     assert model.collision_pieces is not None
-    in_file, _ = load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up)
     in_body, _ = vehicle_hull(model)
-    factor = np.ptp(in_body[:, 0]) / np.ptp(in_file[:, 0])
-    shift = in_body.min(axis=0) - factor * in_file.min(axis=0)
+    factor, shift = hull_placement(model)
     pieces = [factor * piece + shift for piece in load_pieces(model.collision_pieces, scale=model.mesh_scale)]
     size_m, hull_m = np.ptp(np.concatenate(pieces), axis=0), np.ptp(in_body, axis=0)
     if not np.all((size_m <= MAX_STRETCH * hull_m) & (size_m * MAX_STRETCH >= hull_m)):

@@ -24,13 +24,10 @@ def craft(
     trim: the vehicle's trim; None keeps the published mass and balance. buoyancy_share: the result of
     compressibility.buoyancy_share; by default the hull is as compressible as the water around it. Raises ScenarioError.
     """
-    body = rigid_body(model, water_density_kg_m3)
-    weights = trim_weights(model, body, trim, water_density_kg_m3)
     parameters = _core.CraftParameters()
-    mass = mass_with_ballast(model, body, weights)
-    whole = "mass, trim and ballast"
-    require_plausible_density(model.name, mass[0], body.volume_m3, model.mesh_scale, whole)
-    parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass
+    parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass_properties(
+        model, water_density_kg_m3, trim
+    )
     parameters.added_mass = model.matrix("added_mass")
     parameters.linear_damping = model.matrix("linear_damping")
     parameters.quadratic_damping = model.matrix("quadratic_damping")
@@ -38,3 +35,16 @@ def craft(
     if buoyancy_share is not None:
         parameters.buoyancy_share, parameters.buoyancy_share_step_m = buoyancy_share.tolist(), STEP_M
     return _core.Craft(parameters, *vehicle_hull(model))
+
+
+def mass_properties(
+    model: VehicleModel, water_density_kg_m3: float, trim: Trim | None = None
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Return mass [kg], centre of mass (3,) [m] and inertia (3, 3) about it [kg m2] in body axes.
+
+    Trim and ballast are included. Raises ScenarioError.
+    """
+    body = rigid_body(model, water_density_kg_m3)
+    mass = mass_with_ballast(model, body, trim_weights(model, body, trim, water_density_kg_m3))
+    require_plausible_density(model.name, mass[0], body.volume_m3, model.mesh_scale, "mass, trim and ballast")
+    return mass

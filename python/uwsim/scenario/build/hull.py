@@ -65,6 +65,14 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
     return hull.vertices_m, hull.triangles
 
 
+def hull_placement(model: VehicleModel) -> tuple[float, NDArray[np.float64]]:
+    """Return the factor and the shift (3,) [m] that map the scaled mesh of the file, with z up, to the body frame."""
+    in_file, _ = load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up)
+    in_body, _ = vehicle_hull(model)
+    factor = float(np.ptp(in_body[:, 0]) / np.ptp(in_file[:, 0]))
+    return factor, in_body.min(axis=0) - factor * in_file.min(axis=0)
+
+
 def hull_box_m(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the low and high corners (3,) of a box around the hull, body frame; echoes from inside it are dropped."""
     vertices, _ = vehicle_hull(model)

@@ -61,7 +61,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
             vertices, triangles = _read_with_trimesh(path, suffix, content)
             if suffix in TEXT_SUFFIXES:
                 require_whole(f"mesh '{path}'", suffix, content or path.read_bytes(), len(triangles))
-            y_up = suffix in Y_UP_SUFFIXES
+            y_up = is_y_up(path, None)
         else:
             vertices, triangles = joined(read_by_assimp(path))
             y_up = True  # assimp converts all files that declare their axes to y up
@@ -77,6 +77,11 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
     if up == "y" or (up is None and y_up):
         vertices = vertices @ Z_UP_FROM_Y_UP.T
     return np.ascontiguousarray(vertices * scale), np.ascontiguousarray(triangles, np.uint32)
+
+
+def is_y_up(path: Path, up: Literal["y", "z"] | None) -> bool:
+    """Return whether a file's y axis points up. up: as for `load_mesh`. Axes that a file declares are not read."""
+    return up == "y" or (up is None and path.suffix.lower() in Y_UP_SUFFIXES)
 
 
 def _require_readable(path: Path) -> None:
