@@ -9,6 +9,7 @@ import typer
 
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
+from uwsim.cli.values import scenarios
 
 app = typer.Typer(
     name="uwsim ros",
@@ -25,14 +26,22 @@ def package(
     out: Annotated[Path, typer.Option(help="The folder to write: new, empty, or written by this command.")] = Path(
         "uwsim_ros"
     ),
+    scenario: Annotated[
+        str,
+        typer.Option(
+            help="The scenario whose vehicles get a URDF, and which the launch file starts: a packaged one, or the "
+            "path of a YAML file.",
+            autocompletion=scenarios,
+        ),
+    ] = "lake",
 ) -> None:
-    """Write ROS packages with uwsim's messages, a launch file and an RViz configuration.
+    """Write ROS packages with uwsim's messages, vehicles as URDF, launch files and an RViz configuration.
 
-    The folder has ros1/ for catkin and ros2/ for ament, each with uwsim_msgs and uwsim_bringup, and a README with the
-    hashes of the messages.
+    The folder has ros1/ for catkin and ros2/ for ament, each with uwsim_msgs, uwsim_description and uwsim_bringup, and
+    a README with the hashes of the messages.
     """
     from uwsim.bridges.ros_packages import ros_packages, write_sealed
 
-    files = ros_packages()
+    files = ros_packages(scenario)
     write_sealed(out, files)
     typer.echo(f"{out}: {len(files)} files; copy ros1 or ros2 into the src folder of your workspace")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from uwsim.base.options import flag_name, need
+from uwsim.bridges.cli.graph_options import GraphOptions
 from uwsim.bridges.page import Pages, Serving
 from uwsim.bridges.requested import Bridges
 from uwsim.cli.access import Access
@@ -73,6 +74,7 @@ def serve(
     namespace: Namespace = "",
     frame_prefix: FramePrefix = None,
     tf: Tf = "truth",
+    graph: GraphOptions,
     ros: Annotated[
         int,
         typer.Option(
@@ -101,7 +103,7 @@ def serve(
     from uwsim.bridges.actions import actions_in, actions_of
     from uwsim.bridges.plug import Context
     from uwsim.channels.delivery.feed import Feed
-    from uwsim.channels.names import channels_in, services_in
+    from uwsim.channels.names import channels_in, node_name, services_in
     from uwsim.channels.served import default_origin, served_table
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
@@ -109,9 +111,10 @@ def serve(
     autopilot, page = autopilots.only, pages.only
     bridges.prepare(autopilots.requested)
     prefix = prefix_of(namespace, frame_prefix)
-    if page is not None and (prefix or tf != "truth"):
-        rule = "its page needs --tf truth, and neither --namespace nor --frame-prefix"
+    if page is not None and (prefix or tf != "truth" or graph.is_about_topics):
+        rule = "its page needs the usual topics and frames: --tf truth, and no other option about them"
         raise ValueError(f"{flag_name(str(page.switch))}: {rule}")
+    parameters = graph.parameters(node_name(namespace))
     if record is None:
         need("--record", record_topic=record_topic, record_all=record_all)
     if record_topic and record_all:
@@ -121,6 +124,8 @@ def serve(
         autopilot, scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads
     )
     bridges.check(simulator)
+    if parameters:
+        graph.apply(parameters, simulator)
     origin = origin or default_origin(simulator.scenario)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     with ExitStack() as sinks:
@@ -149,9 +154,16 @@ def serve(
             serving = Serving(live, feed, options, wire, origin, access.token, record_from)
             address, place, shown = page.open(sinks, serving)
             places = [f"{scenario} at {address}", place]
-            actions = actions_of(simulator, shown)
+            actions = [] if graph.no_actions else actions_of(simulator, shown)
         else:
-            shown = served_table(live, wire=wire, origin=origin, tf=tf, frame_prefix=prefix)  # type: ignore[arg-type]  # checked there
+            shown = served_table(
+                live,
+                wire=wire,  # type: ignore[arg-type]  # checked there
+                origin=origin,
+                tf=tf,  # type: ignore[arg-type]  # checked there
+                frame_prefix=prefix,
+                **graph.of_table,
+            )
             # refuses invalid options before a file is created
             server = RosbridgeServer(live, channels=(), feed=feed, **options)
             if simulator.link is not None:
@@ -162,7 +174,7 @@ def serve(
             record_from(shown)
             shown.channels = channels_in(namespace, shown.channels)
             shown.services = services_in(namespace, shown.services)
-            actions = actions_in(namespace, actions_of(simulator, shown))
+            actions = [] if graph.no_actions else actions_in(namespace, actions_of(simulator, shown))
             server.channels, server.services, server.actions = shown.channels, shown.services, actions
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]

@@ -1,9 +1,12 @@
-"""The files of the packages uwsim_msgs and uwsim_bringup, for catkin (ROS 1) and ament (ROS 2)."""
+"""The files of the packages uwsim_msgs, uwsim_description and uwsim_bringup, for catkin (ROS 1) and ament (ROS 2)."""
 
 from __future__ import annotations
 
 from importlib.metadata import version
+from pathlib import Path
 
+from uwsim.bridges.ros_packages.description import described
+from uwsim.bridges.ros_packages.launch import DEFAULTS, SERVE, VIEWERS, display, simulate
 from uwsim.bridges.ros_packages.rviz import rviz_configuration
 from uwsim.channels.ros.action_types import ACTION_TYPES, load_action_types
 from uwsim.channels.ros.cdr import schema
@@ -11,15 +14,21 @@ from uwsim.channels.ros.message_types import Ros, fields, ros1_typestore
 from uwsim.channels.ros.own_types import OWN_TYPES
 from uwsim.channels.ros.service_types import SERVICE_TYPES
 
-MESSAGES, BRINGUP = "uwsim_msgs", "uwsim_bringup"
+MESSAGES, DESCRIPTION, BRINGUP = "uwsim_msgs", "uwsim_description", "uwsim_bringup"
 OWN_SERVICES = [name for name in SERVICE_TYPES if name.startswith(f"{MESSAGES}/")]
 OWN_ACTIONS = [name for name in ACTION_TYPES if name.startswith(f"{MESSAGES}/")]
-VIEWERS: dict[Ros, tuple[str, ...]] = {1: ("rviz", "octomap_server"), 2: ("rviz2", "octomap_server")}
 
 
-def ros_packages() -> dict[str, str]:
-    """Return the text of each file, keyed by path: ros1/ and ros2/ with the two packages, and a README."""
+def ros_packages(scenario: str = "lake") -> dict[str, str]:
+    """Return the text of each file, keyed by path: ros1/ and ros2/ with the three packages, and a README.
+
+    scenario: that whose vehicles are described, and which the launch file starts: a name or a path. Raises
+    ScenarioError.
+    """
+    if Path(scenario).is_file():
+        scenario = str(Path(scenario).resolve())
     files = {"README.md": _readme()}
+    vehicles = described(scenario, DESCRIPTION)
     for ros in (1, 2):
         messages, bringup = f"ros{ros}/{MESSAGES}", f"ros{ros}/{BRINGUP}"
         for name, text in OWN_TYPES.items():
@@ -32,13 +41,28 @@ def ros_packages() -> dict[str, str]:
             ros, MESSAGES, "Messages of the simulator uwsim.", _of_messages(ros)
         )
         files[f"{messages}/CMakeLists.txt"] = _build_of_messages(ros)
-        viewers = "".join(f"  <exec_depend>{name}</exec_depend>\n" for name in VIEWERS[ros])
-        files[f"{bringup}/package.xml"] = _manifest(
-            ros, BRINGUP, "Displays uwsim's topics, and maps from them.", viewers
-        )
-        files[f"{bringup}/CMakeLists.txt"] = _build_of_bringup(ros)
-        files[f"{bringup}/launch/uwsim.launch{'' if ros == 1 else '.xml'}"] = _launch(ros)
-        files[f"{bringup}/rviz/uwsim.rviz"] = rviz_configuration(ros)
+        files |= {f"ros{ros}/{DESCRIPTION}/{name}": text for name, text in vehicles.items()}
+        about = f"The vehicles of uwsim's scenario {Path(scenario).stem} as URDF."
+        files[f"ros{ros}/{DESCRIPTION}/package.xml"] = _manifest(ros, DESCRIPTION, about, "")
+        files[f"ros{ros}/{DESCRIPTION}/CMakeLists.txt"] = _build_of_files(ros, DESCRIPTION, "meshes urdf")
+        files |= {f"{bringup}/{name}": text for name, text in _bringup(ros, scenario).items()}
+    return files
+
+
+def _bringup(ros: Ros, scenario: str) -> dict[str, str]:
+    suffix = "" if ros == 1 else ".xml"
+    viewers = "".join(f"  <exec_depend>{name}</exec_depend>\n" for name in VIEWERS[ros])
+    files = {
+        "package.xml": _manifest(ros, BRINGUP, "Starts uwsim, and displays its topics, and maps from them.", viewers),
+        "CMakeLists.txt": _build_of_files(ros, BRINGUP, "config launch rviz"),
+        f"launch/uwsim.launch{suffix}": display(ros, BRINGUP),
+        f"launch/simulate.launch{suffix}": simulate(ros, BRINGUP, scenario),
+        "config/parameters.yaml": DEFAULTS,
+        "rviz/uwsim.rviz": rviz_configuration(ros),
+    }
+    if ros == 1:
+        files["scripts/serve"] = SERVE
+        files["CMakeLists.txt"] += "install(PROGRAMS scripts/serve DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})\n"
     return files
 
 
@@ -111,38 +135,20 @@ ament_package()
 """
 
 
-def _build_of_bringup(ros: Ros) -> str:
+def _build_of_files(ros: Ros, name: str, folders: str) -> str:
+    """Return the build of a package that only installs folders."""
     if ros == 1:
         return f"""cmake_minimum_required(VERSION 3.0.2)
-project({BRINGUP})
+project({name})
 find_package(catkin REQUIRED)
 catkin_package()
-install(DIRECTORY launch rviz DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
+install(DIRECTORY {folders} DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
 """
     return f"""cmake_minimum_required(VERSION 3.8)
-project({BRINGUP})
+project({name})
 find_package(ament_cmake REQUIRED)
-install(DIRECTORY launch rviz DESTINATION share/${{PROJECT_NAME}})
+install(DIRECTORY {folders} DESTINATION share/${{PROJECT_NAME}})
 ament_package()
-"""
-
-
-def _launch(ros: Ros) -> str:
-    one = ros == 1
-    value, kind, share = ("arg", "type", "find") if one else ("var", "exec", "find-pkg-share")
-    clock = '<param name="/use_sim_time" value="true"/>' if one else '<set_parameter name="use_sim_time" value="true"/>'
-    viewer, name = VIEWERS[ros][0], ' name="{}"' if one else ""
-    return f"""<launch>  <!-- displays what a running uwsim serve publishes as a ROS {ros} node -->
-  <arg name="rviz" default="true"/>
-  <arg name="octomap" default="false"/>  <!-- whether to build a map from the multibeam -->
-  {clock}
-  <node if="$({value} rviz)"{name.format("rviz")} pkg="{viewer}" {kind}="{viewer}"
-        args="-d $({share} {BRINGUP})/rviz/uwsim.rviz"/>
-  <node if="$({value} octomap)"{name.format("octomap_server")} pkg="octomap_server" {kind}="octomap_server_node">
-    <remap from="cloud_in" to="/laserPointCloud"/>
-    <param name="frame_id" value="odom"/>
-  </node>
-</launch>
 """
 
 
@@ -156,7 +162,10 @@ colcon workspace, and build it.
 
 - `{MESSAGES}`: the messages that only uwsim has, such as `/telemetry` and `/map_changes`, and, for ROS 2, its
   services and actions.
-- `{BRINGUP}`: `uwsim.launch` sets `use_sim_time` and starts RViz; `octomap:=true` starts octomap_server, too.
+- `{DESCRIPTION}`: the vehicles as URDF, with meshes. A running uwsim publishes the same on `/robot_description`.
+- `{BRINGUP}`: `simulate.launch` starts uwsim, which must be on the PATH, sets the parameters in
+  `config/parameters.yaml`, and includes `uwsim.launch`, which sets `use_sim_time` and starts RViz; `octomap:=true`
+  starts octomap_server, too. `uwsim.launch` alone displays a simulator that is already running.
 
 | message | ROS 1: md5 | ROS 2: RIHS01 |
 |---|---|---|

@@ -15,7 +15,7 @@ CLOUD_DECAY_S = 120.0
 
 
 def rviz_configuration(ros: Ros) -> str:
-    """Return the text of a configuration that shows transforms, odometry, scans, clouds and the front camera."""
+    """Return the text of a configuration: vehicle, transforms, odometry, scans, clouds and the front camera."""
     plugins, panels = ("rviz", "rviz") if ros == 1 else ("rviz_default_plugins", "rviz_common")
 
     def display(kind: str, topic: str | None = None, **settings: Any) -> dict[str, Any]:
@@ -31,7 +31,8 @@ def rviz_configuration(ros: Ros) -> str:
             "Global Options": {"Fixed Frame": FIXED_FRAME, "Background Color": "16; 36; 56", "Frame Rate": 30},
             "Displays": [
                 display("Grid", None, **{"Reference Frame": FIXED_FRAME, "Cell Size": 5, "Plane Cell Count": 40}),
-                display("TF"),
+                display("RobotModel") | _described(ros),
+                display("TF", None, **{"Show Names": False, "Marker Scale": 1}),
                 display("Odometry", "/odom", Keep=100),
                 display("LaserScan", "/scan", **{"Size (m)": 0.1}),
                 display(
@@ -42,7 +43,7 @@ def rviz_configuration(ros: Ros) -> str:
             ],
             "Tools": [{"Class": f"{plugins}/{name}"} for name in ("MoveCamera", "Select", "FocusCamera", "Measure")],
             "Views": {"Current": {
-                "Class": f"{plugins}/Orbit", "Name": "Current View", "Target Frame": VEHICLE_FRAME, "Distance": 40,
+                "Class": f"{plugins}/Orbit", "Name": "Current View", "Target Frame": VEHICLE_FRAME, "Distance": 20,
                 "Pitch": 0.6, "Yaw": 3.9,
             }},
         },
@@ -52,9 +53,16 @@ def rviz_configuration(ros: Ros) -> str:
     return text.getvalue()
 
 
-def _topic(name: str) -> dict[str, Any]:
+def _described(ros: Ros) -> dict[str, Any]:
+    """Return the source of the URDF: a parameter for RViz 1, a latched topic for RViz 2."""
+    if ros == 1:
+        return {"Robot Description": "robot_description"}
+    return {"Description Source": "Topic", "Description Topic": _topic("/robot_description", "Transient Local")}
+
+
+def _topic(name: str, durability: str = "Volatile") -> dict[str, Any]:
     """Return RViz 2's subscription to a topic."""
     return {
         "Value": name, "Depth": 10, "History Policy": "Keep Last", "Reliability Policy": "Reliable",
-        "Durability Policy": "Volatile",
+        "Durability Policy": durability,
     }  # fmt: skip

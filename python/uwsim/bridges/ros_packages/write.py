@@ -31,6 +31,8 @@ def write_sealed(folder: Path, files: Mapping[str, str]) -> None:
             path = fresh / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
+            if text.startswith("#!"):
+                path.chmod(0o755)
         if target.exists():
             target.rename(before)
         try:
