@@ -62,6 +62,8 @@ tree = ("world", "odom", "base_footprint", "base_link", "base_scan")
 for parent, child in zip(tree, tree[1:]):
     moved = buffer.lookup_transform(parent, child, rospy.Time(0), rospy.Duration(30)).transform
     found[parent + ">" + child] = [moved.translation.x, moved.translation.y, moved.translation.z]
+name = "/robot_description"
+found["vehicle"] = [rospy.get_param(name), rospy.wait_for_message(name, String, 30).data]
 print(json.dumps(found))
 """
 
@@ -75,6 +77,7 @@ def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str
     ranges = found["depthArray"].split("a")
     assert ranges.pop() == "" and len(ranges) == 513 and all(0.0 < float(r) <= 55.0 for r in ranges)
     assert found["counts"] == list(range(found["counts"][0], found["counts"][0] + len(found["counts"])))
+    assert found["vehicle"][0] == found["vehicle"][1] and '<link name="base_scan"' in found["vehicle"][0]
     assert found["modelTrigger"] == "2" and -5.1 < found["propPos"] < -4.9
     # The paper's figure 10: odom -> base_footprint -> base_link -> base_scan.
     assert found["base_footprint>base_link"] == [0.0, 0.0, 0.0] and found["odom>base_footprint"][2] == found["propPos"]
