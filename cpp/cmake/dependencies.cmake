@@ -3,7 +3,10 @@ find_package(Python REQUIRED COMPONENTS Interpreter Development.Module)
 find_package(pybind11 CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(embree 3 CONFIG REQUIRED)
+find_package(embree CONFIG REQUIRED)  # 3 or 4: uwsim/rays/embree.h
+if(embree_VERSION VERSION_LESS 3 OR embree_VERSION VERSION_GREATER_EQUAL 5)
+  message(FATAL_ERROR "Embree ${embree_VERSION} was found; uwsim needs version 3 or 4")
+endif()
 
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
@@ -19,6 +22,8 @@ add_library(uwsim_distance_transform INTERFACE)
 target_include_directories(uwsim_distance_transform SYSTEM INTERFACE ${DYNAMICEDT3D_INCLUDE_DIRS})
 target_link_libraries(uwsim_distance_transform INTERFACE dynamicedt3d-static)
 
+# PCL 1.15 would compile our files with OpenMP, too, where threads would sum in any order.
+set(CMAKE_DISABLE_FIND_PACKAGE_OpenMP TRUE)
 find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common filters)
 # The registration consists of templates that we compile: without its library a wheel is half a megabyte smaller.
 add_library(uwsim_pcl INTERFACE)

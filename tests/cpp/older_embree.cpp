@@ -1,5 +1,6 @@
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
+
+#include "uwsim/rays/embree.h"
 
 /// Replaces Embree's own function in a test's executable, so that Embree runs as on a CPU that supports only SSE2.
 extern "C" RTCDevice rtcNewDevice(const char*) {

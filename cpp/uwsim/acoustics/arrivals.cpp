@@ -289,8 +289,9 @@ void find_arrivals(const SoundSpeedProfile& profile, const RayEnds& ends, const 
 
 std::optional<Arrival> direct_arrival(const SoundSpeedProfile& profile, const RayEnds& ends) {
   constexpr double kAny_hz = 1e4;
-  const auto& found =
-      search(profile, ends, {.frequency_hz = kAny_hz, .bottom = {}}, {.within_db = 1e9, .most_bounces = 0});
+  const SoundLosses losses{.frequency_hz = kAny_hz, .bottom = {}};
+  const ArrivalLimits limits{.within_db = 1e9, .most_bounces = 0};
+  const auto& found = search(profile, ends, losses, limits);
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 

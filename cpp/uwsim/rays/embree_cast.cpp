@@ -1,12 +1,11 @@
 #include "uwsim/rays/embree_cast.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
+#include "uwsim/rays/embree.h"
 #include "uwsim/rays/embree_terrain.h"
 #include "uwsim/rays/ray_lanes.h"
 
@@ -19,13 +18,11 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 
 /// The context that Embree passes to callbacks: Embree's own part, followed by the details of the cast.
 struct CastContext {
-  RTCIntersectContext embree;
+  RTCRayQueryContext embree = embree::new_context();
   CastDetail detail;
 
-  CastContext(const CastDetail& of_rays, RayOrder order) : detail(of_rays) {
-    static_assert(offsetof(CastContext, detail) == sizeof(RTCIntersectContext));
-    rtcInitIntersectContext(&embree);
-    if (order == RayOrder::kCoherent) embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  explicit CastContext(const CastDetail& of_rays) : detail(of_rays) {
+    static_assert(offsetof(CastContext, detail) == sizeof(RTCRayQueryContext));
   }
 };
 
@@ -140,8 +137,8 @@ std::optional<Candidate> next_candidate(RTCScene tree, const TileSurfaces& surfa
              .flags = 0};
   one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  CastContext context({&surfaces, &rays, starts_m, surfaces.tolerances().setback_m}, RayOrder::kIncoherent);
-  rtcIntersect1(tree, &context.embree, &one);
+  CastContext context({&surfaces, &rays, starts_m, surfaces.tolerances().setback_m});
+  embree::intersect(tree, context.embree, one);
   if (one.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   const std::uint32_t member = member_number(one.hit.geomID, one.hit.primID, one.hit.u, one.hit.v);
   return Candidate{one.hit.geomID, member, start_m + double{one.ray.tfar}};
@@ -157,20 +154,18 @@ const ExactRays& LazyExactRays::get() {
   return exact_;
 }
 
-const CastDetail& detail_of(const RTCIntersectContext* context) {
-  return reinterpret_cast<const CastContext*>(context)->detail;
-}
+const CastDetail& detail_of(const void* context) { return static_cast<const CastContext*>(context)->detail; }
 
 void intersect(RTCSceneTy* tree, const CastDetail& detail, RayOrder order, const std::int32_t* active,
                RTCRayHit16& packet) {
-  CastContext context(detail, order);
-  rtcIntersect16(active, tree, &context.embree, &packet);
+  CastContext context(detail);
+  embree::intersect(active, tree, context.embree, order == RayOrder::kCoherent, packet);
 }
 
 void occluded(RTCSceneTy* tree, const CastDetail& detail, RayOrder order, const std::int32_t* active,
               RTCRay16& packet) {
-  CastContext context(detail, order);
-  rtcOccluded16(active, tree, &context.embree, &packet);
+  CastContext context(detail);
+  embree::occluded(active, tree, context.embree, order == RayOrder::kCoherent, packet);
 }
 
 }  // namespace uwsim

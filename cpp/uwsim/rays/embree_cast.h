@@ -8,7 +8,6 @@
 #include "uwsim/rays/ray_packet.h"
 #include "uwsim/rays/tile_surfaces.h"
 
-struct RTCIntersectContext;
 struct RTCRay16;
 struct RTCRayHit;
 struct RTCRayHit16;
@@ -76,8 +75,8 @@ struct CastDetail {
   LazyExactRays* lazy = nullptr;
 };
 
-/// Returns the detail with which the cast was started.
-const CastDetail& detail_of(const RTCIntersectContext* context);
+/// Returns the detail with which the cast was started, by the context that Embree passes to its callbacks.
+const CastDetail& detail_of(const void* context);
 
 /// Casts rays through a tree. The hit fields must be invalid beforehand, and idle lanes finite: without AVX-512, Embree
 /// splits packets and reads idle lanes as well; Debian's build aborts the process if one of them is not finite.

@@ -1,12 +1,11 @@
 #include "uwsim/rays/embree_float_cast.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
+#include "uwsim/rays/embree.h"
 #include "uwsim/rays/ray_kernels.h"
 
 namespace uwsim {

@@ -1,9 +1,8 @@
 #include "uwsim/rays/embree_query.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 
+#include "uwsim/rays/embree.h"
 #include "uwsim/rays/embree_terrain.h"
 #include "uwsim/rays/triangle_distance.h"
 

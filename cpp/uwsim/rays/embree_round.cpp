@@ -1,12 +1,11 @@
 #include "uwsim/rays/embree_round.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
 
+#include "uwsim/rays/embree.h"
 #include "uwsim/rays/embree_cast.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/ray_lanes.h"
@@ -17,7 +16,7 @@ namespace {
 /// The rays of a callback in double: the original rays if they are available, else the float rays.
 class CallbackRays {
  public:
-  CallbackRays(const RTCIntersectContext* context, RTCRayN* rays, unsigned n)
+  CallbackRays(const RTCRayQueryContext* context, RTCRayN* rays, unsigned n)
       : detail_(detail_of(context)),
         exact_(detail_.exact == nullptr && detail_.lazy != nullptr ? &detail_.lazy->get() : detail_.exact),
         rays_(rays),

@@ -1,10 +1,9 @@
 #include "uwsim/rays/embree_terrain.h"
 
-#include <embree3/rtcore.h>
-
 #include <limits>
 
 #include "uwsim/core/check.h"
+#include "uwsim/rays/embree.h"
 #include "uwsim/rays/embree_cast.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/raised_terrain.h"

@@ -1,11 +1,10 @@
 #include "uwsim/rays/embree_tree.h"
 
-#include <embree3/rtcore.h>
-
 #include <cmath>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/instruction_set.h"
+#include "uwsim/rays/embree.h"
 #include "uwsim/rays/embree_cast.h"
 #include "uwsim/rays/widened_triangle.h"
 

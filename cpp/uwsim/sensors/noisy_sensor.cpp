@@ -150,8 +150,8 @@ void NoisySensor::answer(const VehicleSnapshot& asked, bool given_up, std::uint6
 }
 
 void NoisySensor::watch(std::optional<std::uint64_t> from_ns) {
-  watch_.reset();
-  if (from_ns) watch_.emplace().from_ns = *from_ns;
+  if (!from_ns) return watch_.reset();
+  watch_.emplace().from_ns = *from_ns;
 }
 
 void NoisySensor::collect(const VehicleSnapshot& now, const Surroundings& around) {

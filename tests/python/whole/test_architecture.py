@@ -37,7 +37,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
     "Eigen's FFT": (r"unsupported/Eigen/FFT", r"cpp/uwsim/camera/forward_scatter\.cpp"),
-    "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree_(cast|float_cast|query|round|terrain|tree)\.cpp"),
+    "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree\.h"),
     "Bullet": (
         r"bt\w+\.h|Bullet\w*/|LinearMath/",
         r"cpp/uwsim/dynamics/(bullet_contacts\.h|"

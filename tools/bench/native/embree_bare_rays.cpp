@@ -3,7 +3,6 @@
 // and the processor time [s]. FILE, little-endian: uint64 counts of vertices, triangles, packets; float vertices x 3;
 // uint32 triangles x 3; then for each packet int32 kind (0 cast, 1 occluded, + 2 where coherent), int32 active x 16,
 // and eight rows of 16 floats: origin x, y, z, direction x, y, z, near, far.
-#include <embree3/rtcore.h>
 
 #include <atomic>
 #include <chrono>
@@ -34,9 +33,8 @@ std::vector<T> read(std::ifstream& file, std::size_t count) {
 }
 
 double cast(RTCScene scene, const Packet& packet) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  if (packet.kind & 2) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  RTCRayQueryContext context = embree::new_context();
+  const bool coherent = (packet.kind & 2) != 0;
   alignas(64) RTCRayHit16 both;
   alignas(64) std::int32_t active[16];
   std::memcpy(active, packet.active, sizeof(active));
@@ -50,9 +48,9 @@ double cast(RTCScene scene, const Packet& packet) {
     both.hit.geomID[k] = both.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
   }
   if (packet.kind & 1) {
-    rtcOccluded16(active, scene, &context, &both.ray);
+    embree::occluded(active, scene, context, coherent, both.ray);
   } else {
-    rtcIntersect16(active, scene, &context, &both);
+    embree::intersect(active, scene, context, coherent, both);
   }
   return both.ray.tfar[0];
 }

@@ -1,11 +1,13 @@
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <vector>
+
+#include "uwsim/rays/embree.h"
+
+namespace embree = uwsim::embree;
 
 /// Builds Embree's scene from a triangle mesh, for the peers.
 namespace embree_faces {

@@ -1,7 +1,6 @@
 // The limit that `uwsim bench sonar` measures against: rays built from poses and an angle table, cast in Embree's
 // packets of sixteen, and nothing else. Usage: embree_fan CASE [coherent] [quads], then one line on stdin per run.
 // `quads`: Embree gets pairs of triangles that make up a quad as one quad, which is faster.
-#include <embree3/rtcore.h>
 
 #include <algorithm>
 #include <cstring>
@@ -29,9 +28,7 @@ int main(int count, char** arguments) {
       embree_faces::build(device, rays.vertices_m, rays.triangles, has_argument(count, arguments, "quads"));
 
   run_on_request(rays, [&](const double* pose) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCRayQueryContext context = embree::new_context();
     alignas(64) RTCRayHit16 packet;
     alignas(64) int valid[16];
     for (int k = 0; k < 16; ++k) {
@@ -55,7 +52,7 @@ int main(int count, char** arguments) {
         packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         valid[k] = first + k < rays.beam_count ? -1 : 0;
       }
-      rtcIntersect16(valid, scene, &context, &packet);
+      embree::intersect(valid, scene, context, coherent, packet);
       for (int k = 0; k < 16; ++k) {
         if (valid[k] != 0 && packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID) sum += packet.ray.tfar[k];
       }
