@@ -109,6 +109,7 @@ __all__: list[str] = [
     "Waves",
     "World",
     "absorption_db_km",
+    "added_mass",
     "ambient_noise_db_hz",
     "arrivals",
     "bit_error",
@@ -4431,6 +4432,19 @@ def absorption_db_km(
 ) -> float:
     """
     Return the absorption of sound in water [dB/km] by Francois and Garrison 1982. Raises ValueError.
+    """
+
+def added_mass(
+    vertices_m: typing.Any,
+    triangles: typing.Any,
+    density_kg_m3: typing.SupportsFloat | typing.SupportsIndex,
+    panels: typing.SupportsInt | typing.SupportsIndex,
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 6]"]:
+    """
+    Return the added mass (6, 6) of a closed hull about its origin [kg, kg m, kg m^2] in ideal flow, far from surface
+    and bed, by a boundary-element method (Steinbach 2008, sec. 6.6). vertices_m: (n, 3). triangles: (m, 3), winding
+    outward. panels: triangles are split until there are so many, at most 10000. The result is a lower bound, apart
+    from quadrature. Uses all threads. Raises ValueError.
     """
 
 def ambient_noise_db_hz(

@@ -9,8 +9,11 @@
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "bindings/vehicle/binders.h"
+#include "uwsim/core/parallel.h"
 #include "uwsim/core/recently_made.h"
+#include "uwsim/vehicle/added_mass.h"
 #include "uwsim/vehicle/hydrodynamics.h"
+#include "uwsim/vehicle/panels.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim::bindings {
@@ -75,6 +78,20 @@ void bind_vehicle(py::module_& m) {
       .def_property_readonly(
           "volume_m3", [](const Craft& craft) { return craft.hull().solid().volume_m3; },
           "The volume that the hull displaces when submerged.");
+  m.def(
+      "added_mass",
+      [](const py::object& vertices_m, const py::object& triangles, double density_kg_m3, std::size_t panels) {
+        const TriangleMesh mesh{as_points(vertices_m, "vertices_m"), as_triangles(triangles, "triangles")};
+        return without_gil([&] { return added_mass(refined(mesh, panels), density_kg_m3, usable_threads()); });
+      },
+      py::arg("vertices_m"), py::arg("triangles"), py::arg("density_kg_m3"), py::arg("panels"),
+      "Return the added mass (6, 6) of a closed hull about its origin [kg, kg m, kg m^2] in ideal flow, far from "
+      "surface\n"
+      "and bed, by a boundary-element method (Steinbach 2008, sec. 6.6). vertices_m: (n, 3). triangles: (m, 3), "
+      "winding\n"
+      "outward. panels: triangles are split until there are so many, at most 10000. The result is a lower bound, "
+      "apart\n"
+      "from quadrature. Uses all threads. Raises ValueError.");
   bind_actuators(m);
 }
 

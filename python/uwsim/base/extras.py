@@ -24,6 +24,7 @@ EXTRA_OF = {
     "cbor2": "ros",
     "mcap": "recording",
     "coacd": "decompose",
+    "cascadio": "step",
     "cyclonedds": "ros2",
     "zenoh": "zenoh",
     "foxglove": "foxglove",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from step_file import step_box
 from uwsim.scenario import RepairWarning, ScenarioError, closed_mesh, load_mesh
 
 LOW, HIGH = np.array([9.0, 18.0, 27.0]), np.array([10.0, 20.0, 30.0])  # in metres, z up
@@ -126,6 +127,28 @@ def test_an_fbx_file_declares_its_axes_and_its_unit(tmp_path: Path) -> None:
         for unit_cm in (1.0, 100.0):
             vertices, _ = load_mesh(write_fbx(tmp_path / "a.fbx", up, unit_cm))
             np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [LOW, HIGH], atol=1e-4)
+
+
+def test_a_step_file_is_read_in_metres_and_a_broken_one_refused(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("cascadio", reason="pip install 'uwsim[step]'")
+    path = tmp_path / "box.step"
+    path.write_text(step_box((1200.0, 400.0, 300.0)))
+    vertices, triangles = closed_mesh(*load_mesh(path))
+    np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [[0, 0, 0], [1.2, 0.4, 0.3]], atol=1e-6)
+    assert trimesh.Trimesh(vertices, triangles).volume == pytest.approx(0.144, rel=1e-5)
+    path.write_text(path.read_text()[:600])
+    with pytest.raises(ScenarioError, match="not a readable step file: OpenCASCADE finds no shape in it"):
+        load_mesh(path)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_missing_step_reader_is_named_with_its_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cascadio", None)
+    (tmp_path / "box.STP").write_text(step_box((1.0, 1.0, 1.0)))
+    with pytest.raises(ScenarioError, match=r"'cascadio', which is not installed: pip install 'uwsim\[step\]'"):
+        load_mesh(tmp_path / "box.STP")
 
 
 def test_scale_and_up_override_the_defaults_of_a_format(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Mesh import with assimp, in a resource-limited subprocess: assimp reads dozens of formats but may crash or hang."""
+"""Mesh import with assimp and OpenCASCADE, in a resource-limited subprocess: they read much but may crash or hang."""
 
 from __future__ import annotations
 
@@ -16,28 +16,34 @@ from uwsim.base.extras import need_extra
 
 READER = Path(__file__).with_name("assimp_process.py")
 MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
-CPU_S, CPU_S_PER_BYTE = 8, 1e-6
+CPU_S, CPU_S_PER_BYTE, STEP_CPU_S_PER_BYTE = 8, 1e-6, 1e-5
 """Limits for a small file, and the allowance per byte of a larger one. A BlueROV2 mesh of 5 MB takes a second."""
+STEP_SUFFIXES = (".step", ".stp")
+"""Exact surfaces, which become triangles while they are read."""
 
 
 def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:
     """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError with the reason, or ImportError."""
-    need_extra("assimp_py", "meshes", "this format")
+    step = path.suffix.lower() in STEP_SUFFIXES
+    need_extra(*(("cascadio", "step") if step else ("assimp_py", "meshes")), "this format")
     size = path.stat().st_size
-    limits = MEMORY_BYTES + MEMORY_PER_BYTE * size, CPU_S + round(CPU_S_PER_BYTE * size)
+    cpu_s = CPU_S + round((STEP_CPU_S_PER_BYTE if step else CPU_S_PER_BYTE) * size)
+    limits = MEMORY_BYTES + MEMORY_PER_BYTE * size, cpu_s
     command = [sys.executable, "-I", str(READER), str(path), *map(str, limits)]
     ran = subprocess.run(command, capture_output=True, check=False, stdin=subprocess.DEVNULL)
     if ran.returncode:
-        raise ValueError(_reason(ran.returncode, ran.stderr.decode(errors="replace"), limits[1]))
+        raise ValueError(
+            _reason("OpenCASCADE" if step else "assimp", ran.returncode, ran.stderr.decode(errors="replace"), cpu_s)
+        )
     with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as arrays:
         parts = [arrays[name] for name in arrays.files]
     return list(zip(parts[::2], parts[1::2], strict=True))
 
 
-def _reason(code: int, output: str, cpu_s: int) -> str:
+def _reason(reader: str, code: int, output: str, cpu_s: int) -> str:
     if code in (-signal.SIGXCPU, -signal.SIGKILL):
-        return f"assimp had not read it after {cpu_s} s"
+        return f"{reader} had not read it after {cpu_s} s"
     if code < 0:
-        return f"assimp crashed on it ({signal.Signals(-code).name})"
+        return f"{reader} crashed on it ({signal.Signals(-code).name})"
     lines = output.strip().splitlines()
-    return lines[-1] if lines else "assimp gave up"
+    return lines[-1] if lines else f"{reader} gave up"

@@ -1,4 +1,4 @@
-"""Mesh import with assimp in a separate process: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
+"""Mesh import by assimp or OpenCASCADE in a process: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
 
 To start quickly, this must not import uwsim. stdout: points and triangles of each part: p0, t0, p1, t1 ...
 """
@@ -21,6 +21,14 @@ LINES = re.compile(rb"<(lines|linestrips)\b[^>]*?(/>|>.*?</\1\s*>)", re.DOTALL)
 
 def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
     """Return points (n, 3) float64 and triangles (m, 3) int64 of each part of a file, with node transforms applied."""
+    if path.lower().endswith((".step", ".stp")):
+        import trimesh
+
+        try:
+            mesh = trimesh.load_scene(path, process=False).to_mesh()  # by cascadio
+        except FileNotFoundError:  # for the file into which it writes triangles
+            raise ValueError("OpenCASCADE finds no shape in it") from None
+        return [np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)]
     import assimp_py
 
     flags = (
@@ -59,7 +67,7 @@ def main() -> None:
     """Read a mesh within the limits; on error, print one line to stderr and exit with code 1."""
     path, memory_bytes, cpu_s = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # keeps assimp's output out of the result
+    os.dup2(2, 1)  # keeps the libraries' output out of the result
     for kind, limit in (
         (resource.RLIMIT_AS, memory_bytes),
         (resource.RLIMIT_CPU, cpu_s),
@@ -68,7 +76,7 @@ def main() -> None:
         resource.setrlimit(kind, (limit, limit))
     try:
         parts = read_parts(path)
-    except Exception as error:  # assimp raises errors of any type for malformed files
+    except Exception as error:  # they raise errors of any type for malformed files
         sys.exit(" ".join(str(error).split()) or type(error).__name__)
     np.savez(out, *parts)
     out.close()

@@ -1,4 +1,4 @@
-"""Reads triangle meshes from files such as STL, OBJ, glTF and FBX, as exported by Blender and CAD programs."""
+"""Reads triangle meshes from files such as STL, OBJ, glTF, FBX and STEP, as exported by Blender and CAD programs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import explained
-from uwsim.scenario.read.assimp_mesh import read_by_assimp
+from uwsim.scenario.read.assimp_mesh import STEP_SUFFIXES, read_by_assimp
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole, require_whole_stl
@@ -35,7 +35,7 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
     """Return all triangles of a file, with node transforms applied.
 
     Returns vertices (n, 3) float64 in metres, and triangles (m, 3) uint32. trimesh reads STL, PLY, OBJ, OFF and glTF;
-    assimp reads all other formats, mainly FBX, and converts their unit (usually centimetres) to metres.
+    OpenCASCADE reads STEP and assimp all other formats, mainly FBX. Both convert the file's unit to metres.
 
     scale: metres per unit of the file; for FBX an additional factor.
 
@@ -64,7 +64,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
             y_up = is_y_up(path, None)
         else:
             vertices, triangles = joined(read_by_assimp(path))
-            y_up = True  # assimp converts all files that declare their axes to y up
+            y_up = suffix not in STEP_SUFFIXES  # assimp converts all files that declare their axes to y up
     except ScenarioError:
         raise
     except MemoryError:

@@ -18,6 +18,7 @@ PEERS = {
     "sound_arrivals": ("uwsim", "uwsim"),
     "occupancy": ("uwsim", "uwsim"),
     "wave_loads": ("uwsim", "uwsim"),
+    "added_mass": ("uwsim", "uwsim"),
     "sea_water": ("gsw", "gsw"),
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),

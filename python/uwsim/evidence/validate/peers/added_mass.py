@@ -1,0 +1,122 @@
+"""Compares the added mass of ten hulls with the limit that Capytaine's panels approach by refinement.
+
+tests/python/data/make_capytaine_added_mass.py computed the stored results of three meshes of each hull, whose panels
+have half the size from one to the next. Those of round hulls have the volume of the smooth one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.base.axes import AXES
+from uwsim.base.texts.json_text import read_json
+from uwsim.evidence.validate.check import Check, relative
+from uwsim.evidence.vehicle.potential_flow import added_mass_of_mesh
+
+Floats = NDArray[np.float64]
+Mesh = tuple[Floats, NDArray[np.integer]]
+RESULTS = Path(__file__).parent / "capytaine_added_mass.json"
+LEVELS = (1, 2, 3)
+COMPARED = 2
+"""The level of the mesh from which ours is computed."""
+TOLERANCE = 0.01
+SMALL = 0.02
+"""Added masses and added moments of inertia below this, relative to the hull's largest, are left out: turning a round
+hull about its axis moves water only because its panels are flat."""
+
+
+def _box(size_m: tuple[float, float, float], longest_m: float | None, level: int) -> Mesh:
+    return _halved([trimesh.creation.box(size_m)], longest_m, level)
+
+
+def _cross(level: int) -> Mesh:
+    sizes = (1.0, 0.3, 0.3), (0.3, 1.0, 0.3), (0.3, 0.3, 1.0)
+    return _halved([trimesh.creation.box(size) for size in sizes], 0.3, level - 1)
+
+
+def _halved(parts: list[trimesh.Trimesh], longest_m: float | None, times: int) -> Mesh:
+    """Return the union of solids, its edges split to a longest one and then halved."""
+    import manifold3d
+
+    solid = manifold3d.Manifold()
+    for part in parts:
+        solid += manifold3d.Manifold(manifold3d.Mesh64(np.array(part.vertices), np.array(part.faces, np.uint64)))
+    mesh = (solid if longest_m is None else solid.refine_to_length(longest_m)).to_mesh64()
+    vertices, triangles = np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.int64)
+    for _ in range(times):
+        vertices, triangles = trimesh.remesh.subdivide(vertices, triangles)
+    return vertices, triangles
+
+
+def _ellipsoid(semi_axes_m: tuple[float, float, float], level: int) -> Mesh:
+    ball = trimesh.creation.icosphere(subdivisions=level + 1)
+    return ball.vertices * np.cbrt(4.0 / 3.0 * np.pi / ball.volume) * semi_axes_m, ball.faces
+
+
+def _turned(corners_m: list[tuple[float, float]], parts: list[int], volume_m3: float, level: int) -> Mesh:
+    """Return a body of revolution about x. corners_m: (x, radius). parts: intervals between corners at level 0."""
+    ends = zip(corners_m, corners_m[1:], parts, strict=False)
+    line = [corners_m[0], *(point for a, b, n in ends for point in np.linspace(a, b, n * 2**level + 1)[1:])]
+    return _revolved(np.array(line), volume_m3, level)
+
+
+def _capsule(level: int) -> Mesh:
+    angles = np.linspace(0.0, np.pi / 2.0, 2 * 2**level + 1)
+    bow = np.stack([0.3 + 0.15 * np.sin(angles), 0.15 * np.cos(angles)], axis=1)
+    stern = bow[::-1] * (-1.0, 1.0)
+    sides = np.linspace(stern[-1], bow[0], 4 * 2**level + 1)[1:-1]
+    return _revolved(np.concatenate([stern, sides, bow]), np.pi * 0.15**2 * (0.6 + 4.0 / 3.0 * 0.15), level)
+
+
+def _revolved(line_m: Floats, volume_m3: float, level: int) -> Mesh:
+    line_m[[0, -1], 1] = 0.0
+    solid = trimesh.creation.revolve(line_m[:, ::-1], sections=6 * 2**level)
+    solid = trimesh.Trimesh(solid.vertices[:, [2, 0, 1]], solid.faces)
+    solid.apply_scale(float(np.cbrt(volume_m3 / solid.volume)))
+    solid.apply_translation(-solid.centroid)
+    return np.asarray(solid.vertices), np.asarray(solid.faces)
+
+
+HULLS: dict[str, Callable[[int], Mesh]] = {
+    "sphere": partial(_ellipsoid, (1.0, 1.0, 1.0)),
+    "ellipsoid": partial(_ellipsoid, (0.8, 0.2, 0.1)),
+    "capsule": _capsule,
+    "cylinder": partial(_turned, [(-0.4, 0), (-0.4, 0.2), (0.4, 0.2), (0.4, 0)], [1, 5, 1], np.pi * 0.04 * 0.8),
+    "cone": partial(_turned, [(0, 0), (0, 0.3), (0.8, 0)], [2, 5], np.pi * 0.09 * 0.8 / 3.0),
+    "cube": lambda level: _box((1.0, 1.0, 1.0), None, level + 1),
+    "box": lambda level: _box((1.2, 0.8, 0.7), None, level + 1),
+    "slab": lambda level: _box((0.8, 0.6, 0.2), 0.2, level - 1),
+    "slender box": lambda level: _box((1.2, 0.3, 0.3), 0.2, level - 1),
+    "cross": _cross,
+}
+"""The mesh of each hull at a level: vertices [m] and triangles."""
+
+
+def limit_of(results: Floats) -> Floats:
+    """Return the limit of three results (3, n) whose differences shrink by a constant factor (Aitken)."""
+    first, second = results[1] - results[0], results[2] - results[1]
+    return np.asarray(results[2] + second**2 / (first - second))
+
+
+def checks() -> list[Check]:
+    """Return a check of each hull's added masses and of its added moments of inertia: the worst axis of each."""
+    kept = read_json(RESULTS)
+    return [check for name in HULLS for check in _checks_of(name, kept)]
+
+
+def _checks_of(name: str, kept: dict) -> Iterator[Check]:
+    theirs = limit_of(np.array(kept["added_mass"][name]))
+    ours = np.diagonal(added_mass_of_mesh(*HULLS[name](COMPARED), kept["density_kg_m3"]))
+    for axes, unit in ((range(3), "kg"), (range(3, 6), "kg m2")):
+        largest = max(ours[k] for k in axes)
+        if largest < SMALL * 0.01 * ours[:3].max():
+            continue
+        worst = max((k for k in axes if ours[k] > SMALL * largest), key=lambda k: abs(ours[k] / theirs[k] - 1.0))
+        quantity = f"{name}, added mass in {AXES[worst]}, limit by refinement"
+        yield relative(f"Capytaine {kept['capytaine']}", quantity, theirs[worst], ours[worst], TOLERANCE, unit)
