@@ -1,20 +1,35 @@
 """Other people's libraries have the same sea water, rigid body and camera."""
 
+import runpy
 from importlib import import_module
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate import peers
-from uwsim.evidence.validate.peers import occupancy
+from uwsim.evidence.validate.peers import added_mass, occupancy
 
 
 @pytest.mark.parametrize("peer", peers.PEERS)
 def test_a_peer_agrees(peer: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(occupancy, "SCANS", 4)  # tools/docs runs all 20, which take 10 s
+    hulls = {name: added_mass.HULLS[name] for name in ("cube", "cone")}
+    monkeypatch.setattr(added_mass, "HULLS", hulls)  # of ten, which take 30 s
     package, distribution = peers.PEERS[peer]
     pytest.importorskip(package, reason=f"pip install {distribution}")
     checks = import_module(f"uwsim.evidence.validate.peers.{peer}").checks()
     assert checks and [check for check in checks if not check.passed] == []
+
+
+def test_capytaine_recomputes_its_stored_results() -> None:
+    pytest.importorskip("capytaine", reason="pip install capytaine")
+    make = runpy.run_path(str(Path(__file__).parents[1] / "data/make_capytaine_added_mass.py"))
+    for name in ("sphere", "cross"):
+        kept = read_json(added_mass.RESULTS)["added_mass"][name][0]
+        found = make["added_mass"](*added_mass.HULLS[name](added_mass.LEVELS[0]))
+        np.testing.assert_allclose(found, kept, rtol=1e-4)
 
 
 def test_a_missing_peer_is_reported_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,6 +72,11 @@ def test_the_written_matrix_of_a_round_hull_beside_its_axis_stays_positive(besid
     assert np.linalg.eigvalsh(rounded).min() >= 0.0
 
 
+def test_the_same_mesh_gives_the_same_draft(torpedo: Path, mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(torpedo.parent)
+    assert drafted(Path(torpedo.name), ["surge", "heave", "yaw"]).text == mine.read_text()
+
+
 def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> None:
     with Simulator(scenario_file(tmp_path, mine)) as sim:
         sim.advance(20.0)

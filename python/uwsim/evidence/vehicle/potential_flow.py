@@ -10,7 +10,7 @@ from uwsim import _core
 from uwsim.scenario.read.errors import ScenarioError
 
 Floats = NDArray[np.float64]
-GIVEN_MAX, PANELS, PANELS_EACH = 2000, 3000, 3
+GIVEN_MAX, PANELS, PANELS_EACH = 3000, 3000, 2
 """A mesh of more than GIVEN_MAX triangles is simplified to so many. The core then splits triangles, most of them near
 edges, until there are PANELS, or PANELS_EACH for each if that is more, since a frame has edges everywhere."""
 FINEST = 3e-4

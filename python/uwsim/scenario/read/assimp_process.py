@@ -1,4 +1,4 @@
-"""Mesh import by assimp or OpenCASCADE in a process: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
+"""Mesh import by assimp or OpenCASCADE, in a process: python assimp_process.py FILE MEMORY_BYTES CPU_S > parts.npz.
 
 To start quickly, this must not import uwsim. stdout: points and triangles of each part: p0, t0, p1, t1 ...
 """
