@@ -14,7 +14,7 @@ from uwsim.evidence.scenario_check import CheckReport, check_part
 from uwsim.evidence.vehicle.estimates import ACROSS, estimates
 from uwsim.evidence.vehicle.fields_of_view import fields_of_view
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion, modes, motion_matrix
-from uwsim.evidence.vehicle.potential_flow import GIVEN_MAX, added_mass_of_ellipsoid, simplified
+from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid, simplified
 from uwsim.evidence.vehicle.report import allocation, vehicle_report
 from uwsim.evidence.vehicle.trials import straight_run
 from uwsim.scenario import load_vehicle
@@ -36,14 +36,13 @@ def simulator(check: CheckReport) -> Simulator:
 
 @pytest.mark.parametrize("subdivisions", [3, 4])
 def test_panels_have_the_added_mass_of_an_ellipsoid(subdivisions: int) -> None:
-    """Lamb's closed form for the volume that the flat triangles enclose; the finer mesh is simplified first."""
+    """Lamb's closed form for the volume that the flat triangles enclose, however many are simplified."""
     axes_m = np.array([0.8, 0.2, 0.1])
     mesh = trimesh.creation.icosphere(subdivisions=subdivisions)
-    assert (len(mesh.faces) > GIVEN_MAX) == (subdivisions == 4)
     shrunk = np.cbrt(mesh.volume / (4.0 / 3.0 * np.pi))
     matrix = _core.added_mass(*simplified(mesh.vertices * axes_m, mesh.faces), WATER_KG_M3, 1500)
     lamb = added_mass_of_ellipsoid(shrunk * axes_m, WATER_KG_M3)
-    np.testing.assert_allclose(np.diagonal(matrix), lamb, rtol=0.01)
+    np.testing.assert_allclose(np.diagonal(matrix), lamb, rtol=0.002)
     np.testing.assert_allclose(matrix - np.diag(np.diagonal(matrix)), 0.0, atol=5e-4 * matrix.max())
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.evidence.vehicle.draft_actuators import ACCELERATION_M_S2, Body, Thrust, proposed_fins, proposed_thrusters
 from uwsim.evidence.vehicle.estimates import hull_drag
-from uwsim.evidence.vehicle.potential_flow import GIVEN_MAX, added_mass_of_mesh
+from uwsim.evidence.vehicle.potential_flow import COARSE, GIVEN_MAX, added_mass_of_mesh
 from uwsim.scenario.build.scale import METRES, likely_units, size_text
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
@@ -67,8 +67,9 @@ def drafted(mesh: Path, axes: Collection[str], mass_kg: float | None = None, uni
         f"its unit is taken as {unit} ({why}): {size_text(size * scale)}, {solid.volume:.4g} m3",
         f"the body's origin is the hull's centroid, ({_plain(np.round(centroid_m / scale, 3))}) in the file",
     ]
-    if len(triangles) > GIVEN_MAX:
-        notes.append(f"its {len(triangles)} triangles are simplified to {GIVEN_MAX} or fewer for the added mass")
+    if len(triangles) > COARSE:
+        simpler = f"by a thousandth of its size, or until {GIVEN_MAX} remain"
+        notes.append(f"its {len(triangles)} triangles are simplified for the added mass, {simpler}")
     if size[1] > size[0]:
         notes.append("it is longer along y than along x: the body's x is forward; turn the mesh if that is not its bow")
     body = _body(hull_m, triangles, float(solid.volume), np.diagonal(solid.moment_inertia), mass_kg)
@@ -128,7 +129,7 @@ def _lines(
     yield f"centre_of_mass_m: [0, 0, {-body.lever_m:.4g}]   # estimated by {LEVER:g} of the hull's height"
     inertia = "estimated by a solid of uniform density (0.7 to 1.5 times)"
     yield f"inertia_kg_m2: [{_plain(body.inertia_kg_m2)}]   # {inertia}"
-    yield "# estimated by panels in ideal flow (within 1 %; frames 8 % low); more if water enters, less if flow separates"
+    yield "# estimated by panels in ideal flow (within 1 %; frames 8 % low): more if water enters, less if it separates"
     yield "added_mass_matrix:"
     for row in written(body):
         yield f"  - [{_plain(row)}]"

@@ -10,11 +10,12 @@ from uwsim import _core
 from uwsim.scenario.read.errors import ScenarioError
 
 Floats = NDArray[np.float64]
-GIVEN_MAX, PANELS, PANELS_EACH = 3000, 3000, 2
-"""A mesh of more than GIVEN_MAX triangles is simplified to so many. The core then splits triangles, most of them near
-edges, until there are PANELS, or PANELS_EACH for each if that is more, since a frame has edges everywhere."""
-FINEST = 3e-4
-"""The smallest change of a mesh that simplifies it, relative to its size."""
+COARSE, GIVEN_MAX, PANELS, PANELS_EACH = 500, 3000, 3000, 2
+"""A mesh of more than COARSE triangles is simplified, since narrow facets of a round hull would use up the panels, and
+has then at most GIVEN_MAX. The core splits triangles, most of them near edges, until there are PANELS, or PANELS_EACH
+for each if that is more, since a frame has edges everywhere."""
+FINEST = 1e-3
+"""The least change of a mesh that simplifies it, relative to its size."""
 
 
 def added_mass_of_mesh(vertices_m: Floats, triangles: NDArray[np.integer], density_kg_m3: float) -> Floats:
@@ -30,26 +31,41 @@ def added_mass_of_mesh(vertices_m: Floats, triangles: NDArray[np.integer], densi
 
 
 def simplified(vertices_m: Floats, triangles: NDArray[np.integer]) -> tuple[Floats, NDArray[np.integer]]:
-    """Return points (n, 3) and at most GIVEN_MAX triangles (m, 3) that enclose the same volume.
+    """Return points (n, 3) and at most GIVEN_MAX triangles (m, 3): a solid of the same middle and extent.
+
+    Simplifying cuts corners, so the result is stretched along each axis until its radii of gyration are those given.
 
     Raises ScenarioError if manifold3d does not accept the mesh.
     """
-    if len(triangles) <= GIVEN_MAX:
+    if len(triangles) <= COARSE:
         return vertices_m, triangles
     import manifold3d
 
-    mesh = manifold3d.Mesh64(np.array(vertices_m, np.float64), np.array(triangles, np.uint64))  # copies: not read-only
-    given = solid = manifold3d.Manifold(mesh)
+    copied = manifold3d.Mesh64(np.array(vertices_m, np.float64), np.array(triangles, np.uint64))
+    given = manifold3d.Manifold(copied)
     if given.status() != manifold3d.Error.NoError:
         raise ScenarioError(
             f"added mass: a mesh of {len(triangles)} triangles cannot be simplified: {given.status().name}"
         )
     moved_m = FINEST * float(np.ptp(vertices_m, axis=0).max())
+    solid = given.simplify(moved_m)
     while solid.num_tri() > GIVEN_MAX:
-        solid, moved_m = solid.simplify(moved_m), 1.2 * moved_m
-    out = solid.to_mesh64()
-    centre_m, growth = vertices_m.mean(axis=0), np.cbrt(given.volume() / solid.volume())  # simplifying cuts corners
-    return centre_m + growth * (out.vert_properties[:, :3] - centre_m), np.array(out.tri_verts, np.int64)
+        moved_m *= 1.2
+        solid = solid.simplify(moved_m)
+    mesh = solid.to_mesh64()
+    points_m, faces = np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.int64)
+    middle_m, wanted_m = _middle_and_gyration(vertices_m, triangles)
+    found_m, gyration_m = _middle_and_gyration(points_m, faces)
+    return middle_m + wanted_m / gyration_m * (points_m - found_m), faces
+
+
+def _middle_and_gyration(vertices_m: Floats, triangles: NDArray[np.integer]) -> tuple[Floats, Floats]:
+    """Return the centroid of a solid, and the root of its mean square distance from it along each axis, (3,) each."""
+    import trimesh
+
+    solid = trimesh.Trimesh(vertices_m, triangles, process=False)
+    inertia = np.diagonal(solid.moment_inertia) / solid.volume
+    return np.asarray(solid.center_mass), np.sqrt(0.5 * inertia.sum() - inertia)
 
 
 def added_mass_of_ellipsoid(semi_axes_m: Floats, density_kg_m3: float) -> Floats:
