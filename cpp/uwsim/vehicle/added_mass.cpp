@@ -2,7 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <numeric>
 #include <vector>
@@ -50,7 +53,7 @@ std::vector<Eigen::Vector3d> points_of_halved(int times) {
   return points;
 }
 
-/// What the points of one panel receive from all panels, integrated over the panel.
+/// The influence of all panels on the points of one, integrated over it.
 struct Row {
   /// For each vertex: the integral of its surface curl / r (3), and of its dipoles times the panel's three hats (3).
   Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> of_vertex;

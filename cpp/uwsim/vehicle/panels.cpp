@@ -99,8 +99,8 @@ class Refinement {
     return std::hypot((at(edge.second) - at(edge.first)).norm(), std::abs(first - middle) + std::abs(second - middle));
   }
 
-  /// Where to split an edge: between its middle and, if it leads away from a sharp edge, that in the stretched
-  /// coordinate.
+  /// Returns the share of an edge at which to split it: between its middle and, if it leads away from a sharp edge,
+  /// that in the stretched coordinate.
   double cut(const Edge& edge) const {
     const double first_m = to_sharp_m_[edge.first], second_m = to_sharp_m_[edge.second], rise_m = second_m - first_m;
     if (std::abs(rise_m) < 1e-6 * reach_m_) return 0.5;
@@ -165,7 +165,7 @@ class Refinement {
     }
   }
 
-  /// Whether a triangle and the one beyond its first edge lie in a plane and make a convex quadrangle.
+  /// Returns true if a triangle and the one beyond its first edge lie in a plane and make a convex quadrangle.
   bool is_flat(const Triangle& t, std::uint32_t to) const {
     const Eigen::Vector3d a = at(t[0]), b = at(t[1]), c = at(t[2]), d = at(to);
     const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();

@@ -56,7 +56,7 @@ def _halved(parts: list[trimesh.Trimesh], longest_m: float | None, times: int) -
     mesh = (solid if longest_m is None else solid.refine_to_length(longest_m)).to_mesh64()
     vertices, triangles = np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.int64)
     for _ in range(times):
-        vertices, triangles = trimesh.remesh.subdivide(vertices, triangles)
+        vertices, triangles = trimesh.remesh.subdivide(vertices, triangles)  # type: ignore[no-untyped-call]
     return vertices, triangles
 
 
@@ -84,7 +84,7 @@ def _revolved(line_m: Floats, volume_m3: float, level: int) -> Mesh:
     line_m[[0, -1], 1] = 0.0
     solid = trimesh.creation.revolve(line_m[:, ::-1], sections=6 * 2**level)
     solid = trimesh.Trimesh(solid.vertices[:, [2, 0, 1]], solid.faces)
-    solid.apply_scale(float(np.cbrt(volume_m3 / solid.volume)))
+    solid.apply_scale(float(np.cbrt(volume_m3 / solid.volume)))  # type: ignore[no-untyped-call]
     solid.apply_translation(-solid.centroid)
     return np.asarray(solid.vertices), np.asarray(solid.faces)
 
