@@ -17,8 +17,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFar =
-    2.5;  // the distance, relative to the sum of two panels' radii, from which points replace panels
+constexpr double kFar = 2.5;   // distance over the sum of two panels' radii from which points replace panels
 constexpr double kNear = 1.0;  // ... up to which the points of a panel are dense
 constexpr std::size_t kRowsAtOnce = 64;
 constexpr std::size_t kMostPanels = 10000;  // with half as many vertices: 200 MB
