@@ -1,5 +1,6 @@
 """identify: known vehicles are found again, from any kind of log, with intervals that contain the truth."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
 from uwsim.recording import Recorder
 from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.read.assets import assets_folder
 
 NOISE = np.repeat((0.02, 0.005, 0.01, 0.005), 3)
 KNOWN = ("centre_of_mass_m", "centre_of_buoyancy_m", "added_mass.roll", "added_mass.pitch", "thrust_lag")
@@ -109,24 +111,57 @@ def test_a_log_without_motion_in_an_axis_says_so(model: VehicleModel) -> None:
         assert any(name in parts for _, parts in found.undetermined)
 
 
-def test_a_table_becomes_a_vehicle_file_and_a_report(model: VehicleModel, tmp_path: Path) -> None:
-    _, log = flown(model, 5, np.array([0.5, 0.5, 0.5, 0.0, 0.0, 0.3]))
+@pytest.fixture
+def table(model: VehicleModel, tmp_path: Path) -> list[str]:
+    """Return the options of `uwsim identify` for a table in which surge, sway, heave and yaw move."""
+    _, log = flown(model, 5, np.array([0.5, 0.5, 0.5, 0.0, 0.0, 0.3]), duration_s=8.0)
     rows = np.hstack([log.times_s[:, None], log.position_m, log.orientation_xyzw, log.velocity_body, log.efforts])
     np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header=",".join(["t", *NAMES]), comments="")
     (tmp_path / "map.yaml").write_text(
         "time_s: t\nposition_m: [px, py, pz]\norientation_xyzw: [qx, qy, qz, qw]\n"
         "velocity_body: [v0, v1, v2, v3, v4, v5]\neffort: [e0, e1, e2, e3, e4, e5]\n"
     )
-    held = [f"--known={name}" for name in (*KNOWN, "added_mass", "linear_damping")]
+    held = [f"--known={name}" for name in (*KNOWN, "added_mass", "linear_damping", "command_delay")]
+    return ["identify", str(tmp_path / "log.csv"), f"--map={tmp_path / 'map.yaml'}", *held]
+
+
+def test_a_table_becomes_a_vehicle_file_and_a_report(table: list[str], model: VehicleModel, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    words = ["identify", str(tmp_path / "log.csv"), "--vehicle=bluerov2_wu", f"--out={out}", *held]
-    result = CliRunner().invoke(app, [*words, f"--map={tmp_path / 'map.yaml'}"], catch_exceptions=False)
+    result = CliRunner().invoke(app, [*table, "--vehicle=bluerov2_wu", f"--out={out}"], catch_exceptions=False)
     assert result.exit_code == 0 and "quadratic_damping.surge" in result.output
     assert load_vehicle(out / "vehicle.yaml").quadratic_damping != model.quadratic_damping
     assert (
         "What the log does not determine" in (out / "report.md").read_text()
         and (out / "residuals.png").stat().st_size > 0
     )
+
+
+def test_the_new_file_differs_from_the_old_one_in_measured_lines_alone(table: list[str], tmp_path: Path) -> None:
+    """Drag in roll is held, so that it keeps its value, and its line the old comment for the rest."""
+    (tmp_path / "own").mkdir()
+    old = (assets_folder() / "vehicles" / "bluerov2_wu.yaml").read_text().replace("meshes/bluerov2.obj", "hull.obj")
+    (mine := tmp_path / "own" / "mine.yaml").write_text(old.replace(", spin: clockwise}", ", gain: 1.0}"))
+    shutil.copy(assets_folder() / "meshes" / "bluerov2.obj", tmp_path / "own" / "hull.obj")
+    words = [*table, f"--vehicle={mine}", "--known=quadratic_damping.roll", f"--out={tmp_path / 'new.yaml'}"]
+    assert CliRunner().invoke(app, words, catch_exceptions=False).exit_code == 0
+    before, after = mine.read_text().splitlines(), (tmp_path / "new.yaml").read_text().splitlines()
+    changed = {b.strip().partition(":")[0]: a for b, a in zip(before, after, strict=True) if a != b}
+    gained = [line for line in before if "gain: 1.0" in line]
+    assert len(gained) == 3 and set(changed) == {"mass_kg", "quadratic_damping", "mesh", "{model"}
+    assert f'mesh: "{tmp_path / "own" / "hull.obj"}"' in changed["mesh"]
+    assert "# measured in log.csv, 95 %: surge " in changed["quadratic_damping"]
+    assert "; the rest: [N s2/m2, N m s2/rad2] [Wu]" in changed["quadratic_damping"]
+    new, own = load_vehicle(tmp_path / "new.yaml"), load_vehicle(mine)
+    assert new.quadratic_damping is not None and new.quadratic_damping[3] == 1.55 != new.quadratic_damping[4]
+    assert len({mount.gain for mount in new.thrusters.values()} - {1.0}) == 1
+    assert new.thrusters["front_left"].model == own.thrusters["front_left"].model
+
+
+def test_a_file_that_uwsim_did_not_write_is_not_replaced(table: list[str], tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("# mine\n")
+    result = CliRunner().invoke(app, [*table, "--vehicle=bluerov2_wu", f"--out={tmp_path / 'mine.yaml'}"])
+    assert "uwsim did not write it" in str(result.exception)
+    assert (tmp_path / "mine.yaml").read_text() == "# mine\n"
 
 
 MAP = """time_s: t

@@ -8,11 +8,19 @@ import numpy as np
 import pytest
 import trimesh
 import yaml
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from command_line import error_line, uwsim
-from uwsim import Simulator
+from uwsim import Batch, Simulator
+from uwsim.base.texts.yaml_edit import with_values
+from uwsim.evidence.identification import MotionLog, identify
+from uwsim.evidence.identification.calibrated_file import write_calibrated
+from uwsim.evidence.identification.unknowns import unknowns
+from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.vehicle.draft import drafted, written
 from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid
+from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.read.errors import ScenarioError
 from vehicle_files import box_mesh, scenario_file
 
@@ -91,6 +99,49 @@ def test_a_draft_surveys_without_another_edit(mine: Path, tmp_path: Path) -> Non
     ran = uwsim("survey", "lagoon", "--vehicle-model", mine, "--out", tmp_path / "out")
     assert ran.returncode == 0, ran.stderr
     assert json.loads((tmp_path / "out/summary.json").read_text())["coverage"] > 0.9
+
+
+FACTORS = {"added_mass": 0.8, "linear_damping": 1.3, "quadratic_damping": 1.5, "thrust_gain": 0.9, "thrust_lag": 1.6}
+NOISE = np.repeat((0.02, 0.005, 0.01, 0.005), 3)  # of position [m], attitude [rad], velocity [m/s], rate [rad/s]
+
+
+def flown(model: VehicleModel, seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return efforts (81, 6) that change every second, and the motion (81, 13) that they cause, every 0.1 s."""
+    batch = Batch(deep_scenario(model.model_copy(update={"sensors": {}, "sonar": None})), n=1)
+    changes = np.random.default_rng(seed).uniform(-1, 1, (9, 6)) * [0.6, 0, 0.6, 0, 0, 0.4]
+    efforts, rows = np.repeat(changes, 10, axis=0)[:81], []
+    for effort in efforts:
+        motion = batch.observe()
+        rows.append(np.hstack([motion.position_world_m[0], motion.orientation_xyzw[0], motion.velocity_body[0]]))
+        batch.step(20, effort[None])
+    return efforts, np.array(rows)
+
+
+def test_a_log_calibrates_a_draft(mine: Path) -> None:
+    """A vehicle that differs from its draft by FACTORS flies two logs; the first leads to values that fit the second.
+
+    In the second log, the draft's speeds and rates are off by 0.032 m/s and rad/s rms, those of the new file by 0.005.
+    """
+    draft = load_vehicle(mine)
+    truth = {each: each.value * FACTORS[each.group] for each in unknowns(draft, "rov") if each.group in FACTORS}
+    numbers = {place: f"{value:.6g}" for each, value in truth.items() for place in each.places}
+    (real := mine.with_name("real.yaml")).write_text(with_values(mine.read_text(), "mine.yaml", numbers))
+    efforts, rows = flown(load_vehicle(real), seed=1)
+    noise = np.random.default_rng(0).standard_normal((81, 12)) * NOISE
+    turns = (Rotation.from_quat(rows[:, 3:7]) * Rotation.from_rotvec(noise[:, 3:6])).as_quat()
+    times_s = 0.1 * np.arange(81)
+    motion = (rows[:, :3] + noise[:, :3], turns, rows[:, 7:] + noise[:, 6:])
+    known = ("command_delay", "current_m_s", "added_mass.roll", "quadratic_damping.roll")
+    found = identify(MotionLog(times_s, *motion, times_s, efforts, {}), draft, known=known)
+    write_calibrated(found, "run.csv", mine2 := mine.with_name("mine2.yaml"))
+
+    before, after = mine.read_text().splitlines(), mine2.read_text().splitlines()
+    assert all(b == a or "measured in run.csv, 95 %: " in a for b, a in zip(before, after, strict=True))
+    assert {value.name for value in found.values.values() if not value.is_determined} >= {"linear_damping.surge"}
+    assert [line for line in after if line.startswith("  - 0.") and "surge: estimated by the quadratic drag" in line]
+    speeds = [flown(load_vehicle(path), seed=2)[1][:, 7:] for path in (real, mine, mine2)]
+    off = [float(np.sqrt(np.mean((each - speeds[0]) ** 2))) for each in speeds[1:]]
+    assert off[1] < off[0] / 4, off
 
 
 @pytest.mark.parametrize("axes", ["surge,yaw,heave,sway", "surge,sway,heave,roll,pitch,yaw", "surge,pitch"])

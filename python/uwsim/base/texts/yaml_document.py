@@ -29,13 +29,13 @@ class YamlDocument:
 
     name: str
     values: dict[str, Any]
-    _text: str = field(repr=False)
+    text: str = field(repr=False)
 
     def line(self, path: Sequence[Key]) -> int:
         """Return the line, counted from 1, of a key or list item, or of its nearest existing ancestor."""
         from uwsim.base.texts.yaml_parser import line_of, parsed
 
-        node: Any = parsed(self._text, self.name)
+        node: Any = parsed(self.text, self.name)
         line = 1
         for key in path:
             try:

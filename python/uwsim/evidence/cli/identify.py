@@ -29,9 +29,13 @@ def identify(
             callback=readable,
         ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for vehicle.yaml, report.md and residuals.png.")] = Path(
-        "identified"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="A copy of the vehicle's file with the identified values (.yaml), or a folder for vehicle.yaml, "
+            "report.md and residuals.png."
+        ),
+    ] = Path("identified"),
     known: Annotated[
         list[str] | None, typer.Option(help="A quantity to hold, such as mass_kg or added_mass; may be repeated.")
     ] = None,
@@ -52,13 +56,22 @@ def identify(
     Estimates mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, the
     current and the commands' delay, with 95 % intervals; the report lists what the log does not determine. The log must
     be from well below the surface.
+
+    The vehicle's new file is its old one with the values that the log determines; the comment of each such line states
+    the log and the interval. All other lines stay as they are, comments included.
     """
+    from uwsim.base.own_files import require_own
     from uwsim.evidence.identification import identify as identified
     from uwsim.evidence.identification import read_log
+    from uwsim.evidence.identification.calibrated_file import write_calibrated
     from uwsim.evidence.identification.motion_log import read_mapping
     from uwsim.evidence.identification.report import table, undetermined_lines, write_report
     from uwsim.scenario import load_vehicle
+    from uwsim.scenario.read.assets import YAML_SUFFIXES
 
+    is_file = out.suffix.lower() in YAML_SUFFIXES
+    if is_file:
+        require_own(out)
     found = identified(
         read_log(log, None if mapping is None else read_mapping(mapping), name),
         load_vehicle(vehicle),
@@ -74,7 +87,9 @@ def identify(
         typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
     for line in undetermined_lines(found):
         typer.echo(f"not determined: {line}")
-    for path in write_report(found, log.name, out):
+    if is_file:
+        write_calibrated(found, log.name, out)
+    for path in [out] if is_file else write_report(found, log.name, out):
         typer.echo(str(path))
 
 

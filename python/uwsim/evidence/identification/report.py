@@ -8,8 +8,8 @@ import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
+from uwsim.evidence.identification.calibrated_file import write_calibrated
 from uwsim.evidence.identification.solution import Identified
-from uwsim.scenario.dump import write_model
 
 COLUMNS = (
     *(f"position {axis} [m]" for axis in "xyz"),
@@ -23,7 +23,7 @@ VEHICLE, REPORT, FIGURE = "vehicle.yaml", "report.md", "residuals.png"
 def write_report(found: Identified, log: str, out: Path) -> list[Path]:
     """Write the vehicle, the report and the figure of the residuals into a folder, and return their paths."""
     out.mkdir(parents=True, exist_ok=True)
-    write_model(out / VEHICLE, found.model)
+    write_calibrated(found, log, out / VEHICLE)
     write_atomically(out / REPORT, _page(found, log).encode())
     _draw(found, out / FIGURE)
     return [out / VEHICLE, out / REPORT, out / FIGURE]

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,13 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import norm
 
-from uwsim.base.axes import AXES
 from uwsim.base.short_repr import ShortRepr
 from uwsim.evidence.identification.command_times import STEP_S
 from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Block, Flown
 from uwsim.evidence.identification.motion_log import MotionLog
-from uwsim.evidence.identification.unknowns import Unknown, unknowns
+from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, unknowns
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.spec.fields import Model
 
 Array = NDArray[np.float64]
 NORMAL_95 = float(norm.ppf(0.975))
@@ -46,7 +47,10 @@ BRIEF_S, MOST_BRIEF = 4.0, 60
 
 @dataclass(frozen=True)
 class Value:
-    """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that remains."""
+    """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that remains.
+
+    places: the numbers in the vehicle's file that it replaces; none for the current and the delay.
+    """
 
     name: str
     unit: str
@@ -55,6 +59,7 @@ class Value:
     low: float
     high: float
     left: float
+    places: tuple[Place, ...] = ()
 
     @property
     def is_determined(self) -> bool:
@@ -67,7 +72,8 @@ class Identified(ShortRepr):
     """The result. values: quantities by name. undetermined: combinations, as (share of the spread left, {name: part}).
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
-    noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values found.
+    noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values
+    that the log determines, given the file's for the others; numbers: the same by place in the file.
     """
 
     values: dict[str, Value]
@@ -77,6 +83,7 @@ class Identified(ShortRepr):
     correlation: Array
     times_s: Array
     model: VehicleModel
+    numbers: dict[Place, float]
 
 
 def identify(
@@ -118,15 +125,21 @@ def identify(
     for block in blocks:
         weighted = (block.slopes / wide[:, None])[np.isfinite(residuals[block.rows])]
         information[np.ix_(block.columns, block.columns)] += weighted.T @ weighted
-    covariance = np.linalg.inv(information + np.eye(flown.size))
+    p = len(found)
+    covariance = np.linalg.inv(information + np.eye(flown.size))[:p, :p]
+    values = _values(found, z, np.sqrt(np.diag(covariance)))
+    kept = numbers_at(found, _kept(z[:p], covariance, np.array([value.left for value in values.values()])))
+    before = numbers_at(found, np.zeros(p))
+    numbers = {place: number for place, number in kept.items() if number != before[place]}
     return Identified(
-        _values(found, z, np.sqrt(np.diag(covariance))),
+        values,
         _undetermined(found, information),
         residuals,
         scale,
         correlation,
         log.times_s,
-        _updated(model, found, z),
+        reduce(lambda part, at: _with_number(part, at, numbers[at]), numbers, model),
+        numbers,
     )
 
 
@@ -215,7 +228,9 @@ def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
         if unknown.unit == "s":
             sd = float(np.hypot(sd, STEP_S / np.sqrt(12.0) / unknown.slope(at)))
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
-        values[unknown.name] = Value(unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd))
+        values[unknown.name] = Value(
+            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places
+        )
     return values
 
 
@@ -235,25 +250,28 @@ def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float,
     return undetermined
 
 
-def _updated(model: VehicleModel, found: list[Unknown], z: Array) -> VehicleModel:
-    """Return the vehicle with the identified values, except for the current."""
-    values = {unknown.name: unknown.at(float(at)) for unknown, at in zip(found, z, strict=False)}
-    update: dict[str, Any] = {}
-    for name, value in values.items():
-        key, _, axis = name.partition(".")
-        if key == "mass_kg":
-            update[key] = value
-        elif key.startswith("centre_of"):
-            update.setdefault(key, list(getattr(model, key)))["xyz".index(axis)] = value
-        elif key in ("added_mass", "linear_damping", "quadratic_damping"):
-            update.setdefault(key, list(getattr(model, key)))[AXES.index(axis)] = value
-    mounts = {}
-    for name, mount in model.thrusters.items():
-        change: dict[str, Any] = {}
-        if "thrust_gain" in values:
-            change["gain"] = values["thrust_gain"]
-        if "thrust_lag" in values:
-            change["model"] = mount.model.model_copy(update={"time_constant_s": values["thrust_lag"]})
-        mounts[name] = mount.model_copy(update=change)
-    update = {key: tuple(value) if isinstance(value, list) else value for key, value in update.items()}
-    return model.model_copy(update=update | ({"thrusters": mounts} if mounts else {}))
+def _kept(z: Array, covariance: Array, left: Array) -> Array:
+    """Return z (p,) with the quantities that the log does not determine at the file's values.
+
+    The others are the most likely ones given that (the mean of a conditional normal distribution).
+    """
+    held = left >= DETERMINED
+    kept = np.where(held, 0.0, z)
+    if held.any() and not held.all():
+        across, own = covariance[np.ix_(~held, held)], covariance[np.ix_(held, held)]
+        kept[~held] -= across @ np.linalg.solve(own, z[held])
+    return kept
+
+
+def _with_number(part: Any, place: Place, number: float) -> Any:
+    """Return a copy of a model, or of a part of one, with a number at a place."""
+    if not place:
+        return number
+    key, rest = place[0], place[1:]
+    if isinstance(part, Model):
+        return part.model_copy(update={str(key): _with_number(getattr(part, str(key)), rest, number)})
+    if isinstance(part, Mapping):
+        return {**part, key: _with_number(part[key], rest, number)}
+    items = list(part)
+    items[int(key)] = _with_number(items[int(key)], rest, number)
+    return tuple(items)

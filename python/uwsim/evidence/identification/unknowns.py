@@ -2,15 +2,16 @@
 
 An unknown is a parameter of the vehicle file, the current, or the delay of the commands. Its prior is normal around the
 file's value, in the logarithm for positive quantities (mass, added mass, drag, thrust, lag) and directly for positions,
-the current and the delay. The
-spreads are broad on purpose: published sets for the same vehicle differ by this much (compare bluerov2_wu with
-bluerov2_tank).
+the current and the delay. The spreads are broad on purpose: published sets for the same vehicle differ by this much
+(compare bluerov2_wu with bluerov2_tank).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from uwsim.base.axes import AXES
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Array = NDArray[np.float64]
+MatrixKey = Literal["added_mass", "linear_damping", "quadratic_damping"]
 
 SPREADS = {  # prior standard deviations; of the logarithm for positive quantities
     "mass_kg": 0.1,
@@ -34,6 +36,8 @@ SPREADS = {  # prior standard deviations; of the logarithm for positive quantiti
 }
 """For positions: a share of the distance between the two centres, but at least LEAST_M."""
 LEAST_M = 0.002
+SIGNED = ("centre_of_mass_m", "centre_of_buoyancy_m", "current_m_s", "command_delay")
+"""Groups of quantities that may be negative, so that their priors are normal in the value itself."""
 DELAY = "command_delay"
 """The unknown by which all commands take effect later than logged; it is no parameter of the vehicle."""
 UNITS = {
@@ -47,12 +51,18 @@ AXIS_UNITS = {
 }
 
 
+Place = tuple[str | int, ...]
+"""The keys and indices that lead to a number in a vehicle's file."""
+
+
 @dataclass(frozen=True)
 class Unknown:
     """A quantity to be identified.
 
-    name: its name, such as added_mass.surge. names: the simulator's parameters that it sets. spread: standard deviation
-    of the prior, of the logarithm if `positive`. scale: factor from the identified value to each parameter.
+    name: its name, such as added_mass.surge. spread: standard deviation of the prior, of the logarithm if `positive`.
+    names: the simulator's parameters that it sets. places: the numbers in the vehicle's file that it replaces. coupled:
+    off-diagonal numbers of a matrix, by parameter and place; each is multiplied by the root of the change of this
+    diagonal one, so that the matrix stays symmetric and definite.
     """
 
     name: str
@@ -60,7 +70,14 @@ class Unknown:
     value: float
     spread: float
     positive: bool
-    names: tuple[str, ...]
+    names: tuple[str, ...] = ()
+    places: tuple[Place, ...] = ()
+    coupled: tuple[tuple[str, Place, float], ...] = ()
+
+    @property
+    def group(self) -> str:
+        """The first part of its name, such as added_mass."""
+        return self.name.partition(".")[0]
 
     def at(self, z: float) -> float:
         """Return the value that lies z prior standard deviations from the file's value."""
@@ -81,56 +98,92 @@ def unknowns(
     unknown name or a spread that is not positive.
     """
     given = dict(spreads or {})
-    found: list[Unknown] = []
-    gap_m = float(np.linalg.norm(np.subtract(_centre_of_buoyancy(model), model.centre_of_mass_m)))
     for key, spread in given.items():
         _require_group(key, "spread")
         if not (np.isfinite(spread) and 0 < spread <= 10):
             raise ValueError(f"spread.{key} = {spread}: must be in (0, 10]")
-
-    def add(name: str, value: float, positive: bool, *names: str) -> None:
-        group = name.split(".")[0]
-        spread = given.get(group, SPREADS[group])
-        if group.startswith("centre_of") and group not in given:
-            spread = max(spread * gap_m, LEAST_M)
-        if positive and value == 0.0:
-            return
-        index = AXES.index(name.split(".")[1]) if group in AXIS_UNITS else 0
-        unit = AXIS_UNITS[group][index // 3] if group in AXIS_UNITS else UNITS[group]
-        found.append(Unknown(name, unit, value, spread, positive, names))
-
-    if model.mass_kg is not None:
-        add("mass_kg", model.mass_kg, True, f"{vehicle}.mass_kg")
-    for key, values in (
-        ("centre_of_mass_m", model.centre_of_mass_m),
-        ("centre_of_buoyancy_m", model.centre_of_buoyancy_m),
-    ):
-        for axis, value in zip("xyz", values or (), strict=False):
-            add(f"{key}.{axis}", value, False, f"{vehicle}.{key}.{axis}")
-    for key, place in (
-        ("added_mass", "added_mass"), ("linear_damping", "drag.linear"), ("quadratic_damping", "drag.quadratic"),
-    ):  # fmt: skip
-        for axis, value in zip(AXES, getattr(model, key) or (), strict=False):
-            add(f"{key}.{axis}", value, True, f"{vehicle}.{place}.{axis}")
-    for key, place, of_each in (
-        ("thrust_gain", "gain", {mount.gain for mount in model.thrusters.values()}),
-        ("thrust_lag", "time_constant_s", {mount.model.time_constant_s for mount in model.thrusters.values()}),
-    ):
-        if len(of_each) == 1:  # one for all thrusters
-            add(key, of_each.pop(), True, *(f"{vehicle}.thrusters.{name}.{place}" for name in model.thrusters))
-    for axis in "xy":
-        add(f"current_m_s.{axis}", 0.0, False, f"water.current_world_m_s.{axis}")
-    add(DELAY, 0.0, False)
-    names = {u.name for u in found}
+    gap_m = float(np.linalg.norm(np.subtract(_centre_of_buoyancy(model), model.centre_of_mass_m)))
+    own = SPREADS | {key: max(SPREADS[key] * gap_m, LEAST_M) for key in SPREADS if key.startswith("centre_of")} | given
+    found = [each for each in _of_vehicle(model, vehicle) if each.value or not each.positive]
+    found += [_unknown(f"current_m_s.{axis}", 0.0, (f"water.current_world_m_s.{axis}",)) for axis in "xy"]
+    found.append(_unknown(DELAY, 0.0))
+    names = {each.name for each in found}
     for name in known:
         if name not in names:
             _require_group(name, "known")
-    return [u for u in found if u.name not in known and u.name.split(".")[0] not in known]
+    left = [each for each in found if each.name not in known and each.group not in known]
+    return [replace(each, spread=own[each.group]) for each in left]
+
+
+def _of_vehicle(model: VehicleModel, vehicle: str) -> Iterator[Unknown]:
+    if model.mass_kg is not None:
+        yield _unknown("mass_kg", model.mass_kg, (f"{vehicle}.mass_kg",), (("mass_kg",),))
+    centres = ["centre_of_mass_m"]
+    if model.volume_m3 is not None:  # otherwise it is the mesh's own, or only places the mesh
+        centres.append("centre_of_buoyancy_m")
+    for key in centres:
+        for k, value in enumerate(getattr(model, key) or ()):
+            yield _unknown(f"{key}.{'xyz'[k]}", value, (f"{vehicle}.{key}.{'xyz'[k]}",), ((key, k),))
+    yield from _matrix(model, "added_mass", f"{vehicle}.added_mass")
+    yield from _matrix(model, "linear_damping", f"{vehicle}.drag.linear")
+    yield from _matrix(model, "quadratic_damping", f"{vehicle}.drag.quadratic")
+    for name, key in (("thrust_gain", "gain"), ("thrust_lag", "time_constant_s")):
+        values = {mount: each.gain if key == "gain" else each.lag_s for mount, each in model.thrusters.items()}
+        for value in dict.fromkeys(values.values()):  # equal thrusters share an unknown
+            alike = [mount for mount in values if values[mount] == value]
+            yield _unknown(
+                name if len(alike) == len(values) else f"{name}.{'+'.join(alike)}",
+                value,
+                tuple(f"{vehicle}.thrusters.{mount}.{key}" for mount in alike),
+                tuple(("thrusters", mount, key) for mount in alike),
+            )
+
+
+def _matrix(model: VehicleModel, key: MatrixKey, parameter: str) -> Iterator[Unknown]:
+    is_full = getattr(model, f"{key}_matrix") is not None
+    matrix = model.matrix(key)
+    for k, axis in enumerate(AXES):
+        coupled = tuple(
+            (f"{parameter}.{AXES[i]}_{AXES[j]}", (f"{key}_matrix", i, j), float(matrix[i, j]))
+            for i in range(6)
+            for j in range(6)
+            if k in (i, j) and i != j and matrix[i, j] and is_full
+        )
+        place: Place = (f"{key}_matrix", k, k) if is_full else (key, k)
+        yield _unknown(f"{key}.{axis}", float(matrix[k, k]), (f"{parameter}.{axis}",), (place,), coupled)
+
+
+def _unknown(
+    name: str,
+    value: float,
+    names: tuple[str, ...] = (),
+    places: tuple[Place, ...] = (),
+    coupled: tuple[tuple[str, Place, float], ...] = (),
+) -> Unknown:
+    group, _, axis = name.partition(".")
+    unit = AXIS_UNITS[group][AXES.index(axis) // 3] if group in AXIS_UNITS else UNITS[group]
+    return Unknown(name, unit, value, SPREADS[group], group not in SIGNED, names, places, coupled)
 
 
 def parameters_at(found: list[Unknown], z: Array) -> dict[str, float]:
     """Return the simulator's parameters at z (n,)."""
-    return {name: u.at(float(value)) for u, value in zip(found, z, strict=True) for name in u.names}
+    return _numbers(found, z, lambda each: each.names, 0)
+
+
+def numbers_at(found: list[Unknown], z: Array) -> dict[Place, float]:
+    """Return the numbers in the vehicle's file at z (n,), by place."""
+    return _numbers(found, z, lambda each: each.places, 1)
+
+
+def _numbers(found: list[Unknown], z: Array, own: Callable[[Unknown], tuple[Any, ...]], kind: int) -> dict[Any, float]:
+    values: dict[Any, float] = {}
+    for each, at in zip(found, z, strict=True):
+        value = each.at(float(at))
+        values |= dict.fromkeys(own(each), value)
+        for coupling in each.coupled:
+            key = coupling[kind]
+            values[key] = values.get(key, coupling[2]) * math.sqrt(value / each.value)
+    return values
 
 
 def _centre_of_buoyancy(model: VehicleModel) -> tuple[float, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.draft_actuators import ACCELERATION_M_S2, Body, Thrust, proposed_fins, proposed_thrusters
 from uwsim.evidence.vehicle.estimates import hull_drag
 from uwsim.evidence.vehicle.potential_flow import COARSE, GIVEN_MAX, added_mass_of_mesh
@@ -119,7 +120,7 @@ def _lines(
 ) -> Iterator[str]:
     size_m, low, high = body.high_m - body.low_m, body.low_m, body.high_m
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", mesh.stem).strip("_")
-    yield f"# Drafted by `uwsim vehicle {mesh.name} --draft`. Nothing here is measured: replace what you know."
+    yield f"# Drafted by `uwsim vehicle {mesh.name} --draft`. Estimates unless a line states otherwise."
     yield "# Six-vectors: surge, sway, heave, roll, pitch, yaw. Body frame: x forward, y left, z up."
     yield f"name: {(name if name[:1].isalpha() else 'hull_' + name)[:40]}"
     yield f"mesh: {json.dumps(str(mesh.resolve()), ensure_ascii=False)}   # or relative to this file"
@@ -129,10 +130,9 @@ def _lines(
     yield f"centre_of_mass_m: [0, 0, {-body.lever_m:.4g}]   # estimated by {LEVER:g} of the hull's height"
     inertia = "estimated by a solid of uniform density (0.7 to 1.5 times)"
     yield f"inertia_kg_m2: [{_plain(body.inertia_kg_m2)}]   # {inertia}"
-    yield "# estimated by panels in ideal flow (within 1 %; frames 8 % low): more if water enters, less if it separates"
-    yield "added_mass_matrix:"
-    for row in written(body):
-        yield f"  - [{_plain(row)}]"
+    yield "added_mass_matrix:   # panels: within 1 %, frames 8 % low; more if water enters, less if flow separates"
+    for axis, row in zip(AXES, written(body), strict=True):
+        yield f"  - [{_plain(row)}]   # {axis}: estimated by panels in ideal flow"
     yield f"munk_share: {body.munk_share:.2g}   # estimated by the share of the frontal area that is not flat (0 to 1)"
     yield from _drag_lines(body)
     yield f"crossflow_length_m: {size_m[0]:.4g}   # estimated by the hull's length"
@@ -174,16 +174,27 @@ def written(body: Body) -> Floats:
 def _drag_lines(body: Body) -> Iterator[str]:
     quadratic = body.quadratic
     low, high = body.surge_spread
-    yield f"# surge: estimated by ITTC-57 friction with Hoerner's form factor, {low:.3g} N s2/m2, and Hoerner's"
-    yield f"# blunt body, {high:.3g}, by the flat share of the bow; sway, heave: by C_D 1.1 (0.3 to 1.8 times);"
-    yield "# roll, pitch, yaw: by strips (0.3 to 1.8 times; 0 if the hull is round about the axis)"
-    yield f"quadratic_damping: [{_plain(quadratic)}]"
+    surge = (
+        f"ITTC-57 friction with Hoerner's form factor, {low:.3g}, and a blunt body, {high:.3g}, by the bow's flat share"
+    )
+    strips = "strips (0.3 to 1.8 times; 0 if the hull is round about the axis)"
+    yield "quadratic_damping:"
+    yield from _by_axis(quadratic, [surge, *["C_D 1.1 (0.3 to 1.8 times)"] * 2, *[strips] * 3])
     turning = body.inertia_kg_m2 + np.diagonal(body.added)[3:]
     righting_nm_rad = body.mass_kg * _core.Water().gravity_m_s2 * body.lever_m
     rocking = 2.0 * CRITICAL * np.sqrt(righting_nm_rad * turning[:2])
-    yield f"# estimated by the quadratic drag at {SLOW_M_S:g} m/s; roll, pitch: {CRITICAL:g} of critical damping; yaw:"
-    yield f"# settles in {SETTLES_S:g} s (all assumed, 0.3 to 3 times)"
-    yield f"linear_damping: [{_plain([*(SLOW_M_S * quadratic[:3]), *rocking, turning[2] / SETTLES_S])}]"
+    along = f"the quadratic drag at {SLOW_M_S:g} m/s (0.3 to 3 times)"
+    about = f"{CRITICAL:g} of critical damping (assumed, 0.3 to 3 times)"
+    yield "linear_damping:"
+    yield from _by_axis(
+        np.array([*(SLOW_M_S * quadratic[:3]), *rocking, turning[2] / SETTLES_S]),
+        [*[along] * 3, *[about] * 2, f"settling in {SETTLES_S:g} s (assumed, 0.3 to 3 times)"],
+    )
+
+
+def _by_axis(values: Floats, methods: Sequence[str]) -> Iterator[str]:
+    for axis, value, method in zip(AXES, values, methods, strict=True):
+        yield f"  - {value:.4g}   # {axis}: estimated by {method}"
 
 
 def _plain(values: Sequence[float] | Floats) -> str:

@@ -36,7 +36,7 @@ def _thruster_parameters(name: str, mount: ThrusterMount, by_voltage: bool) -> _
     if by_voltage:
         parameters.sheets = thruster.performance(mount.gain)
     parameters.health = mount.health
-    parameters.time_constant_s = thruster.time_constant_s
+    parameters.time_constant_s = mount.lag_s
     parameters.diameter_m = thruster.diameter_m
     parameters.bollard_coefficient = thruster.bollard_coefficient
     parameters.zero_thrust_advance_ratio = thruster.zero_thrust_advance_ratio or math.inf

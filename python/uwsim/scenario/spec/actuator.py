@@ -123,16 +123,22 @@ class ThrusterMount(Model):
     model: the name of a packaged thruster or the path of its YAML file, which is read into a ThrusterType. position_m:
     position of the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: sense of
     rotation seen from behind, at positive thrust. gain: a factor on the type's thrust, such as for another battery
-    voltage; the allocation of efforts takes it into account. health: the fraction of thrust left by a fault, of which
-    the allocation is not aware.
+    voltage; the allocation of efforts takes it into account. time_constant_s: time constant of the thrust's lag, by
+    default the type's. health: the fraction of thrust left by a fault, of which the allocation is not aware.
     """
 
+    time_constant_s: Annotated[float, InRange(0, 60, "s")] | None = None
     model: Annotated[ThrusterType, BeforeValidator(_thruster_type, json_schema_input_type=ThrusterName | ThrusterType)]
     position_m: Point3
     axis: Direction
     spin: Literal["clockwise", "counter-clockwise"] = "clockwise"
     gain: Annotated[float, InRange(0.01, 100)] = 1.0
     health: Annotated[float, InRange(0, 1)] = 1.0
+
+    @property
+    def lag_s(self) -> float:
+        """The time constant of the thrust's lag."""
+        return self.model.time_constant_s if self.time_constant_s is None else self.time_constant_s
 
     @model_validator(mode="after")
     def _points_somewhere(self) -> ThrusterMount:

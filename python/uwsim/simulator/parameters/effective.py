@@ -6,6 +6,7 @@ from typing import Any
 
 from uwsim.scenario import rigid_body
 from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.spec.actuator import ThrusterMount
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
@@ -25,6 +26,8 @@ def effective(owner: Model, field: str, scenario: Scenario) -> Any:
         return own or Noise(std=owner.noise_std or 0.0)
     if own is None and isinstance(owner, VehicleModel):
         return _of_vehicle(owner, field, scenario)
+    if own is None and isinstance(owner, ThrusterMount):
+        return owner.lag_s
     if own is None and isinstance(owner, Water | WaterLevel | LinearEnd):
         return _of_water(owner, field)
     return own
