@@ -90,13 +90,15 @@ def test_changes_between_samples_come_at_times_that_may_shift() -> None:
     np.testing.assert_allclose(times_s, [0.0, 0.15, 0.35])
     np.testing.assert_allclose(sds_s, [0.0, *[0.1 / np.sqrt(12)] * 2])
     segment = segment_of(times_s, changed, sds_s, 0.0, 0.5)
-    on_time, all_later, first_later, last_later = segment.efforts(0, np.array([0, 0]), 100).transpose(1, 0, 2)
+    on_time, others_later, first_later, last_later = segment.efforts(0, np.array([0, 0]), 100).transpose(1, 0, 2)
     assert [int(np.argmax(on_time[:, axis] != 0)) for axis in (0, 5)] == [30, 70]
-    assert [int(np.argmax(all_later[:, axis] != 0)) for axis in (0, 5)] == [31, 71]
+    assert [int(np.argmax(others_later[:, axis] != 0)) for axis in (0, 5)] == [30, 70]
     assert [int(np.argmax(first_later[:, axis] != 0)) for axis in (0, 5)] == [31, 70]
     assert [int(np.argmax(last_later[:, axis] != 0)) for axis in (0, 5)] == [30, 71]
-    shifted = segment.efforts(-2, np.array([5, 0]), 100)[:, 0]
+    shifted = segment.efforts(-2, np.array([3, -2]), 100)[:, 0]
     assert [int(np.argmax(shifted[:, axis] != 0)) for axis in (0, 5)] == [33, 68]
+    exact_later = segment_of(times_s, changed, np.zeros(3), 0.0, 0.5).efforts(0, np.array([], np.int64), 100)[:, 1]
+    assert [int(np.argmax(exact_later[:, axis] != 0)) for axis in (0, 5)] == [31, 71]
     exact = segment_of(np.array([0.0, 0.1525]), changed[:2], np.zeros(2), 0.0, 0.5)
     np.testing.assert_allclose(exact.efforts(0, np.array([], np.int64), 40)[29:33, 0, 0], [0, 0.25, 0.5, 0.5])
 

@@ -37,13 +37,15 @@ class Segment:
     def efforts(self, delay_ticks: int, shift_ticks: NDArray[np.int64], count: int) -> Array:
         """Return the efforts (count, 2 + m, 6) in each step.
 
-        Of these, the first come at their times, the second one step later, and the others have one change a step later.
-        A change within a step enters by its share of the step.
+        delay_ticks: by which changes are late; shift_ticks (m,): instead, for those that may shift. Of the efforts, the
+        first come at these times; in the second, changes that may not shift come one step later, and in each of the
+        others one that may shift. A change within a step enters by its share of the step.
         """
-        own = np.zeros(len(self.ticks), np.int64)
-        own[self.shifting] = shift_ticks
-        base = self.ticks + delay_ticks + own
-        later = [base, base + 1, *(base + (np.arange(len(base)) == k) for k in self.shifting)]
+        base = self.ticks + delay_ticks
+        base[self.shifting] = self.ticks[self.shifting] + shift_ticks
+        fixed = np.ones(len(base))
+        fixed[self.shifting] = 0.0
+        later = [base, base + fixed, *(base + (np.arange(len(base)) == k) for k in self.shifting)]
         return np.clip(np.stack([self._held(ticks, count) for ticks in later], axis=1), -1.0, 1.0)
 
     def _held(self, ticks: Array, count: int) -> Array:

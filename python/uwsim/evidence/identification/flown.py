@@ -27,7 +27,12 @@ VEHICLE = "vehicle"
 DEPTH_M, BED_M = 400.0, 1000.0
 START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's initial state [m, rad, m/s, rad/s]
 OUTPUTS = 12
-DIFFERENCE = 1e-5
+DIFFERENCE = 1e-2
+"""Of an unknown, in standard deviations of its prior, for its derivative: about the smallest error of an estimate.
+
+A propeller's loss by inflow is as the root of its thrust, whose derivative is infinite where the thrust reverses; with
+much smaller differences, one step near there would pass for information on the thrust's lag.
+"""
 MOST_ROWS, MOST_UNKNOWNS = 400_000, 3000  # which take 2 GB, and a minute for each solution
 BOX = (
     (1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6),
@@ -151,20 +156,21 @@ class Flown:
         """Return the residuals (r, 12) of a segment and their derivatives (r, 12, c).
 
         Commands take effect at steps. Between two steps, the motion is interpolated linearly from one simulation with
-        the earlier step and one with the later step, whose difference is the derivative.
+        the earlier step and one with the later step, whose difference is the derivative; for each command that may
+        shift, by its own time, the delay included, so that the residuals stay continuous.
         """
         delay = 0.0 if self._delay is None else self.found[self._delay].at(float(z[self._delay])) / STEP_S
-        shift_ticks = shifts * part.commands.sd_s / STEP_S
-        off = self._misses(part, int(np.floor(delay)), np.floor(shift_ticks).astype(np.int64))
+        ticks = delay + shifts * part.commands.sd_s / STEP_S
+        off = self._misses(part, int(np.floor(delay)), np.floor(ticks).astype(np.int64))
         p, n = len(self.found), part.shifts
         nudges = np.full(p + OUTPUTS + n, DIFFERENCE)
         nudges[p + OUTPUTS :] = STEP_S / part.commands.sd_s
+        change = (off[:, 1 : 1 + len(nudges)] - off[:, :1]).transpose(0, 2, 1)
+        residual = off[:, 0] + change[..., p + OUTPUTS :] @ (ticks % 1.0)
         if self._delay is not None:
             nudges[self._delay] = STEP_S / self.found[self._delay].spread
-        change = (off[:, 1 : 1 + len(nudges)] - off[:, :1]).transpose(0, 2, 1)
-        residual = off[:, 0] + change[..., p + OUTPUTS :] @ (shift_ticks % 1.0)
-        if self._delay is not None:
             residual += change[..., self._delay] * (delay % 1.0)
+            change[..., self._delay] += change[..., p + OUTPUTS :].sum(axis=-1)
         return residual, np.nan_to_num(change / nudges)
 
     def _misses(self, part: Part, delay_ticks: int, shift_ticks: NDArray[np.int64]) -> Array:

@@ -6,8 +6,7 @@ System Identification, ch. 7; Jategaonkar 2006, Flight Vehicle System Identifica
 The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
 observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
 matrix at the solution; they assume that the model is right and the noise white. Where residuals are correlated from
-sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation. The thrust
-lag and the delay have, in addition, the variance of a uniform distribution over one step: commands act at steps.
+sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from scipy.optimize import least_squares
 from scipy.stats import norm
 
 from uwsim.base.short_repr import ShortRepr
-from uwsim.evidence.identification.command_times import STEP_S
 from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Block, Flown
 from uwsim.evidence.identification.motion_log import MotionLog
 from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, unknowns
@@ -127,12 +125,12 @@ def identify(
         information[np.ix_(block.columns, block.columns)] += weighted.T @ weighted
     p = len(found)
     covariance = np.linalg.inv(information + np.eye(flown.size))[:p, :p]
-    values = _values(found, z, np.sqrt(np.diag(covariance)))
-    kept = numbers_at(found, _kept(z[:p], covariance, np.array([value.left for value in values.values()])))
+    left = np.sqrt(np.diag(covariance))
+    kept = numbers_at(found, _kept(z[:p], covariance, left))
     before = numbers_at(found, np.zeros(p))
     numbers = {place: number for place, number in kept.items() if number != before[place]}
     return Identified(
-        values,
+        _values(found, z, left),
         _undetermined(found, information),
         residuals,
         scale,
@@ -225,8 +223,6 @@ def _lag_one(residuals: Array) -> Array:
 def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
     values = {}
     for unknown, at, sd in zip(found, z, spread, strict=False):
-        if unknown.unit == "s":
-            sd = float(np.hypot(sd, STEP_S / np.sqrt(12.0) / unknown.slope(at)))
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
         values[unknown.name] = Value(
             unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places

@@ -83,10 +83,6 @@ class Unknown:
         """Return the value that lies z prior standard deviations from the file's value."""
         return self.value * float(np.exp(self.spread * z)) if self.positive else self.value + self.spread * z
 
-    def slope(self, z: float) -> float:
-        """Return the derivative of the value with respect to z."""
-        return self.spread * self.at(z) if self.positive else self.spread
-
 
 def unknowns(
     model: VehicleModel, vehicle: str, spreads: Mapping[str, float] | None = None, known: tuple[str, ...] = ()

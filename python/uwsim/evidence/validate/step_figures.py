@@ -36,7 +36,7 @@ def draw_steps(responses: list[StepResponse], path: Path, before: Sequence[StepR
         )
         panel.text(0.97, 0.08, figures, transform=panel.transAxes, ha="right", va="bottom", fontsize=8)
     if before:
-        panels[0, 0].legend(fontsize=8, loc="center right")
+        figure.legend(*panels[0, 0].get_legend_handles_labels(), fontsize=8, loc="outside upper right", ncols=3)
     figure.suptitle(f"{responses[0].vehicle}: step responses")
     save_figure(figure, path)
     plt.close(figure)

@@ -83,8 +83,8 @@ def _of_straight_run(figures: VehicleFigures) -> Iterator[Found]:
         yield (
             ("munk_share",),
             f"{what}; without the Munk moment it would tilt by {run.tilt_without_munk_deg:.0f} deg. That moment grows "
-            "with the speed squared and the added mass in heave and sway beyond surge. Tail fins or a lower centre of "
-            "mass counter it; on an open frame munk_share is near 0",
+            "with the speed squared and the added mass in heave and sway beyond surge. Tail fins counter it, or trim "
+            "weights that lower the centre of mass; on an open frame munk_share is near 0",
         )
 
 
@@ -135,7 +135,8 @@ def _of_steering(figures: VehicleFigures) -> Iterator[Found]:
     growth = figures.course_growth_1_s
     if growth is not None and growth > GROWTH_1_S:
         seconds = np.log(2.0) / growth
-        yield (), f"it does not keep its course under way: a yaw doubles in {seconds:.1f} s; has it a tail?"
+        what = f"it does not keep its course under way: a yaw doubles in {seconds:.1f} s"
+        yield (), f"{what}; tail fins counter the Munk moment that turns it"
 
 
 def _of_mount(mount: Mount, figures: VehicleFigures) -> Iterator[str]:
