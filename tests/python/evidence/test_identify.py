@@ -72,12 +72,12 @@ def test_intervals_contain_the_truth_and_the_noise_is_found(model: VehicleModel)
     assert found.model.mass_kg == pytest.approx(truth["mass_kg"], rel=0.02)
 
 
-@pytest.mark.parametrize("seed", [0, 1], ids=["commands late by a delay", "commands seen in the next row"])
+@pytest.mark.parametrize("seed", [0, 3], ids=["commands late by a delay", "commands seen in the next row"])
 def test_intervals_contain_the_truth_of_commands_between_the_rows(seed: int, model: VehicleModel) -> None:
     true = true_log(seed, model, duration_s=8.0)
     found = identify(true.log, model)
     inside = covered(found, true.values)
-    assert np.mean(list(inside.values())) >= 0.8  # of up to 30; a log without their times has 5 to 17
+    assert np.mean(list(inside.values())) >= 0.8  # of up to 30, whose errors are correlated; without the times, 5 to 17
     assert found.values[DELAY].is_determined
     if seed == 0:
         assert found.values[DELAY].value == pytest.approx(true.values[DELAY], abs=0.002)
