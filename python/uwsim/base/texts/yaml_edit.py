@@ -101,7 +101,7 @@ def _lines(root: Node, replaced: set[int]) -> tuple[dict[int, int], set[int]]:
     for node in _scalars(root):
         line = node.end_mark.line
         ends[line] = max(ends.get(line, 0), node.end_mark.index)
-        is_number = node.tag.endswith((":int", ":float")) and node.value.strip("+-.0")
+        is_number = str(node.tag).endswith((":int", ":float")) and node.value.strip("+-.0")
         if is_number and node.start_mark.index not in replaced:
             kept.add(line)
     return ends, kept

@@ -124,11 +124,10 @@ def identify(
         weighted = (block.slopes / wide[:, None])[np.isfinite(residuals[block.rows])]
         information[np.ix_(block.columns, block.columns)] += weighted.T @ weighted
     p = len(found)
-    covariance = np.linalg.inv(information + np.eye(flown.size))[:p, :p]
-    left = np.sqrt(np.diag(covariance))
-    kept = numbers_at(found, _kept(z[:p], covariance, left))
-    before = numbers_at(found, np.zeros(p))
-    numbers = {place: number for place, number in kept.items() if number != before[place]}
+    covariance: Array = np.asarray(np.linalg.inv(information + np.eye(flown.size))[:p, :p], np.float64)
+    left: Array = np.asarray(np.sqrt(np.diag(covariance)), np.float64)
+    own = numbers_at(found, np.zeros(p))
+    numbers = {place: n for place, n in numbers_at(found, _kept(z[:p], covariance, left)).items() if n != own[place]}
     return Identified(
         _values(found, z, left),
         _undetermined(found, information),
