@@ -13,9 +13,9 @@ from uwsim import Batch, Simulator
 from uwsim.cli.program import app
 from uwsim.evidence.identification import MotionLog, identify, read_log
 from uwsim.evidence.identification.command_times import sampled, segment_of
-from uwsim.evidence.identification.flown import parts_of
+from uwsim.evidence.identification.flown import OUTPUTS, Flown, parts_of
 from uwsim.evidence.identification.motion_log import read_mapping
-from uwsim.evidence.identification.unknowns import DELAY, parameters_at, unknowns
+from uwsim.evidence.identification.unknowns import DELAY, SPREADS, parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
 from uwsim.recording import Recorder
@@ -101,6 +101,19 @@ def test_changes_between_samples_come_at_times_that_may_shift() -> None:
     assert [int(np.argmax(exact_later[:, axis] != 0)) for axis in (0, 5)] == [31, 71]
     exact = segment_of(np.array([0.0, 0.1525]), changed[:2], np.zeros(2), 0.0, 0.5)
     np.testing.assert_allclose(exact.efforts(0, np.array([], np.int64), 40)[29:33, 0, 0], [0, 0.25, 0.5, 0.5])
+
+
+def test_residuals_are_continuous_where_a_delay_passes_a_step(model: VehicleModel) -> None:
+    """Otherwise the solver stops there. Commands that may shift are within the step, too."""
+    found = unknowns(model, "vehicle", known=("added_mass", "linear_damping", "quadratic_damping"))
+    flown = Flown(model, true_log(3, model, duration_s=3.0).log, found, 60.0, 1000.0)
+    z, names = np.zeros(flown.size), [each.name for each in found]
+    z[len(found) + OUTPUTS :] = 0.01
+    residuals = []
+    for delay_s in (-1e-7, 1e-7):
+        z[names.index(DELAY)] = delay_s / SPREADS[DELAY]
+        residuals.append(flown.outputs(z)[0])
+    assert (np.abs(residuals[1] - residuals[0]) < 0.005 * NOISE).all()
 
 
 def test_a_log_without_motion_in_an_axis_says_so(model: VehicleModel) -> None:
