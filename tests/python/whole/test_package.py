@@ -60,6 +60,7 @@ OF_OTHERS = {
     "ruamel",
     "affine",
     "annotated_types",
+    "typing_extensions",
     "mpl_toolkits",
     "IPython",
     "dask",
