@@ -59,17 +59,23 @@ def test_a_scenario_may_build_on_a_vehicle_in_place_and_is_as_if_all_were_writte
     ("text", "line"),
     [
         ("builds_on: mine.yaml\n", "mine.yaml:1: builds_on = 'mine.yaml': must not build on itself"),
+        ("builds_on: level4.yaml\n", "level0.yaml:1: builds_on = 'rov': must build on at most 5 others"),
         ("builds_on: rovv\n", "unknown vehicle 'rovv'"),
         ("builds_on: 7\n", "builds_on = 7: must be text"),
+        ("builds_on: rov\nfrition: null\n", "mine.yaml:2: frition: unknown key; did you mean 'friction'?"),
+        ("builds_on: rov\nsensors: {dpth: null}\n", "sensors.dpth: no such part to remove; did you mean 'depth'?"),
         ("builds_on: rov\nfrition: 0.1\n", "mine.yaml:2: frition: unknown key; did you mean 'friction'?"),
         ("builds_on: base.yaml\n", "base.yaml:3: friction = 9: must be in [0, 2]"),
     ],
 )
-def test_mistakes_name_the_file_in_which_they_are(tmp_path: Path, text: str, line: str) -> None:
+def test_a_mistake_is_one_line_with_the_file_in_which_it_is(tmp_path: Path, text: str, line: str) -> None:
     written(tmp_path, "base.yaml", "builds_on: rov\nname: base\nfriction: 9\n")
+    for level in range(5):
+        written(tmp_path, f"level{level}.yaml", f"builds_on: {f'level{level - 1}.yaml' if level else 'rov'}\n")
+    load_vehicle(tmp_path / "level4.yaml")
     with pytest.raises(ScenarioError) as refused:
         load_vehicle(written(tmp_path, "mine.yaml", text))
-    assert any(line in mistake for mistake in refused.value.mistakes)
+    assert len(refused.value.mistakes) == 1 and line in refused.value.mistakes[0]
 
 
 def test_the_outfit_of_a_bluerov2_sees_and_maps(tmp_path: Path) -> None:

@@ -22,6 +22,8 @@ M = TypeVar("M", bound=BaseModel)
 
 MAX_MISTAKES = 20
 MAX_ROUNDS = 50
+BASE = "builds_on"
+"""The key of the file from which a file takes the values that it does not give."""
 MEANT = re.compile(r"did you mean '([^']+)'")
 
 
@@ -75,6 +77,9 @@ def _follows(mistake: Mistake, left: Remainder) -> bool:
     path, model = left.in_file(mistake.path), left.in_file(mistake.model)
     for gone in left.left_out:
         if path[: len(gone)] == gone:
+            return True
+        is_absent = path == gone[:-1] or (path[:-1] == gone[:-1] and not left.has(mistake.path))
+        if gone[-1] == BASE and is_absent:  # the base might have given it
             return True
         inside = gone[: len(model)] == model and len(gone) > len(model)
         if inside and any(re.search(rf"\b{re.escape(str(key))}\b", mistake.rule) for key in gone[len(model) :]):

@@ -21,6 +21,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.spec_file import read_spec, spec_path
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
@@ -41,6 +42,9 @@ MASSES = ("mass_kg", "density_kg_m3", "buoyancy")
 NEEDED = ("name", "mesh", "centre_of_mass_m")
 PARTS = ("thrusters", "fins", "sensors", "cameras", "lamps", "imaging_sonars")
 """The fields that hold parts by name."""
+
+MOST_BASES = 5
+"""Vehicles, one built on another, below the one that is read: a mistake in the last is looked for twice in each."""
 
 VehicleName = Annotated[str, AssetName("vehicles")]
 
@@ -168,11 +172,15 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         schema = super().__get_pydantic_json_schema__(core, handler)
         own = handler.resolve_ref_schema(schema)
-        own["anyOf"] = [{"required": own.pop("required")}, {"required": ["builds_on"]}]
-        for key in PARTS:  # `null` removes a part of the vehicle below
-            for arm in own["properties"][key].get("anyOf", [own["properties"][key]]):
+        needed = own.pop("required")
+        own["anyOf"] = [{"required": needed}, {"required": ["builds_on"]}]
+        for key, field in own["properties"].items():  # `null` removes a value or a part of the base
+            if key not in needed:
+                own["properties"][key] = _or_null(field)
+        for key in PARTS:
+            for arm in own["properties"][key]["anyOf"]:
                 for name, part in arm.get("patternProperties", {}).items():
-                    arm["patternProperties"][name] = {"anyOf": [part, {"type": "null"}]}
+                    arm["patternProperties"][name] = _or_null(part)
         return schema
 
     @model_validator(mode="wrap")
@@ -242,17 +250,29 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
         return np.diag(np.zeros(6) if diagonal is None else np.array(diagonal, np.float64))
 
 
+def _or_null(schema: JsonSchemaValue) -> JsonSchemaValue:
+    """Return a schema that also accepts null; what describes a field stays outside the choice."""
+    described: JsonSchemaValue = {key: schema[key] for key in ("default", "description") if key in schema}
+    arms = schema.get("anyOf", [{key: value for key, value in schema.items() if key not in described}])
+    return {"anyOf": [*arms, *([] if {"type": "null"} in arms else [{"type": "null"}])], **described}
+
+
 _building: ContextVar[tuple[Path, ...]] = ContextVar("_building", default=())
 """The vehicles' files that are being read as the base of another, innermost last."""
 
 
 def _on_its_base(values: Any, folder: Path | None) -> Any:
     """Return a vehicle's values together with those of the vehicle that it builds on, if any. Raises ScenarioError."""
-    if not isinstance(values, Mapping) or not isinstance(values.get("builds_on"), str | Path):
+    if not isinstance(values, Mapping) or (base := values.get("builds_on")) is None:
         return values
-    path = spec_path(values["builds_on"], "vehicles", folder).resolve()
-    if path in (above := _building.get()):
-        raise broken("must not build on itself", at=("builds_on",), value=str(values["builds_on"]))
+    if not isinstance(base, str | Path):
+        raise broken("must be text", at=("builds_on",), value=base)
+    path = spec_path(base, "vehicles", folder).resolve()
+    above = _building.get()
+    if path in above:
+        raise broken("must not build on itself", at=("builds_on",), value=str(base))
+    if len(above) == MOST_BASES:
+        raise broken(f"must build on at most {MOST_BASES} others, one on another", at=("builds_on",), value=str(base))
     token = _building.set((*above, path))
     try:
         merged = load_vehicle(path).given()
@@ -260,10 +280,18 @@ def _on_its_base(values: Any, folder: Path | None) -> Any:
         _building.reset(token)
     for key, value in values.items():
         if key in PARTS and isinstance(value, Mapping):
-            parts = {**merged.get(key, {}), **value}
-            value = {name: part for name, part in parts.items() if part is not None}
+            value = _with_parts(merged.get(key, {}), value, key)
         merged[key] = value
-    return {key: value for key, value in merged.items() if value is not None and key != "builds_on"}
+    known = VehicleModel.model_fields.keys() - {"builds_on"}
+    return {key: value for key, value in merged.items() if key != "builds_on" and not (value is None and key in known)}
+
+
+def _with_parts(base: Mapping[str, Any], own: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return parts by name, those of the base without the ones that are `null` here. Raises PydanticCustomError."""
+    for name in own:
+        if own[name] is None and name not in base:
+            raise broken(f"no such part to remove{did_you_mean(str(name), base)}", at=(key, name))
+    return {name: part for name, part in {**base, **own}.items() if part is not None}
 
 
 def _not_one_mass(given: int) -> PydanticCustomError:
