@@ -1,6 +1,9 @@
 """`scenario check` names all that a survey lacks, with YAML that, pasted, makes the check pass and the survey fly."""
 
+import json
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -58,6 +61,22 @@ def test_what_is_pasted_flies_the_survey(tmp_path: Path) -> None:
     path = pool(tmp_path, check_file(pool(tmp_path, f"    model: {MINE}")).paste)
     flown = uw.run_survey(path, tmp_path / "out", report="json", screen=Silent())
     assert not flown.ended_early and flown.coverage is not None and flown.coverage > 0.95
+
+
+@pytest.mark.parametrize(
+    ("dump", "key"),
+    [(partial(yaml.safe_dump, sort_keys=False), "  model: MODEL"), (json.dumps, '"model": "MODEL"')],
+)
+def test_the_yaml_is_written_as_the_entry_is_and_keeps_a_set_of_sensors(tmp_path: Path, dump: Any, key: str) -> None:
+    scenario = yaml.safe_load(find_yaml("pool", "scenarios").read_text())
+    scenario["vehicles"][0]["model"] = "MODEL"
+    (tmp_path / "set.yaml").write_text("name: set\nsensors: {compass: {kind: compass}}\n")
+    path = tmp_path / "mine_pool.yaml"
+    path.write_text(dump(scenario).replace(key, "  model: {builds_on: rov, sonar: null, sensors: set.yaml}"))
+    path.write_text(dump(scenario).replace(key, check_file(path).paste.rstrip()))
+    passed = check_file(path)
+    assert passed.mistakes == () and passed.simulator is not None
+    assert {"compass", "altitude"} <= set(passed.simulator.rov.sensors)
 
 
 def test_the_vehicle_and_the_area_are_refused_at_once(tmp_path: Path) -> None:

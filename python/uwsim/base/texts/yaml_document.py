@@ -45,6 +45,15 @@ class YamlDocument:
             line, node = line_of(node, key), inner
         return line
 
+    def column(self, path: Sequence[Key]) -> int | None:
+        """Return the column, counted from 0, of the keys of an existing mapping; None for one in braces."""
+        from uwsim.base.texts.yaml_parser import parsed
+
+        node: Any = parsed(self.text, self.name)
+        for key in path:
+            node = node[key]
+        return None if node.fa.flow_style() else int(node.lc.col)
+
 
 def read_yaml(
     path: Path, name: str = "", values_in: Callable[[str, str], dict[str, Any]] | None = None

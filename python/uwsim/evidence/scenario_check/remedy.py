@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Mapping
 from textwrap import indent
 from typing import Any
@@ -21,7 +22,6 @@ from uwsim.simulator.simulator import Simulator
 ALTITUDE = {"kind": "altitude", "rate_hz": 15, "noise": {"std": 0.0024}}
 RANGE_M = 100.0
 """Least range of a proposed altimeter, as that of a Ping; the errors are those of the packaged sensors `bluerov2`."""
-INDENT = "    "
 
 
 def remedy(sim: Simulator, missing: Collection[str]) -> str:
@@ -37,8 +37,11 @@ def remedy(sim: Simulator, missing: Collection[str]) -> str:
     if axes := [axis for axis in AXES if axis in missing]:
         added |= _actuators(model, body, axes)
     document = sim.scenario.source_file.document
-    written = model.name if document is None else document.values["vehicles"][0]["model"]
-    return indent(yaml_text({"model": _built_on(written, added)}), INDENT)
+    assert document is not None  # of the file that is checked
+    written = document.values["vehicles"][0]["model"]
+    built = {"model": _built_on(written, model, added)}
+    column = document.column(("vehicles", 0))
+    return f"{json.dumps(built)[1:-1]}\n" if column is None else indent(yaml_text(built), " " * column)
 
 
 def _altimeter(sim: Simulator, low_m: np.ndarray[Any, Any], range_m: float) -> dict[str, Any]:
@@ -76,13 +79,14 @@ def _body(model: VehicleModel, density_kg_m3: float) -> Body:
     )  # fmt: skip
 
 
-def _built_on(written: Any, added: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a model in place: what was written, with what is added."""
+def _built_on(written: Any, model: VehicleModel, added: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a model in place: what was written, with what is added; sensors in a file of their own are written out."""
     if not isinstance(written, Mapping):
         return {"builds_on": str(written), **added}
     merged = {**written, **added}
     for key in set(PARTS) & added.keys() & written.keys():
-        merged[key] = {**written[key], **added[key]} if isinstance(written[key], Mapping) else added[key]
+        parts = written[key] if isinstance(written[key], Mapping) else plain(getattr(model, key))
+        merged[key] = {**parts, **added[key]}
     return merged
 
 

@@ -18,6 +18,9 @@ import numpy as np
 LINES = re.compile(rb"<(lines|linestrips)\b[^>]*?(/>|>.*?</\1\s*>)", re.DOTALL)
 """Lines in a Collada file, which SketchUp writes beside the triangles: assimp_py 1.1 refuses a file that has any."""
 
+NAMED = re.compile("^Assimp error loading '[^']*': ")
+"""The start of assimp_py's messages: the caller names the file itself, which is another for Collada."""
+
 
 def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
     """Return points (n, 3) float64 and triangles (m, 3) int64 of each part of a file, with node transforms applied."""
@@ -37,11 +40,12 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
         | assimp_py.Process_JoinIdenticalVertices
         | assimp_py.Process_GlobalScale  # converts the file's unit to metres
     )
-    with tempfile.NamedTemporaryFile(suffix=Path(path).suffix) as plain:
-        if Path(path).suffix.lower() == ".dae":
+    if Path(path).suffix.lower() == ".dae":
+        with tempfile.NamedTemporaryFile(suffix=".dae") as plain:
             plain.write(LINES.sub(b"", Path(path).read_bytes()))
             plain.flush()
-            path = plain.name
+            scene = assimp_py.import_file(plain.name, flags)
+    else:
         scene = assimp_py.import_file(path, flags)
     parts: list[np.ndarray[Any, Any]] = []
 
@@ -77,7 +81,8 @@ def main() -> None:
     try:
         parts = read_parts(path)
     except Exception as error:  # they raise errors of any type for malformed files
-        sys.exit(" ".join(str(error).split()) or type(error).__name__)
+        reason = NAMED.sub("", " ".join(str(error).split()))
+        sys.exit(reason or type(error).__name__)
     np.savez(out, *parts)
     out.close()
 
