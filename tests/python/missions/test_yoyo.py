@@ -74,8 +74,8 @@ def test_the_ramp_turns_after_the_height_over_the_tangent_of_the_slope() -> None
 
 
 def test_a_remus_flies_the_period_and_the_slope_between_the_depths(deep) -> None:
-    upper_m, lower_m = 8.0, 16.0
-    plan = LawnMowerPlan([[-100, -4], [100, -4], [100, 4], [-100, 4]], 8.0, 8.0, 1.5,
+    upper_m, lower_m = 8.0, 14.0
+    plan = LawnMowerPlan([[-100, -4], [20, -4], [20, 4], [-100, 4]], 8.0, 8.0, 1.5,
                          yoyo=YoYo(upper_m, lower_m, slope_deg=SLOPE_DEG))  # fmt: skip
     track, mission = flown(deep(), plan)
     along_m, z_m = np.abs(track[:, 1] - track[0, 1]), track[:, 3]
