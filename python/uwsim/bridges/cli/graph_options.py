@@ -40,7 +40,7 @@ class GraphOptions(Options):
 
     @property
     def is_about_topics(self) -> bool:
-        """Whether the topics or frames differ from the usual ones."""
+        """True if topics or frames differ from the usual ones."""
         return self.tf_rate is not None or self.joint_frames or self.thruster_topics
 
     @property
