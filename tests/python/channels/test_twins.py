@@ -120,3 +120,21 @@ def test_each_thruster_is_commanded_alone_and_reports_its_force(live: LiveSimula
     with pytest.raises(ValueError, match="all stop is set"):
         say("front_left", 0.5)
     assert not any(thruster.command for thruster in rov.thrusters.values())
+
+
+def test_the_topics_of_one_and_of_all_thrusters_replace_each_other(live: LiveSimulator) -> None:
+    """Otherwise the silence of one publisher stops the thrusters that another commands."""
+    channels, rov = found(live, thruster_topics=True), live.vehicles[NAME]
+    one = build.message("std_msgs/msg/Float64", data=0.5)
+    every = build.message("std_msgs/msg/Float64MultiArray", data=np.full(len(rov.thrusters), 0.1))
+
+    def commands() -> set[float]:
+        live.step(10)
+        return {thruster.command for thruster in rov.thrusters.values()}
+
+    publish(live, channels["thrusters/front_left/command"], one)
+    for _ in range(20):
+        publish(live, channels["cmd_thrusters"], every)
+        assert commands() == {0.1}
+    publish(live, channels["thrusters/rear_left/command"], one)
+    assert commands() == {0.0, 0.5} and rov.thrusters["front_left"].command == 0.0

@@ -24,7 +24,7 @@ CHECK_S = 0.05
 CONTROL_S = 0.05
 ONE_THRUSTER = "/command"
 TOGETHER = ("cmd_thrusters", "cmd_fins", ONE_THRUSTER)
-"""Name endings of channels whose commands do not replace each other."""
+"""Name endings of channels whose commands fins and thrusters keep; see _beside."""
 
 logger = logging.getLogger("uwsim.channels")
 
@@ -192,8 +192,15 @@ class Steering:
 
 
 def _beside(name: str) -> tuple[str, ...]:
-    """Return the endings of the channels whose commands stay in effect beside a command or a channel's."""
-    return TOGETHER if name.endswith(("thrusters", "fins", ONE_THRUSTER)) else ()
+    """Return the endings of the channels whose commands stay in effect beside a command or a channel's.
+
+    Both cmd_thrusters and the topics of single thrusters set all thrusters, so that they replace each other.
+    """
+    if name.endswith("cmd_thrusters"):
+        return ("cmd_fins",)
+    if name.endswith(ONE_THRUSTER):
+        return ("cmd_fins", ONE_THRUSTER)
+    return TOGETHER if name.endswith(("thrusters", "fins")) else ()
 
 
 def _moves(arguments: Mapping[str, Any]) -> bool:
