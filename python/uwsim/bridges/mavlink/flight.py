@@ -203,25 +203,23 @@ class Flight:
             self.end()
             given = replace(action, route=lambda goal: goal, feedback=lambda progress: progress,
                             result=lambda elapsed_s, why: why)  # fmt: skip
-            goal = Goal(self._craft.live, given, plan, lambda progress: None,
-                        lambda status, why: self._ended(goal, mode, status, why))  # fmt: skip
+            self._goal = goal = Goal(self._craft.live, given, plan, lambda progress: None,
+                                     lambda status, why: self._ended(goal, mode, status, why))  # fmt: skip
             goal.start()
-            self._goal = goal
         self._flies = mode
         self._craft.is_flying = True
 
     def _ended(self, goal: Goal, mode: int, status: int, why: str) -> None:
-        """Report the end of a flight, on its thread."""
-        if status == SUCCEEDED:
-            if mode == AUTO:
-                self._mission.end(COMPLETE)
-            self._is_at_surface = mode == SURFACE and goal is self._goal
-            done = {AUTO: "Mission complete", SURFACE: "At the surface"}
-            self._craft.send_text(done.get(mode, "Target reached"), INFO_TEXT)
+        """Report the end of a flight, on its thread, unless another mode has ended it."""
+        if goal is not self._goal:
             return
         if mode == AUTO:
-            self._mission.end(PAUSED)
-        if goal is self._goal:
+            self._mission.end(COMPLETE if status == SUCCEEDED else PAUSED)
+        if status == SUCCEEDED:
+            self._is_at_surface = mode == SURFACE
+            done = {AUTO: "Mission complete", SURFACE: "At the surface"}
+            self._craft.send_text(done.get(mode, "Target reached"), INFO_TEXT)
+        else:
             self._craft.send_text(f"{NAMES[mode]} ended: {why}")
 
     def end(self) -> None:
@@ -230,6 +228,7 @@ class Flight:
         self._is_steering = self._is_at_surface = self._craft.is_flying = False
         if goal is not None:
             goal.close()
+            self._mission.end(PAUSED)
 
     def fly_to(self, route: Route) -> None:
         """Fly to a target in GUIDED, unless the vehicle already does."""
