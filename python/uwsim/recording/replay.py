@@ -103,6 +103,7 @@ def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[
         frame_prefix=start.frame_prefix,
         tf_rate_hz=start.tf_rate_hz,
         joint_frames=start.joint_frames,
+        thruster_topics=True,  # which cost nothing unless they were recorded
     )
     known = seen_channels(sim, table) if start.through_link else table.channels
     for key, stream in start.streams.items():

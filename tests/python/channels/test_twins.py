@@ -10,10 +10,12 @@ import pytest
 from all_stop_world import scenario
 from channel_tools import stamp_ns, table
 from uwsim import Simulator
-from uwsim.channels import Channel
+from uwsim.channels import Channel, Table
 from uwsim.channels.ros import build
 from uwsim.channels.ros.messages import from_bytes, to_bytes
 from uwsim.live import LiveSimulator
+from uwsim.recording import Recorder
+from uwsim.recording.replay import replay
 
 NAME = "thrusters"  # a BlueROV2 Heavy
 TWINS = {"robot_description", "cmd_vel_stamped", "imu/accel", "dvl/data", "usbl/pose", "thruster_states"}
@@ -138,3 +140,13 @@ def test_the_topics_of_one_and_of_all_thrusters_replace_each_other(live: LiveSim
         assert commands() == {0.1}
     publish(live, channels["thrusters/rear_left/command"], one)
     assert commands() == {0.0, 0.5} and rov.thrusters["front_left"].command == 0.0
+
+
+def test_a_recording_of_one_thruster_is_compared_in_a_replay(tmp_path: Path) -> None:
+    path, topic = tmp_path / "one.mcap", f"{NAME}/thrusters/front_left/force"
+    with Simulator(scenario(tmp_path), seed=3) as sim:
+        with Recorder(sim, path, topics=[topic], shared=Table(sim, thruster_topics=True)):
+            sim.vehicles[NAME].set_thrusters({"front_left": 0.5})
+            sim.advance(0.2)
+    result = replay(path)
+    assert result.difference is None and not result.not_compared and result.messages[topic] > 5
