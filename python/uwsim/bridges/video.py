@@ -29,6 +29,8 @@ PACKET_BYTES = 1200
 BITRATE_KBIT_S = 4000
 KEY_FRAMES_MAX = 1000
 """Pictures after which x264 makes a key frame by itself: more than ever lie between those of each second."""
+FIRST_OF_A_SECOND = "if(isnan(prev_forced_t),1,gt(floor(t),floor(prev_forced_t)))"
+"""Chooses the key frames, also after a second without pictures."""
 SPS, PPS = 7, 8  # types of NAL units
 CLOSE_S = 2.0
 SHORTEST_S = 0.08
@@ -199,7 +201,7 @@ class VideoStream:
             "-use_wallclock_as_timestamps", "1", "-fflags", "nobuffer", "-probesize", "32", "-i", "pipe:0",
             "-fps_mode", "passthrough", "-an", "-c:v", "libx264", "-preset", "ultrafast", "-tune", "zerolatency",
             "-pix_fmt", "yuv420p", "-g", str(KEY_FRAMES_MAX),
-            "-force_key_frames", "expr:gte(t,n_forced)", "-threads", "1", "-b:v", f"{BITRATE_KBIT_S}k", "-maxrate",
+            "-force_key_frames", f"expr:{FIRST_OF_A_SECOND}", "-threads", "1", "-b:v", f"{BITRATE_KBIT_S}k", "-maxrate",
             f"{BITRATE_KBIT_S}k", "-bufsize", f"{BITRATE_KBIT_S}k", "-x264-params", "repeat-headers=1",
         ]  # fmt: skip
 

@@ -58,7 +58,7 @@ class Client:
         """Return an operation's value."""
         self.send(json.dumps([operation, arguments]))
         found = json.loads(self.process.stdout.readline())
-        assert "value" in found, found
+        assert "value" in found, found["error"]
         return found["value"]
 
     def __enter__(self):
