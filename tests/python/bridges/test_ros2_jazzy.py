@@ -139,7 +139,7 @@ def test_rclpy_reads_the_values_that_were_sent(client, node):
     assert len(small) > 20
 
 
-def test_calls_and_refusals_are_answered(client, live):
+def test_calls_and_refusals_are_answered(client, node, live):
     found = client.ask("call", service="/lights/front", kind=SET_BOOL, times=CALLS, data=True)
     assert found["responses"] == [[True, ""]] * CALLS and live.rov.lamps["front"].on
     report(f"{CALLS} calls", found["durations_ms"])
@@ -147,7 +147,7 @@ def test_calls_and_refusals_are_answered(client, live):
     assert not succeeded and "not docked" in message, message
 
 
-def test_all_parameters_are_listed_described_read_and_set(client, live):
+def test_all_parameters_are_listed_described_read_and_set(client, node, live):
     own, found = live.simulator.parameters, client.ask("parameters_as_they_are")
     assert [name for name, *_ in found] == list(own) and len(found) > 400
     for name, kind, text, value, reason in found:
