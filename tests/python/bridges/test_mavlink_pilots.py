@@ -1,6 +1,7 @@
 """The owner of the sticks, their gain; modes that are kept; missions that go on; reports meanwhile."""
 
 import math
+import threading
 from typing import Any
 
 import numpy as np
@@ -114,6 +115,27 @@ def test_a_mission_goes_on_where_it_was_left(live: LiveSimulator, station: Stati
     assert station.command(dialect.MAV_CMD_DO_SET_MISSION_CURRENT, 4) == dialect.MAV_RESULT_DENIED
     done = next(text for text in station.heard if text.get_type() == "STATUSTEXT" and "complete" in text.text)
     assert done.severity == dialect.MAV_SEVERITY_INFO
+
+
+def test_a_flight_that_ends_late_changes_no_state_of_the_next(live: LiveSimulator, station: Station) -> None:
+    """While the simulator is paused, the one before cannot notice its end."""
+    x, y, _ = live.rov.pose.position_world_m
+    assert upload(station, (17, (), (x, y, -3.0))) == 0
+    assert station.arm() == DONE and station.mode(AUTO) == DONE
+    station.receive("MISSION_CURRENT", lambda item: item.mission_state == dialect.MISSION_STATE_ACTIVE)
+    live.pause()
+    try:
+        until(lambda: station.command(dialect.MAV_CMD_DO_SET_MISSION_CURRENT, 1) == DONE and flights() > 1)
+    finally:
+        live.resume()
+    until(lambda: flights() == 1)
+    station.drain()
+    current = station.receive("MISSION_CURRENT")
+    assert current.mission_state == dialect.MISSION_STATE_ACTIVE
+
+
+def flights() -> int:
+    return sum(thread.name == "uwsim-fly_path" for thread in threading.enumerate())
 
 
 def upload_is_refused(station: Station) -> bool:

@@ -30,7 +30,7 @@ from uwsim.live import LiveSimulator
 from waiting import until
 
 HOME = Home(33.810313, -118.393867)
-ANSWER_S = 10.0  # MAVSDK's default is 0.5 s, which a busy machine exceeds
+ANSWER_S = 10.0  # MAVSDK's default is 0.5 s, which a busy machine exceeds; its Python cannot set it
 
 
 class Drone(NamedTuple):
@@ -56,7 +56,7 @@ def drone(live: LiveSimulator) -> Iterator[Drone]:
     mavsdk.log_subscribe(lambda level, text, file, line: True)
     configuration = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
     with served(live) as vehicle, mavsdk.Mavsdk(configuration) as client:
-        client._lib.mavsdk_set_timeout_s(ctypes.c_void_p(client._handle), ctypes.c_double(ANSWER_S))  # not in its Python
+        client._lib.mavsdk_set_timeout_s(ctypes.c_void_p(client._handle), ctypes.c_double(ANSWER_S))
         client.add_any_connection(f"udpout://127.0.0.1:{vehicle.endpoint.port}")
         system = client.first_autopilot(timeout_s=30.0)
         assert system is not None and system.vehicle_type() == mavsdk.Vehicle.SUBMARINE

@@ -144,9 +144,11 @@ def test_the_topics_of_one_and_of_all_thrusters_replace_each_other(live: LiveSim
 
 def test_a_recording_of_one_thruster_is_compared_in_a_replay(tmp_path: Path) -> None:
     path, topic = tmp_path / "one.mcap", f"{NAME}/thrusters/front_left/force"
-    with Simulator(scenario(tmp_path), seed=3) as sim:
-        with Recorder(sim, path, topics=[topic], shared=Table(sim, thruster_topics=True)):
-            sim.vehicles[NAME].set_thrusters({"front_left": 0.5})
-            sim.advance(0.2)
+    with (
+        Simulator(scenario(tmp_path), seed=3) as sim,
+        Recorder(sim, path, topics=[topic], shared=Table(sim, thruster_topics=True)),
+    ):
+        sim.vehicles[NAME].set_thrusters({"front_left": 0.5})
+        sim.advance(0.2)
     result = replay(path)
     assert result.difference is None and not result.not_compared and result.messages[topic] > 5
