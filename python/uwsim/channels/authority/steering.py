@@ -24,7 +24,7 @@ CHECK_S = 0.05
 CONTROL_S = 0.05
 ONE_THRUSTER = "/command"
 TOGETHER = ("cmd_thrusters", "cmd_fins", ONE_THRUSTER)
-"""Name endings of channels whose commands fins and thrusters keep; see _beside."""
+"""Name endings of channels that command thrusters or fins; see _beside."""
 
 logger = logging.getLogger("uwsim.channels")
 
