@@ -30,8 +30,7 @@ def test_the_first_station_that_arms_has_the_sticks(
     other = station_at(vehicle, 254)
     assert station.arm() == DONE and station.mode(MANUAL) == DONE
     assert other.arm() == DONE  # which changes nothing
-    station.mav.manual_control_send(1, 1000, 0, 500, 0, 0)
-    until(lambda: live.rov.effort[0] == pytest.approx(0.5))  # JS_GAIN_DEFAULT
+    until(lambda: pushes(station, 1000, 0) and live.rov.effort[0] == pytest.approx(0.5))  # JS_GAIN_DEFAULT
     for _ in range(3):
         other.mav.manual_control_send(1, 0, 1000, 500, 0, 1 << 6)
         other.mav.rc_channels_override_send(1, 1, *[1900] * 8)
@@ -40,9 +39,14 @@ def test_the_first_station_that_arms_has_the_sticks(
     assert not live.rov.effort[1]
     assert other.arm(False) == DONE, "anybody may stop it"
     assert other.arm() == DONE and other.mode(MANUAL) == DONE
-    other.mav.manual_control_send(1, 0, -1000, 500, 0, 0)
-    until(lambda: live.rov.effort[1] == pytest.approx(0.5))
+    until(lambda: pushes(other, 0, -1000) and live.rov.effort[1] == pytest.approx(0.5))
     other.close()
+
+
+def pushes(station: Station, x: int, y: int) -> bool:
+    """Move the sticks, whose effect ends 0.1 s later."""
+    station.mav.manual_control_send(1, x, y, 500, 0, 0)
+    return True
 
 
 @pytest.mark.parametrize(("action", "then"), [(0, NOTHING), (1, WARN), (2, DISARM)])
@@ -108,13 +112,12 @@ def test_a_mission_goes_on_where_it_was_left(live: LiveSimulator, station: Stati
     assert paused.seq == 2
     assert station.mode(AUTO) == DONE
     station.receive("MISSION_CURRENT", lambda item: item.mission_state == dialect.MISSION_STATE_ACTIVE)
-    station.heard.clear()
     assert station.command(dialect.MAV_CMD_DO_SET_MISSION_CURRENT, 3) == DONE  # away from an endless loiter
     station.receive("MISSION_ITEM_REACHED", lambda item: item.seq == 3)
     station.receive("MISSION_CURRENT", lambda item: item.mission_state == dialect.MISSION_STATE_COMPLETE)
-    assert station.command(dialect.MAV_CMD_DO_SET_MISSION_CURRENT, 4) == dialect.MAV_RESULT_DENIED
-    done = next(text for text in station.heard if text.get_type() == "STATUSTEXT" and "complete" in text.text)
+    done = station.receive("STATUSTEXT", lambda text: "complete" in text.text)
     assert done.severity == dialect.MAV_SEVERITY_INFO
+    assert station.command(dialect.MAV_CMD_DO_SET_MISSION_CURRENT, 4) == dialect.MAV_RESULT_DENIED
 
 
 def test_a_flight_that_ends_late_changes_no_state_of_the_next(live: LiveSimulator, station: Station) -> None:
