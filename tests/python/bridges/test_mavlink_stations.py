@@ -163,11 +163,14 @@ def test_channels_steer_and_hold_until_they_are_released(live: LiveSimulator, st
     station.arm()
     station.mode(MANUAL)
     keep, forward = [65535] * 4, 1700
-    station.mav.rc_channels_override_send(1, 1, *keep, forward, *[65535] * 3)
-    until(lambda: live.rov.effort[0] == pytest.approx(0.5))
-    station.mav.rc_channels_override_send(1, 1, *keep, 65535, 1600, 65535, 65535)  # forward stays
-    until(lambda: live.rov.effort[1] == pytest.approx(-0.25))
-    assert live.rov.effort[0] == pytest.approx(0.5)
+
+    def efforts(*pulses: int) -> list[float]:
+        """Send a message, whose effect ends 0.1 s later."""
+        station.mav.rc_channels_override_send(1, 1, *pulses)
+        return [float(effort) for effort in live.rov.effort[:2]]
+
+    until(lambda: efforts(*keep, forward, *[65535] * 3) == pytest.approx([0.5, 0.0]))
+    until(lambda: efforts(*keep, 65535, 1600, 65535, 65535) == pytest.approx([0.5, -0.25]))  # forward stays
     station.mav.rc_channels_override_send(1, 1, *keep, 0, 0, 65535, 65535)
     until(lambda: not np.any(live.rov.effort))
     station.mav.rc_channels_override_send(1, 1, 5, *[65535] * 7)
