@@ -28,7 +28,7 @@ DEPTH_M, BED_M = 400.0, 1000.0
 START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's initial state [m, rad, m/s, rad/s]
 OUTPUTS = 12
 DIFFERENCE = 1e-2
-"""Difference of an unknown for its derivative, in standard deviations of its prior: about the smallest error of an estimate.
+"""Difference of an unknown for its derivative, in standard deviations of its prior: the smallest error of an estimate.
 
 A propeller's loss by inflow is as the root of its thrust, whose derivative is infinite where the thrust reverses; with
 much smaller differences, one step near there would pass for information on the thrust's lag.
