@@ -23,7 +23,7 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
         when(page, "station.station.isPilot && station.telemetry.message")
         page.click("text=Undock")
         until(lambda: here.rov.released, "the vehicle in free water")
-        page.select_option("#speed", "10")
+        page.select_option("#speed", "5")
 
         page.evaluate("station.views.enlarge('chart')")
         when(page, "station.chart.frame.scale > 0 && station.chart.flown.length > 0")

@@ -16,6 +16,8 @@ export function begunText(begun) {
 export class Flights {
   #isOpening = false;
   #trouble = '';
+  /** @type {Map<string, Element>} */
+  #rows = new Map(); // by their entries
 
   constructor(station) {
     this.station = station;
@@ -31,10 +33,17 @@ export class Flights {
     station.addEventListener('state', () => this.#warn());
   }
 
-  // flights: the entries of the catalog.
+  // flights: the entries of the catalog. Rows that have not changed stay in place, so that no click on one is lost.
   show(flights = []) {
     this.element.hidden = flights.length === 0;
-    this.list.replaceChildren(...flights.map((flight) => this.#row(flight)));
+    const before = [...this.#rows.values()];
+    const keys = flights.map((flight) => JSON.stringify(flight));
+    this.#rows = new Map(keys.map((key, k) => [key, this.#rows.get(key) ?? this.#row(flights[k])]));
+    const rows = [...this.#rows.values()];
+    for (const old of before) if (!rows.includes(old)) old.remove();
+    rows.forEach((row, k) => {
+      if (this.list.children[k] !== row) this.list.insertBefore(row, this.list.children[k] ?? null);
+    });
   }
 
   #row({ name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, refused }) {
