@@ -16,10 +16,11 @@ from scipy.spatial.transform import Rotation
 from all_stop_world import DRIVES, scenario
 from channel_tools import chain, table
 from uwsim import Simulator
+from uwsim.base import quaternions
 from uwsim.bridges.ros_packages.description import described
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.channels import Table
-from uwsim.channels.families.description import descriptions
+from uwsim.channels.families.description import descriptions, mesh_file
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay
 from uwsim.scenario import load, vehicle_hull
@@ -110,6 +111,23 @@ def test_the_mesh_lies_where_the_simulated_hull_is(name: str) -> None:
         vertices = vertices @ pose[:3, :3].T + pose[:3, 3]
         hull, _ = vehicle_hull(entry.model)
         np.testing.assert_allclose([vertices.min(0), vertices.max(0)], [hull.min(0), hull.max(0)], atol=1e-6)
+
+
+@pytest.mark.parametrize("forward", ["-x", "y", "-y"])
+@pytest.mark.parametrize("name", ["paper", "lake"])
+def test_a_bow_along_another_axis_is_turned_forward(name: str, forward: str) -> None:
+    """paper: a glTF file, whose y axis points up."""
+    given = load(name).vehicles[0].model
+    turned = given.model_copy(update={"mesh_forward": forward, "centre_of_buoyancy_m": None})
+    as_given, _ = vehicle_hull(given.model_copy(update={"centre_of_buoyancy_m": None}))
+    bow = {"-x": [-1.0, 0.0], "y": [0.0, 1.0], "-y": [0.0, -1.0]}[forward]
+    hull, _ = vehicle_hull(turned)
+    np.testing.assert_allclose(hull[:, 0], as_given[:, :2] @ bow, atol=1e-12)
+    np.testing.assert_array_equal(hull[:, 2], as_given[:, 2])
+    mesh = mesh_file(turned)
+    in_file = np.asarray(trimesh.load(mesh.uri.removeprefix("file://"), force="mesh").vertices) * mesh.scale
+    placed_m = quaternions.turned(mesh.orientation_xyzw, in_file) + mesh.position_m
+    np.testing.assert_allclose([placed_m.min(0), placed_m.max(0)], [hull.min(0), hull.max(0)], atol=1e-6)
 
 
 def test_the_packages_files_have_the_hull_and_are_read_by_urdfdom(tmp_path: Path) -> None:

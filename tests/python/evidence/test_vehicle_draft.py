@@ -85,6 +85,22 @@ def test_the_same_mesh_gives_the_same_draft(torpedo: Path, mine: Path, monkeypat
     assert drafted(Path(torpedo.name), ["surge", "heave", "yaw"]).text == mine.read_text()
 
 
+def test_a_hull_along_y_is_drafted_with_its_bow_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def of_ellipsoid(hull_m: NDArray[np.float64], _triangles: object, density_kg_m3: float) -> NDArray[np.float64]:
+        return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3))
+
+    monkeypatch.setattr("uwsim.evidence.vehicle.draft.added_mass_of_mesh", of_ellipsoid)  # panels take seconds
+    (along_x := trimesh.creation.box((1.2, 0.4, 0.3))).export(tmp_path / "hull.stl")
+    as_given = yaml.safe_load(drafted(tmp_path / "hull.stl", ["surge", "yaw"]).text)
+    along_x.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 0, 1])).export(tmp_path / "hull.stl")
+    found = drafted(tmp_path / "hull.stl", ["surge", "yaw"])
+    assert any("3 times as long along y as along x: the bow is taken to be along y" in note for note in found.notes)
+    turned = yaml.safe_load(found.text)
+    assert turned.pop("mesh_forward") == "y"
+    assert turned == as_given
+    assert "mesh_forward" not in yaml.safe_load(drafted(tmp_path / "hull.stl", ["yaw"], forward="x").text)
+
+
 def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> None:
     with Simulator(scenario_file(tmp_path, mine)) as sim:
         sim.advance(20.0)

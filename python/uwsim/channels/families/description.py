@@ -32,6 +32,7 @@ from uwsim.simulator.simulator import Simulator
 NAME = "robot_description"
 LOOK_HZ = 10.0  # how often a change of the parameters is noticed
 FIN_THICKNESS_M = 0.01
+QUARTER_TURNS = {"x": 0, "-y": 1, "-x": 2, "y": -1}  # about z, that turn each direction to x
 COLOUR = "0.95 0.75 0.1 1"
 
 
@@ -47,7 +48,9 @@ class Mesh(NamedTuple):
 def mesh_file(model: VehicleModel) -> Mesh:
     """Return the model's own mesh file, which viewers on this machine can open."""
     factor, shift_m = hull_placement(model)
-    turn = quaternions.about_x(0.5 * math.pi) if is_y_up(model.mesh, model.mesh_up) else build.IDENTITY_XYZW
+    turn = quaternions.about_z(QUARTER_TURNS[model.mesh_forward] * 0.5 * math.pi)
+    if is_y_up(model.mesh, model.mesh_up):
+        turn = quaternions.product(turn, quaternions.about_x(0.5 * math.pi))
     return Mesh(model.mesh.resolve().as_uri(), factor * model.mesh_scale, shift_m, turn)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -16,6 +16,7 @@ from uwsim.cli.groups import under
 from uwsim.cli.values import vehicles
 
 DRIVEN = "surge,heave,yaw"
+BOWS: tuple[Literal["x", "-x", "y", "-y"], ...] = ("x", "-x", "y", "-y")
 SHORT = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 
@@ -40,6 +41,9 @@ def vehicle(
     unit: Annotated[
         str | None, typer.Option(help=f"The mesh's unit: {', '.join(SHORT)}. Default: guessed from its size or mass.")
     ] = None,
+    forward: Annotated[
+        str | None, typer.Option(help=f"Direction of the mesh's bow: {', '.join(BOWS)}. Default: x, or y if longer.")
+    ] = None,
 ) -> None:
     """Report how a vehicle floats, moves and sees.
 
@@ -55,9 +59,9 @@ def vehicle(
     if draft:
         if out is not None or as_json:
             raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
-        _print_draft(Path(file), axes or DRIVEN, mass_kg, unit)
+        _print_draft(Path(file), axes or DRIVEN, mass_kg, unit, forward)
         return
-    for option, value in (("--axes", axes), ("--mass-kg", mass_kg), ("--unit", unit)):
+    for option, value in (("--axes", axes), ("--mass-kg", mass_kg), ("--unit", unit), ("--forward", forward)):
         if value is not None:
             raise UsageError(f"{option} has no effect without --draft")
     from uwsim.evidence.scenario_check import check_part
@@ -83,17 +87,19 @@ def vehicle(
         typer.echo(f"page: {out}", err=as_json)
 
 
-def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None) -> None:
+def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None, forward: str | None) -> None:
     """Print the draft, after it has been built once; notes and warnings go to stderr."""
     chosen = tuple(axis.strip() for axis in axes.split(","))
     if wrong := [axis for axis in chosen if axis not in AXES]:
         raise UsageError(f"--axes = '{wrong[0]}': must be of {', '.join(AXES)}")
     if unit is not None and unit not in SHORT:
         raise UsageError(f"--unit = '{unit}': must be one of {', '.join(SHORT)}")
+    if forward is not None and forward not in BOWS:
+        raise UsageError(f"--forward = '{forward}': must be one of {', '.join(BOWS)}")
     from uwsim.evidence.scenario_check import check_part
     from uwsim.evidence.vehicle.draft import drafted
 
-    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit])
+    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit], forward)
     with TemporaryDirectory() as folder:
         (path := Path(folder) / "draft.yaml").write_text(made.text, encoding="utf-8")
         check = check_part(path, "vehicle")

@@ -19,7 +19,7 @@ from uwsim.evidence.vehicle.estimates import hull_drag
 from uwsim.evidence.vehicle.potential_flow import COARSE, GIVEN_MAX, added_mass_of_mesh
 from uwsim.scenario.build.scale import METRES, likely_units, size_text
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
-from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.mesh_file import Forward, load_mesh, turned_to_x
 from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.vehicle import DENSITIES_KG_M3
 
@@ -32,6 +32,8 @@ CRITICAL = 0.3
 SLOW_M_S, SETTLES_S = 0.1, 3.0
 """Linear drag equals quadratic drag at this speed; a turn without thrust settles in this time (assumed)."""
 FAST_M_S = 1.0
+LONG_ALONG_Y = 1.5
+"""Ratio of the lengths along y and x above which the bow is taken to be along y (assumed)."""
 NEGLIGIBLE, COUPLED = 1e-3, 0.999
 """NEGLIGIBLE: entries of the added mass smaller than this, relative to the body's mass and inertia, are left out, and
 so are all entries of an axis whose own is. COUPLED: share of the couplings that is kept, so that the matrix stays
@@ -46,18 +48,34 @@ class Draft:
     notes: tuple[str, ...]
 
 
-def drafted(mesh: Path, axes: Collection[str], mass_kg: float | None = None, unit: str | None = None) -> Draft:
+def drafted(
+    mesh: Path,
+    axes: Collection[str],
+    mass_kg: float | None = None,
+    unit: str | None = None,
+    forward: Forward | None = None,
+) -> Draft:
     """Return the draft of a vehicle with the hull of a mesh, whose thrusters drive `axes`.
 
-    mass_kg: by default neutral. unit: of METRES; by default it is guessed from the mass or the length. The body's
-    origin is the centroid of the hull. Raises ScenarioError.
+    mass_kg: by default neutral. unit: of METRES; by default it is guessed from the mass or the length. forward: the
+    direction of the bow, with z up; by default x, or y for a hull that is LONG_ALONG_Y. The body's origin is the
+    centroid of the hull. Raises ScenarioError.
     """
     import trimesh
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RepairWarning)  # the check of the draft issues it again
         vertices, triangles = closed_mesh(*load_mesh(mesh), name=str(mesh))
-    volume = float(trimesh.Trimesh(vertices, triangles, process=False).volume)
+    in_file = trimesh.Trimesh(vertices, triangles, process=False)
+    volume, across = float(in_file.volume), np.ptp(vertices, axis=0)
+    if forward is None and across[1] > LONG_ALONG_Y * across[0]:
+        bow = f"it is {across[1] / across[0]:.2g} times as long along y as along x: the bow is taken to be along y"
+        bow += "; --forward -y if it is its stern, x if it is its side"
+        forward = "y"
+    else:
+        bow = f"its bow is taken to be along {forward or 'x'} ({'as given' if forward else 'the default'})"
+    forward = forward or "x"
+    vertices = turned_to_x(vertices, forward)
     size = np.ptp(vertices, axis=0)
     unit, why = (unit, "as given") if unit else _guessed_unit(mesh, float(size.max()), volume, mass_kg)
     scale = METRES[unit]
@@ -66,15 +84,14 @@ def drafted(mesh: Path, axes: Collection[str], mass_kg: float | None = None, uni
     hull_m = np.asarray(solid.vertices) - centroid_m
     notes = [
         f"its unit is taken as {unit} ({why}): {size_text(size * scale)}, {solid.volume:.4g} m3",
-        f"the body's origin is the hull's centroid, ({_plain(np.round(centroid_m / scale, 3))}) in the file",
+        bow,
+        f"the body's origin is the hull's centroid, ({_plain(np.round(in_file.center_mass, 3))}) in the file",
     ]
     if len(triangles) > COARSE:
         simpler = f"by a thousandth of its size, or until {GIVEN_MAX} remain"
         notes.append(f"its {len(triangles)} triangles are simplified for the added mass, {simpler}")
-    if size[1] > size[0]:
-        notes.append("it is longer along y than along x: the body's x is forward; turn the mesh if that is not its bow")
     body = _body(hull_m, triangles, float(solid.volume), np.diagonal(solid.moment_inertia), mass_kg)
-    text = "\n".join(_lines(mesh, scale, f"{unit} ({why})", body, proposed_thrusters(body, axes), mass_kg))
+    text = "\n".join(_lines(mesh, forward, scale, f"{unit} ({why})", body, proposed_thrusters(body, axes), mass_kg))
     return Draft(text + "\n", tuple(f"mesh '{mesh}': {note}" for note in notes))
 
 
@@ -116,7 +133,13 @@ def _body(
 
 
 def _lines(
-    mesh: Path, scale: float, unit: str, body: Body, thrusters: Sequence[Thrust], mass_kg: float | None
+    mesh: Path,
+    forward: Forward,
+    scale: float,
+    unit: str,
+    body: Body,
+    thrusters: Sequence[Thrust],
+    mass_kg: float | None,
 ) -> Iterator[str]:
     size_m, low, high = body.high_m - body.low_m, body.low_m, body.high_m
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", mesh.stem).strip("_")
@@ -125,6 +148,8 @@ def _lines(
     yield f"name: {(name if name[:1].isalpha() else 'hull_' + name)[:40]}"
     yield f"mesh: {json.dumps(str(mesh.resolve()), ensure_ascii=False)}   # or relative to this file"
     yield f"mesh_scale: {scale:g}   # estimated by its size: {unit}"
+    if forward != "x":
+        yield f"mesh_forward: {forward}   # the direction of the bow, seen with z up"
     yield "centre_of_buoyancy_m: [0, 0, 0]   # moves the mesh, so that the origin is the hull's centroid"
     yield ("buoyancy: neutral   # assumed" if mass_kg is None else f"mass_kg: {mass_kg:g}   # given")
     yield f"centre_of_mass_m: [0, 0, {-body.lever_m:.4g}]   # estimated by {LEVER:g} of the hull's height"

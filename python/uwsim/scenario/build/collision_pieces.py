@@ -19,7 +19,7 @@ from uwsim.base.extras import explained
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.scale import size_text
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
+from uwsim.scenario.read.mesh_file import Forward, Triangles, Vertices, load_mesh
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 MAX_PIECES = 256
@@ -33,7 +33,8 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
     assert model.collision_pieces is not None
     in_body, _ = vehicle_hull(model)
     factor, shift = hull_placement(model)
-    pieces = [factor * piece + shift for piece in load_pieces(model.collision_pieces, scale=model.mesh_scale)]
+    in_file = load_pieces(model.collision_pieces, scale=model.mesh_scale, forward=model.mesh_forward)
+    pieces = [factor * piece + shift for piece in in_file]
     size_m, hull_m = np.ptp(np.concatenate(pieces), axis=0), np.ptp(in_body, axis=0)
     if not np.all((size_m <= MAX_STRETCH * hull_m) & (size_m * MAX_STRETCH >= hull_m)):
         raise ScenarioError(
@@ -44,13 +45,13 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
     return pieces
 
 
-def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:
+def load_pieces(path: str | Path, *, scale: float = 1.0, forward: Forward = "x") -> list[Vertices]:
     """Return the corners (n, 3) of each convex piece: the hull of each connected part of the file's mesh.
 
-    path: any file that load_mesh can read, with z up. scale: the scale of the mesh from which the pieces were made.
+    path: any file that load_mesh can read, with z up. scale, forward: those of the mesh from which they were made.
     Raises ScenarioError.
     """
-    vertices, triangles = load_mesh(path, scale=scale, up="z")
+    vertices, triangles = load_mesh(path, scale, "z", forward)
     count = len(vertices)
     pairs = np.concatenate([triangles[:, :2], triangles[:, 1:]]).astype(np.int64)
     links = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))

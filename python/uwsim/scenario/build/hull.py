@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim.scenario.build.scale import question_of_factor, require_plausible_density, require_plausible_volume
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.mesh_file import Forward, load_mesh
 from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.fields import Point3
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -66,8 +66,8 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
 
 
 def hull_placement(model: VehicleModel) -> tuple[float, NDArray[np.float64]]:
-    """Return the factor and the shift (3,) [m] that map the scaled mesh of the file, with z up, to the body frame."""
-    in_file, _ = load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up)
+    """Return the factor and the shift (3,) [m] from the file's scaled and turned mesh to the body frame."""
+    in_file, _ = load_mesh(model.mesh, model.mesh_scale, model.mesh_up, model.mesh_forward)
     in_body, _ = vehicle_hull(model)
     factor = float(np.ptp(in_body[:, 0]) / np.ptp(in_file[:, 0]))
     return factor, in_body.min(axis=0) - factor * in_file.min(axis=0)
@@ -83,7 +83,8 @@ def _placed(model: VehicleModel) -> _Hull:
     file = model.mesh.stat() if model.mesh.is_file() else None
     version = (file.st_mtime_ns, file.st_size) if file else None
     hull = _placed_hull(
-        model.mesh, version, model.mesh_scale, model.mesh_up, model.volume_m3, model.centre_of_buoyancy_m
+        *(model.mesh, version, model.mesh_scale, model.mesh_up, model.mesh_forward),
+        *(model.volume_m3, model.centre_of_buoyancy_m),
     )
     size_m = np.ptp(hull.vertices_m, axis=0)
     require_plausible_volume(model.name, hull.solid.volume_m3, size_m, model.mesh_scale, model.mass_kg)
@@ -96,11 +97,12 @@ def _placed_hull(
     version: tuple[int, int] | None,
     scale: float,
     up: Literal["y", "z"] | None,
+    forward: Forward,
     volume_m3: float | None,
     centre_of_buoyancy_m: Point3 | None,
 ) -> _Hull:
     """Scale, move and measure the closed mesh. version: identifies the state of the file, to keep the cache current."""
-    vertices, triangles = _closed_hull(path, version, scale, up)
+    vertices, triangles = _closed_hull(path, version, scale, up, forward)
     if volume_m3 is not None or centre_of_buoyancy_m is not None:
         hull = _solid(vertices, triangles)
         factor = 1.0 if volume_m3 is None else float(np.cbrt(volume_m3 / hull.volume_m3))
@@ -125,10 +127,10 @@ def hull_radius_m(model: VehicleModel) -> float:
 
 @lru_cache(maxsize=16)
 def _closed_hull(
-    path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
+    path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None, forward: Forward
 ) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Read the mesh and close it. version: see _placed_hull."""
-    mesh = load_mesh(path, scale=scale, up=up)
+    mesh = load_mesh(path, scale, up, forward)
     vertices, triangles = cached_arrays(lambda: closed_mesh(*mesh, name=str(path)), "hull", *mesh)
     vertices.flags.writeable = False
     triangles.flags.writeable = False

@@ -1,4 +1,4 @@
-"""Closes meshes made for rendering: open or inside-out meshes, and meshes of many parts that overlap or share edges.
+"""Closes meshes made for rendering: open, inside-out or crossing meshes, and meshes of many parts that share edges.
 
 Each connected part is made a solid: its winding is made consistent, each hole is capped by a fan around the middle of
 its rim, and it is turned outward. A part that intersects itself in many places is wrapped: its capped surface is
@@ -48,7 +48,7 @@ def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
     if len(parts) > 1:
         done.append(f"united {len(parts)} parts")
     found = trimesh.Trimesh(vertices, faces, process=False)
-    change = f", {100 * (found.volume / given_m3 - 1):+.1f} % of that of the open triangles" if given_m3 > 0 else ""
+    change = f", {100 * (found.volume / given_m3 - 1):+.1f} % of that of the given triangles" if given_m3 > 0 else ""
     return found, [*done, f"it encloses {found.volume:.4g} m3{change}"]
 
 

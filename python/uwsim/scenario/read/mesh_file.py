@@ -18,6 +18,7 @@ from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole, requir
 
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
+Forward = Literal["x", "-x", "y", "-y"]
 
 MAX_BYTES = 500_000_000
 MAX_TRIANGLES = 5_000_000
@@ -31,7 +32,9 @@ Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotates the file's y to z and keeps x; the file's z, towards the viewer, becomes -y."""
 
 
-def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None = None) -> tuple[Vertices, Triangles]:
+def load_mesh(
+    path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None = None, forward: Forward = "x"
+) -> tuple[Vertices, Triangles]:
     """Return all triangles of a file, with node transforms applied.
 
     Returns vertices (n, 3) float64 in metres, and triangles (m, 3) uint32. trimesh reads STL, PLY, OBJ, OFF and glTF;
@@ -41,16 +44,28 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
 
     up: the file's axis that becomes z. The default is y for glTF, as its specification requires, the declared axis for
     FBX and Collada, and z for all others; Blender's OBJ export with its default axes therefore needs up="y".
+
+    forward: the direction, seen with z up, that becomes x.
     """
     path = Path(path)
     _require_readable(path)
     if path.suffix.lower() not in CACHED_SUFFIXES:
-        return _load(path, scale, up)
-    content = path.read_bytes()
-    vertices, triangles = cached_arrays(
-        lambda: _load(path, scale, up, content), "mesh", content, path.suffix.lower(), scale, up or ""
-    )
-    return cast(Vertices, vertices), cast(Triangles, triangles)
+        vertices, triangles = _load(path, scale, up)
+    else:
+        content = path.read_bytes()
+        read = cached_arrays(
+            lambda: _load(path, scale, up, content), "mesh", content, path.suffix.lower(), scale, up or ""
+        )
+        vertices, triangles = cast(Vertices, read[0]), cast(Triangles, read[1])
+    return turned_to_x(vertices, forward), triangles
+
+
+def turned_to_x(points: Vertices, forward: Forward) -> Vertices:
+    """Return points (n, 3) after the turn about z that maps a direction to x."""
+    if forward == "x":
+        return points
+    x, y, z = points.T
+    return np.column_stack([*{"-x": (-x, -y), "y": (y, -x), "-y": (-y, x)}[forward], z])
 
 
 def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:

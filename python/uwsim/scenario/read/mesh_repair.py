@@ -21,8 +21,8 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     """Return the same surface closed and winding outward, with equal vertices merged. Raises ScenarioError.
 
     In the result, every edge is shared by two triangles that traverse it in opposite directions, and the volume is
-    positive. Overlapping closed parts are united. A closed surface that still intersects itself is rejected, since its
-    inside is undefined; an open one is closed part by part, see mesh_closing. Merging vertices that STL duplicates is
+    positive. Overlapping closed parts are united. A surface that is open, or still intersects itself, is closed part by
+    part, see mesh_closing. Merging vertices that STL duplicates is
     silent; any other repair issues a RepairWarning.
     """
     import trimesh
@@ -45,28 +45,31 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
         return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
     if mesh.volume <= 0.0:
         raise ScenarioError(f"mesh '{name}': encloses no volume")
-    mesh = _without_overlaps(mesh, name, repairs)
+    try:
+        mesh = _without_overlaps(mesh, repairs)
+    except ValueError as error:
+        raise ScenarioError(f"mesh '{name}': {', '.join(repairs)} and {error}") from None
     if repairs:
         warnings.warn(f"mesh '{name}': repaired: {', '.join(repairs)}", RepairWarning, stacklevel=2)
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
 
 
-def _without_overlaps(mesh: trimesh.Trimesh, name: str, repairs: list[str]) -> trimesh.Trimesh:
-    """Unite overlapping parts and record this in `repairs`; reject a surface that still intersects itself."""
-    whole = None
+def _without_overlaps(mesh: trimesh.Trimesh, repairs: list[str]) -> trimesh.Trimesh:
+    """Unite overlapping parts, close what still intersects itself, and record it in `repairs`. Raises ValueError."""
     try:
         whole = united(mesh)
-    except ValueError as error:
-        raise ScenarioError(f"mesh '{name}': its parts overlap and cannot be united: {error}") from None
-    if whole is not None:
-        mesh, count = whole
-        repairs.append(f"united {count} parts that overlapped")
-    pierced = crossings(mesh.vertices, mesh.faces)
-    if pierced:
-        raise ScenarioError(
-            f"mesh '{name}': crosses itself ({pierced} edges pierce its triangles): make it one outer skin "
-            "(in Blender: a Remesh modifier)"
-        )
+    except ValueError as error:  # a part is no solid
+        repairs.append(f"its parts overlap and {error}")
+    else:
+        if whole is not None:
+            mesh, count = whole
+            repairs.append(f"united {count} parts that overlapped")
+        pierced = crossings(mesh.vertices, mesh.faces)
+        if not pierced:
+            return mesh
+        repairs.append(f"crosses itself ({pierced} edges pierce its triangles)")
+    mesh, done = closed(mesh)
+    repairs.extend(done)
     return mesh
 
 

@@ -64,6 +64,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "mesh",
             "mesh_scale",
             "mesh_up",
+            "mesh_forward",
             "collision",
             "collision_pieces",
             "density_kg_m3",
