@@ -51,6 +51,16 @@ def mine(torpedo: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def panels_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Use the added mass of an ellipsoid, since panels take seconds."""
+
+    def of_ellipsoid(hull_m: NDArray[np.float64], _triangles: object, density_kg_m3: float) -> NDArray[np.float64]:
+        return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3))
+
+    monkeypatch.setattr("uwsim.evidence.vehicle.draft.added_mass_of_mesh", of_ellipsoid)
+
+
 def tilt_deg(sim: Simulator) -> float:
     return float(np.degrees(np.arccos(sim.rov.pose.world_from_body[2, 2])))
 
@@ -85,11 +95,19 @@ def test_the_same_mesh_gives_the_same_draft(torpedo: Path, mine: Path, monkeypat
     assert drafted(Path(torpedo.name), ["surge", "heave", "yaw"]).text == mine.read_text()
 
 
-def test_a_hull_along_y_is_drafted_with_its_bow_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def of_ellipsoid(hull_m: NDArray[np.float64], _triangles: object, density_kg_m3: float) -> NDArray[np.float64]:
-        return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3))
+@pytest.mark.parametrize("wall_m, warned", [(0.004, True), (0.1, False)])
+def test_a_thin_shell_is_named(tmp_path: Path, panels_left_out: None, wall_m: float, warned: bool) -> None:
+    outside, inside = (
+        trimesh.creation.box((1.2, 0.4, 0.3)),
+        trimesh.creation.box(np.array([1.2, 0.4, 0.3]) - 2 * wall_m),
+    )
+    inside.invert()
+    trimesh.util.concatenate([outside, inside]).export(tmp_path / "hull.stl")
+    notes = drafted(tmp_path / "hull.stl", ["surge", "yaw"]).notes
+    assert any("of its convex hull: where it is a shell" in note for note in notes) == warned
 
-    monkeypatch.setattr("uwsim.evidence.vehicle.draft.added_mass_of_mesh", of_ellipsoid)  # panels take seconds
+
+def test_a_hull_along_y_is_drafted_with_its_bow_there(tmp_path: Path, panels_left_out: None) -> None:
     (along_x := trimesh.creation.box((1.2, 0.4, 0.3))).export(tmp_path / "hull.stl")
     as_given = yaml.safe_load(drafted(tmp_path / "hull.stl", ["surge", "yaw"]).text)
     along_x.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [0, 0, 1])).export(tmp_path / "hull.stl")

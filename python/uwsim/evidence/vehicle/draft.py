@@ -34,6 +34,8 @@ SLOW_M_S, SETTLES_S = 0.1, 3.0
 FAST_M_S = 1.0
 LONG_ALONG_Y = 1.5
 """Ratio of the lengths along y and x above which the bow is taken to be along y (assumed)."""
+THIN = 0.1
+"""Share of its convex hull below which a hull may be a shell that was meant to be a solid (assumed)."""
 NEGLIGIBLE, COUPLED = 1e-3, 0.999
 """NEGLIGIBLE: entries of the added mass smaller than this, relative to the body's mass and inertia, are left out, and
 so are all entries of an axis whose own is. COUPLED: share of the couplings that is kept, so that the matrix stays
@@ -87,6 +89,12 @@ def drafted(
         bow,
         f"the body's origin is the hull's centroid, ({_plain(np.round(in_file.center_mass, 3))}) in the file",
     ]
+    share = volume / float(in_file.convex_hull.volume)
+    if share < THIN:
+        notes.append(
+            f"it encloses {share:.2g} of its convex hull: where it is a shell, only its sheet displaces water, and the "
+            "draft is one of a very light vehicle; make it solid (in Blender: a Remesh modifier)"
+        )
     if len(triangles) > COARSE:
         simpler = f"by a thousandth of its size, or until {GIVEN_MAX} remain"
         notes.append(f"its {len(triangles)} triangles are simplified for the added mass, {simpler}")
