@@ -159,6 +159,7 @@ def test_an_address_that_no_server_can_have_is_refused_at_once(url):
         (["localhost:9090", "pool"], "url = 'localhost:9090': must begin with ws://"),
         (["ws://localhost:9090", "pool", "--ros", "3"], "--ros = 3: must be in [1, 2]"),
         (["ws://localhost:9090", "pool", "--wire", "copper"], "--wire = 'copper': must be one of"),
+        (["ws://localhost:9090", "pool", "--tf-rate", "5000"], "tf_rate_hz = 5000 Hz: must be in (0, "),
     ],
 )
 def test_mistakes_are_one_line(arguments, complaint):

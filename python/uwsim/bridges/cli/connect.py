@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.bridges.cli.graph_options import GraphOptions
 from uwsim.bridges.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, parsed_speed, prefix_of
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
@@ -17,6 +18,7 @@ from uwsim.cli.values import scenarios
 
 @under("Connect")
 def connect(
+    *,
     url: Annotated[str, typer.Argument(help="The rosbridge_server, such as ws://localhost:9090.")],
     scenario: Annotated[
         str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
@@ -35,6 +37,7 @@ def connect(
     namespace: Namespace = "",
     frame_prefix: FramePrefix = None,
     tf: Tf = "truth",
+    graph: GraphOptions,
     ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.", callback=within(1, 2))] = 1,
     paused: Paused = False,
     link: Link = None,
@@ -53,7 +56,7 @@ def connect(
     from uwsim.bridges import RosbridgeClient
     from uwsim.bridges.nodes.websocket import checked_url
     from uwsim.channels import Table, diagnostics_channel
-    from uwsim.channels.names import channels_in, services_in
+    from uwsim.channels.names import channels_in, node_name, services_in
     from uwsim.channels.served import default_origin
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
@@ -64,8 +67,10 @@ def connect(
     if ros not in (1, 2):
         raise ValueError(f"--ros = {ros}: must be 1 or 2")
     prefix = prefix_of(namespace, frame_prefix)
+    parameters = graph.parameters(node_name(namespace))
     checked_url(url)  # before the scenario is built
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
+    graph.apply(parameters, simulator)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     table = Table(
         simulator,
@@ -74,6 +79,7 @@ def connect(
         may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
         tf=tf,  # type: ignore[arg-type]  # checked there
         frame_prefix=prefix,
+        **graph.of_table,
     )
     if wire != "published":
         table.channels.append(diagnostics_channel(live, lambda: table.channels))

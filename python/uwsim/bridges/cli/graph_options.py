@@ -1,4 +1,4 @@
-"""Options of `uwsim serve` about what the graph's other nodes see, and the file of parameters to set at the start."""
+"""Options of live commands about what the graph's other nodes see, and the file of parameters to set at the start."""
 
 from __future__ import annotations
 
@@ -30,9 +30,6 @@ class GraphOptions(Options):
     )
     thruster_topics: bool = option(
         False, "Also offer /thrusters/NAME/command and /thrusters/NAME/force, a Float64 without a time for each."
-    )
-    no_actions: bool = option(
-        False, "Do not offer the actions /navigate_to_pose and /fly_path, of which Nav2 has the first itself."
     )
     params_file: Path | None = option(
         None, "YAML file of parameters to set before the start, by name, also in ROS 2's form for the node /uwsim."
@@ -70,6 +67,16 @@ class GraphOptions(Options):
     def apply(self, parameters: Mapping[str, Any], sim: Simulator) -> None:
         """Set the file's parameters. Raises ValueError, changing nothing."""
         try:
-            sim.parameters.update(parameters)
+            if parameters:  # an empty change would stand in the log
+                sim.parameters.update(parameters)
         except ValueError as error:
             raise ValueError(f"--params-file {self.params_file}: {error}") from None
+
+
+@dataclass(frozen=True)
+class ServedGraphOptions(GraphOptions):
+    """Those of a server, which may offer actions."""
+
+    no_actions: bool = option(
+        False, "Do not offer the actions /navigate_to_pose and /fly_path, of which Nav2 has the first itself."
+    )

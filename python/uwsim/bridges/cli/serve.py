@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from uwsim.base.options import flag_name, need
-from uwsim.bridges.cli.graph_options import GraphOptions
+from uwsim.bridges.cli.graph_options import ServedGraphOptions
 from uwsim.bridges.page import Pages, Serving
 from uwsim.bridges.requested import Bridges
 from uwsim.cli.access import Access
@@ -74,7 +74,7 @@ def serve(
     namespace: Namespace = "",
     frame_prefix: FramePrefix = None,
     tf: Tf = "truth",
-    graph: GraphOptions,
+    graph: ServedGraphOptions,
     ros: Annotated[
         int,
         typer.Option(
@@ -124,8 +124,7 @@ def serve(
         autopilot, scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads
     )
     bridges.check(simulator)
-    if parameters:
-        graph.apply(parameters, simulator)
+    graph.apply(parameters, simulator)
     origin = origin or default_origin(simulator.scenario)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     with ExitStack() as sinks:
