@@ -43,10 +43,21 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
+def _print_citation(wanted: bool) -> None:
+    if wanted:
+        from uwsim.cli.cite import bibtex
+
+        typer.echo(bibtex())
+        raise typer.Exit
+
+
 @app.callback()
 def _program(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+    cite: Annotated[
+        bool, typer.Option("--cite", callback=_print_citation, is_eager=True, help="Show a BibTeX entry and exit.")
     ] = False,
 ) -> None:
     """A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap."""

@@ -11,8 +11,12 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 from ruamel.yaml import YAML
+from tools.measured import PAGES, VALUES, filled
 
+from command_line import uwsim
 from uwsim.base.extras import EXTRA_OF, MissingExtraError
+from uwsim.cli.cite import bibtex
+from uwsim.scenario.fingerprint import build_fingerprint
 
 ROOT = Path(__file__).parents[3]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -26,6 +30,37 @@ def test_every_paper_states_the_same_version_and_authors() -> None:
     assert {PROJECT["version"], str(citation["version"]), meta["version"], newest[1]} == {PROJECT["version"]}
     names = [PROJECT["authors"], citation["authors"], meta["author"]]
     assert [[each["name"] for each in authors] for authors in names] == [["The uwsim authors"]] * 3
+    minors = [int(each.rsplit(".")[-1]) for each in PROJECT["classifiers"] if "Python :: 3." in each]
+    assert meta["runtimePlatform"] == f"CPython 3.{min(minors)} to 3.{max(minors)}"
+    assert meta["description"] == PROJECT["description"]
+    assert set(meta["keywords"]) <= {*citation["keywords"], *PROJECT["keywords"]}
+    wheels = (ROOT / ".github/workflows/wheels.yml").read_text()
+    assert wheels.count(" ".join(f"3.{minor}" for minor in minors)) == 2  # interpreters that are installed, and used
+
+
+def test_one_figure_of_speed_is_stated_everywhere() -> None:
+    values = json.loads(VALUES.read_text())
+    for page in PAGES:
+        text = page.read_text()
+        assert filled(text, values) == text, f"{page}: run `python -m tools.measured write`"
+        stated = re.findall(r"(\w+)(<!--[\w.]+-->)? times\s+real\s+time", text)
+        assert stated == [(str(values["survey"]["times"]), "<!--survey.times-->")], page
+    assert filled("`old`<!--survey.machine--> 1.0<!--survey.seconds-->", {"survey": {"machine": "a b", "seconds": 2}}) == (
+        "`a b`<!--survey.machine--> 2<!--survey.seconds-->"
+    )
+
+
+def test_the_citation_names_version_commit_and_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False).stdout
+    shown = uwsim("--cite").stdout
+    assert f"version = {{{PROJECT['version']}}}" in shown and f"build {build_fingerprint()}" in shown
+    assert commit.strip() in shown
+    (tmp_path / "assets").mkdir()  # as in a wheel of the hosted workflow
+    wheel = (ROOT / "CITATION.cff").read_text() + 'repository-code: "https://example.org/a_b"\ncommit: abc123\n'
+    (tmp_path / "assets/CITATION.cff").write_text(wheel)
+    monkeypatch.setattr("uwsim.scenario.read.assets.assets_folder", lambda: tmp_path / "assets")
+    entry = bibtex()
+    assert "url = {https://example.org/a_b}" in entry and "commit abc123, build" in entry and "year = {20" in entry
 
 
 def test_every_action_of_the_workflows_is_pinned_by_commit() -> None:
