@@ -1,4 +1,4 @@
-"""Keep the figures of speed equal everywhere: `python -m tools.measured write`; `survey` measures first, on a quiet machine.
+"""Keep the figures of speed equal everywhere: `python -m tools.measured write`; `survey` measures it first.
 
 docs/inside/measured.json is their one home. In the pages below, the word or the code in backticks before a comment such
 as <!--survey.times--> is the value of that name.

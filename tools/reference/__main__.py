@@ -10,6 +10,7 @@ from tools.reference.doors import PAGE, security_page
 from tools.reference.environments import environments_page
 from tools.reference.imaging import imaging_page
 from tools.reference.python_names import python_page
+from tools.reference.results import results_page
 from tools.reference.scenario import scenario_page
 from tools.reference.sensors import sensors_page
 from tools.reference.sources import sources_page
@@ -26,6 +27,7 @@ PAGES = {
     "python": python_page,
     "sources": sources_page,
     "benchmarks": benchmarks_page,
+    "benchmark-results": results_page,
 }
 
 

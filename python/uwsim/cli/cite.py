@@ -34,7 +34,7 @@ def _commit_of(folder: Path) -> str:
     """Return the commit of a clone, with -dirty if its files differ from it; empty without Git."""
     if not (folder / ".git").exists():
         return ""
-    command = ["git", "-C", folder, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout.strip()
     except (OSError, subprocess.SubprocessError):

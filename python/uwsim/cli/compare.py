@@ -1,7 +1,8 @@
-"""`uwsim compare`: compare several missions over several seeds in one table."""
+"""`uwsim compare`: compare several missions over several seeds in one table, by choice as a named benchmark."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -12,15 +13,18 @@ from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
 from uwsim.cli.options import Threads
-from uwsim.cli.values import scenarios, words
+from uwsim.cli.seeds import parsed_seeds
+from uwsim.cli.values import packaged, scenarios, words
 
 if TYPE_CHECKING:
-    from uwsim.flight.compare import Comparison
+    from uwsim.flight.benchmark import Benchmark
+    from uwsim.flight.compare import Comparison, Row
 
 
 PLANNERS = "uwsim.kinds.planner"  # entry points: missions, functions of a vehicle and of arguments with defaults
 COVERING = ("unknown_water", "frontier", "boustrophedon")  # those that cover an area
-WIDTH = 165  # width of the table if stdout is a file
+WIDTH = 180  # width of the table if stdout is a file
+SURVEY = "survey"  # the mission that flies the scenario's own survey
 BY: dict[str, Literal["truth", "filter"]] = {"truth": "truth", "estimate": "filter"}
 
 
@@ -36,20 +40,37 @@ def compare(
         ),
     ] = None,
     scenario: Annotated[
-        str, typer.Option(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
-    ] = "cove",
+        str | None,
+        typer.Option(help="Packaged scenario, or a YAML file. Default: cove.", autocompletion=scenarios),
+    ] = None,
+    benchmark: Annotated[
+        str | None,
+        typer.Option(
+            help="Compare with the baseline of a named benchmark, or of a YAML file, under its conditions.",
+            autocompletion=packaged("benchmarks"),
+        ),
+    ] = None,
+    held_out: Annotated[
+        bool,
+        typer.Option("--held-out", help="Fly the benchmark's held-out seeds, and write submission.json."),
+    ] = False,
     out: Annotated[Path, typer.Option(help="Folder for compare.csv, .json and .png, and each flight's folder.")] = Path(
         "compare"
     ),
-    seeds: Annotated[str, typer.Option(help="Seeds, such as 0,1,2.")] = "0,1,2",
+    seeds: Annotated[
+        str | None,
+        typer.Option(help="How many seeds from 0, such as 30; or a list, such as 3,7,100-129. Default: 3."),
+    ] = None,
     voxel: Annotated[
         float | None,
         typer.Option(help="Edge of the maps' voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
     ] = None,
     by: Annotated[
-        str,
-        typer.Option(help="State for the missions: truth, or estimate (by the vehicle's filter).", **one_of(*BY)),
-    ] = "truth",
+        str | None,
+        typer.Option(
+            help="State for the missions: truth (default), or estimate (by the vehicle's filter).", **one_of(*BY)
+        ),
+    ] = None,
     fault: Annotated[
         list[str] | None,
         typer.Option(help="A fault in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."),
@@ -61,39 +82,71 @@ def compare(
     argument: Annotated[
         list[str] | None, typer.Option("--set", help="NAME=VALUE for a parameter of every mission.")
     ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Keep the flights that --out already holds, and fly the rest.")
+    ] = False,
     threads: Threads = None,
 ) -> None:
     """Fly missions over seeds in the same water and compare them.
 
-    Compares area seen and its share, time, path, effort, battery, collisions, and the map's coverage and error.
+    Compares area seen and its share, time, path, effort, battery, collisions, and the map's coverage and error. Each
+    mission is then compared with the first one, seed by seed: median difference, its 95 % interval, and wins.
     """
     import ast
 
+    from uwsim.flight.benchmark import HELD_OUT, SEEDS, load_benchmark, write_submission
     from uwsim.flight.compare import compare as fly_all
     from uwsim.flight.mission_file import parsed_arguments
+    from uwsim.flight.paired import MORE_IS_BETTER
     from uwsim.flight.terminal import Terminal
 
+    task = load_benchmark(benchmark) if benchmark is not None else None
+    if task is not None:
+        set_by_it = {"--scenario": scenario, "--by": by, "--voxel": voxel, "--time-limit": time_limit, "--fault": fault}
+        _refuse_beside_benchmark(task, {**set_by_it, "--set": argument})
+    elif held_out:
+        raise ValueError("--held-out: needs --benchmark")
+    chosen = _missions([task.baseline, *(missions or ())] if task else missions or COVERING)
+    numbers = parsed_seeds(seeds, "--seeds") if seeds is not None else [0, 1, 2]
+    if task is not None and seeds is None:
+        numbers = list(HELD_OUT if held_out else SEEDS)
+    elif task is not None and (set(numbers) & set(HELD_OUT) if not held_out else set(numbers) - set(HELD_OUT)):
+        rule = f"held-out seeds are {HELD_OUT[0]} to {HELD_OUT[-1]}, and only with --held-out"
+        raise ValueError(f"--seeds {seeds}: {rule}")
+    screen = Terminal()
+    if task is not None:
+        screen.message(f"{task.name}: {task.task}")
+    found = fly_all(
+        chosen, task.scenario_of if task else scenario or "cove", out, seeds=numbers,
+        arguments=parsed_arguments(argument or [], ast.literal_eval),
+        estimate=task.estimate if task else BY[by or "truth"], faults=[_fault(text) for text in fault or ()],
+        time_limit_s=task.time_limit_s if task else time_limit, voxel_m=task.voxel_m if task else voxel,
+        target=task.target if task else None, threads=threads, resume=resume, show=screen.status, show_row=_print_row,
+    )  # fmt: skip
+    _print(found, task.values if task else MORE_IS_BETTER)
+    typer.echo(f"{out / 'compare.png'}")
+    if task is not None and held_out:
+        files = {name: flown if isinstance(flown, Path) else None for name, flown in chosen.items()}
+        typer.echo(f"{write_submission(task, found, files, out)}")
+
+
+def _missions(names: Iterable[str]) -> dict[str, Any]:
     planners = registered(PLANNERS)
     chosen: dict[str, Any] = {}
-    for text in missions or COVERING:
+    for text in names:
         name = Path(text).stem
-        if text not in planners and not Path(text).is_file():
-            raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(planners)}")
+        if text not in (*planners, SURVEY) and not Path(text).is_file():
+            raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(planners)}, {SURVEY}")
         if name in chosen:
             raise ValueError(f"mission '{text}': there is another '{name}'")
-        chosen[name] = load(PLANNERS, text) if text in planners else Path(text)
-    try:
-        numbers = [int(seed) for seed in seeds.split(",")]
-    except ValueError:
-        raise ValueError(f"--seeds {seeds}: must be whole numbers, such as 0,1,2") from None
-    screen = Terminal()
-    found = fly_all(
-        chosen, scenario, out, seeds=numbers, arguments=parsed_arguments(argument or [], ast.literal_eval),
-        estimate=BY[by], faults=[_fault(text) for text in fault or ()],
-        time_limit_s=time_limit, voxel_m=voxel, threads=threads, show=screen.status,
-    )  # fmt: skip
-    _print(found)
-    typer.echo(f"{out / 'compare.png'}")
+        chosen[name] = None if text == SURVEY else load(PLANNERS, text) if text in planners else Path(text)
+    return chosen
+
+
+def _refuse_beside_benchmark(benchmark: Benchmark, options: dict[str, Any]) -> None:
+    given = next((name for name, value in options.items() if value), None)
+    if given is not None:
+        raise ValueError(f"{given}: is set by the benchmark {benchmark.name}; leave it out")
 
 
 def _fault(text: str) -> dict[str, Any]:
@@ -111,26 +164,48 @@ def _fault(text: str) -> dict[str, Any]:
     return fault
 
 
-def _print(found: Comparison) -> None:
+def _print_row(row: Row) -> None:
+    ended = "" if row.ended_because == "the mission is complete" else f"; {row.ended_because}"
+    typer.echo(
+        f"{row.mission}, seed {row.seed}: {row.time_s:.0f} s, {row.seen_m2:.0f} m² seen, map coverage "
+        f"{100 * row.map_coverage:.0f} %, error {row.map_error_m:.3f} m, {row.collisions} collisions{ended}"
+    )
+
+
+def _print(found: Comparison, values: Iterable[str]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table()
+    from uwsim.flight.paired import LEAST_FOR_INTERVAL, without_randomness
+
     columns = (
         "mission", "seed", "time [s]", "path [m]", "effort [s]", "battery [%]", "collisions", "lost [m]", "seen [m²]",
         "of all [%]", "half seen [s]", "map coverage [%]", "map error [m]",
     )  # fmt: skip
-    for column in columns:
-        table.add_column(column, justify="left" if column == "mission" else "right")
+    has_target = any(row.off_target_m == row.off_target_m for row in found.rows)
+    table = Table(*columns, *(["off target [m]"] if has_target else []))
     for row in found.rows:
         table.add_row(
             row.mission, f"{row.seed}", f"{row.time_s:.0f}", f"{row.path_m:.0f}", f"{row.effort_s:.0f}",
             f"{row.battery_percent:.1f}", f"{row.collisions}", f"{row.estimate_rms_m:.2f}",
             f"{row.seen_m2:.0f}", f"{100 * row.seen_share:.0f}",
             f"{row.half_seen_s:.0f}", f"{100 * row.map_coverage:.0f}", f"{row.map_error_m:.3f}",
+            *([f"{row.off_target_m:.2f}"] if has_target else []),
         )  # fmt: skip
+    pairs = Table("mission", "against", "value", "seeds", "median difference", "95 % interval of it", "wins", "losses")
+    for pair in (pair for pair in found.pairs if pair.value in values):
+        interval = (
+            f"{pair.low:+.3g} to {pair.high:+.3g}" if pair.low == pair.low else f"from {LEAST_FOR_INTERVAL} seeds"
+        )
+        pairs.add_row(
+            pair.mission, pair.against, pair.value, f"{pair.seeds}", f"{pair.median:+.3g}", interval,
+            f"{pair.wins} of {pair.seeds}", f"{pair.losses}",
+        )  # fmt: skip
+    for each in (table, pairs):
+        for column in each.columns[1:]:
+            column.justify = "right"
     console = Console()
-    (console if console.is_terminal else Console(width=WIDTH)).print(table)
-    for row in found.rows:
-        if row.ended_because != "the mission is complete":
-            typer.echo(f"{row.mission}, seed {row.seed}: {row.ended_because}")
+    for each in (table, pairs) if found.pairs else (table,):
+        (console if console.is_terminal else Console(width=WIDTH)).print(each)
+    for name in without_randomness(found.rows):
+        typer.echo(f"{name}: every seed gave the same flight: nothing in this scenario is random for it; one is enough")

@@ -1,30 +1,43 @@
-"""compare: fly several missions in the same scenario, each with several seeds, and compare the results."""
+"""compare: fly several missions in the same scenario, each with several seeds, and compare the results.
+
+Each flight's folder holds its result, flight.json, so that `resume` flies only those that are missing; the table is
+written after each flight.
+"""
 
 from __future__ import annotations
 
 import csv
+import hashlib
+import inspect
 import io
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import require_own
+from uwsim.base.texts.json_text import json_value
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
+from uwsim.flight.paired import Pair, paired
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.request import EstimateKind
+from uwsim.flight.request import EstimateKind, file_digest
+from uwsim.flight.samples import Samples
 from uwsim.flight.seen_bed import CELL_M, SeenBed
 from uwsim.flight.summary import vehicle_values
 from uwsim.missions.run import MissionFunction
-from uwsim.scenario import Scenario
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scoring.score_json import write_json
 from uwsim.simulator.simulator import Simulator
 
 TABLE, VALUES, FIGURE = "compare.csv", "compare.json", "compare.png"
+FLIGHT = "flight.json"  # in each flight's folder
 Curve = tuple[list[float], list[float]]
 
 
@@ -37,7 +50,7 @@ class Row:
     effort_s: mean absolute command, integrated over time: equivalent seconds of full thrust. estimate_rms_m: RMS
     distance between true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within
     scored_area_m. map_error_m: mean distance of the map's occupied voxels from the true surface. Both are NaN without a
-    scored map.
+    scored map. off_target_m: RMS distance of the first vehicle from a Target; NaN without one.
     """
 
     mission: str
@@ -54,6 +67,15 @@ class Row:
     half_seen_s: float
     map_coverage: float
     map_error_m: float
+    off_target_m: float
+
+
+@dataclass(frozen=True)
+class Target:
+    """A place where a mission has to be at the end: world position (3,) [m], and for how long before the end [s]."""
+
+    position_world_m: tuple[float, float, float]
+    last_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,16 +83,24 @@ class Comparison:
     """The results of all flights.
 
     rows: ordered by mission, then by seed. curves: for each mission, one curve per seed: times [s] and the area seen by
-    then [m2].
+    then [m2]. pairs: how the missions differ from the first one.
     """
 
     rows: list[Row]
     curves: dict[str, list[Curve]]
+    pairs: list[Pair]
+
+
+@dataclass(frozen=True, eq=False)
+class _Flown:
+    row: Row
+    cells: frozenset[tuple[int, int]]
+    curve: Curve
 
 
 def compare(
-    missions: Mapping[str, MissionFunction | Path],
-    scenario: str | Path | Scenario = "cove",
+    missions: Mapping[str, MissionFunction | Path | None],
+    scenario: str | Path | Scenario | Callable[[int], Scenario] = "cove",
     out: str | Path = "compare",
     *,
     seeds: Iterable[int] = (0, 1, 2),
@@ -79,16 +109,21 @@ def compare(
     faults: Sequence[Mapping[str, Any]] = (),
     time_limit_s: float | None = None,
     voxel_m: float | None = None,
+    target: Target | None = None,
     threads: int | None = None,
+    resume: bool = False,
     show: Callable[[str], AbstractContextManager[object]] = lambda activity: nullcontext(),
+    show_row: Callable[[Row], None] = lambda row: None,
 ) -> Comparison:
     """Fly each mission with each seed; write compare.csv, compare.json, compare.png and each flight's folder.
 
-    missions: functions or files, keyed by their names in the table. arguments: passed to every mission. estimate:
-    source of the poses that the missions use, "truth" or the vehicle's "filter". faults: injected into each flight,
-    written as in a scenario's `faults`. show: returns a context manager that displays an activity. Raises ValueError if
-    there is nothing to compare or a fault is invalid, OSError if `out` cannot be written, and any error that a mission
-    raises.
+    missions: functions, files or None for the scenario's survey, keyed by their names in the table; all are compared
+    with the first. scenario: may be a function of the seed. arguments: passed to every mission. estimate: source of the
+    poses that the missions use, "truth" or the vehicle's "filter". faults: injected into each flight, written as in a
+    scenario's `faults`. resume: keep the flights that `out` already holds. show: returns a context manager that
+    displays an activity. show_row: called after each flight; its seen_share is that of the flights so far. Raises
+    ValueError if there is nothing to compare, a fault is invalid, or a flight to keep was flown under other conditions;
+    OSError if `out` cannot be written, and any error that a mission raises.
     """
     numbers = list(seeds)
     if not missions or not numbers:
@@ -96,31 +131,85 @@ def compare(
     if len(set(numbers)) < len(numbers):
         raise ValueError(f"seeds = {numbers}: must not contain duplicates")
     folder = made_folder(Path(out), (TABLE, VALUES, FIGURE))
-    flown: list[tuple[str, int, FlightRecord, SeenBed]] = []
+    scenario_of = scenario if callable(scenario) else lambda seed: load(scenario).with_changes(seed=seed)
+    flown_by = {"estimate": estimate, "faults": [dict(fault) for fault in faults]}
+    flown: dict[tuple[str, int], _Flown] = {}
+    found = Comparison([], {}, [])
     for name, mission in missions.items():
         for seed in numbers:
-            with show(f"flying {name}, seed {seed}"):
-                sim = Simulator(scenario, seed=seed, threads=threads)
-                for fault in faults:
-                    sim.faults.inject(**fault)
-                seen = SeenBed(sim, sim.vehicles)
-                sim.journal.attach(seen)
-                record = fly(
-                    mission, sim, folder / f"{name}-{seed}", arguments=arguments, estimate=estimate, map=True,
-                    voxel_m=voxel_m, time_limit_s=time_limit_s, report="json",
-                )  # fmt: skip
-                flown.append((name, seed, record, seen))
-    everything = set().union(*(seen.cells for *_, seen in flown))
-    rows = [_row(name, seed, record, seen, len(everything)) for name, seed, record, seen in flown]
-    curves: dict[str, list[Curve]] = {name: [] for name in missions}
-    for name, _, _, seen in flown:
-        curves[name].append((seen.times_s, seen.areas_m2))
-    found = Comparison(rows, curves)
-    _write(found, folder, {"estimate": estimate, "faults": [dict(fault) for fault in faults]})
+            place, checked = folder / f"{name}-{seed}", scenario_of(seed)
+            conditions = _digest(
+                mission, scenario_fingerprint(checked), arguments, flown_by, time_limit_s, voxel_m, target
+            )
+            kept = _kept(place, conditions) if resume else None
+            if kept is None:
+                with show(f"flying {name}, seed {seed}"):
+                    _discard(place / FLIGHT)
+                    sim = Simulator(checked, threads=threads)
+                    for fault in faults:
+                        sim.faults.inject(**fault)
+                    seen = SeenBed(sim, sim.vehicles)
+                    sim.journal.attach(seen)
+                    record = fly(
+                        mission, sim, place, arguments=arguments, estimate=estimate, map=True, voxel_m=voxel_m,
+                        time_limit_s=time_limit_s, report="json",
+                    )  # fmt: skip
+                    row = _row(name, seed, record, seen, target)
+                kept = _Flown(row, frozenset(seen.cells), (seen.times_s, seen.areas_m2))
+                _keep(place, conditions, kept)
+            flown[name, seed] = kept
+            found = _compared(flown)
+            _write(found, folder, flown_by)
+            show_row(found.rows[-1])
+    from uwsim.figures.comparison import draw_comparison  # imported here, since matplotlib takes a second
+
+    draw_comparison(folder / FIGURE, found.curves)
     return found
 
 
-def _row(name: str, seed: int, record: FlightRecord, seen: SeenBed, all_cells: int) -> Row:
+def _digest(mission: MissionFunction | Path | None, *conditions: object) -> str:
+    """Return a digest of everything that a flight depends on: its mission's source, its conditions, and this build."""
+    source = mission if isinstance(mission, Path) or mission is None else inspect.getsourcefile(mission)
+    what = [file_digest(Path(source)) if source else None, getattr(mission, "__qualname__", None), build_fingerprint()]
+    return hashlib.blake2b(repr([*what, *conditions]).encode(), digest_size=16).hexdigest()
+
+
+def _discard(path: Path) -> None:
+    require_own(path)
+    path.unlink(missing_ok=True)
+
+
+def _keep(folder: Path, conditions: str, flown: _Flown) -> None:
+    values = {"conditions": conditions, "row": asdict(flown.row), "cells": sorted(flown.cells), "curve": flown.curve}
+    write_atomically(folder / FLIGHT, json.dumps(values).encode())
+
+
+def _kept(folder: Path, conditions: str) -> _Flown | None:
+    """Return an earlier flight; None if there is none. Raises ValueError if it was flown under other conditions."""
+    path = folder / FLIGHT
+    if not path.exists():
+        return None
+    try:
+        values = json_value(path.read_bytes(), str(path))
+        flown = _Flown(Row(**values["row"]), frozenset((i, j) for i, j in values["cells"]), tuple(values["curve"]))
+        same = values["conditions"] == conditions
+    except (KeyError, TypeError, ValueError):
+        raise ValueError(f"--resume: '{path}': is damaged; remove it to fly again") from None
+    if not same:
+        raise ValueError(f"--resume: '{path}': mission, scenario, options or build have changed: choose another --out")
+    return flown
+
+
+def _compared(flown: Mapping[tuple[str, int], _Flown]) -> Comparison:
+    everything = len(frozenset().union(*(each.cells for each in flown.values())))
+    rows = [replace(each.row, seen_share=len(each.cells) / (everything or np.nan)) for each in flown.values()]
+    curves: dict[str, list[Curve]] = {name: [] for name, _ in flown}
+    for (name, _), each in flown.items():
+        curves[name].append(each.curve)
+    return Comparison(rows, curves, paired(rows))
+
+
+def _row(name: str, seed: int, record: FlightRecord, seen: SeenBed, target: Target | None) -> Row:
     samples = list(record.samples.values())
     periods_s = [np.diff(s["time_s"], append=s["time_s"][-1:]) for s in samples]
     area_m2 = len(seen.cells) * CELL_M**2
@@ -136,11 +225,18 @@ def _row(name: str, seed: int, record: FlightRecord, seen: SeenBed, all_cells: i
         collisions=record.collisions,
         estimate_rms_m=max(vehicle_values(s)["estimate_rms_m"] for s in samples),
         seen_m2=area_m2,
-        seen_share=len(seen.cells) / all_cells if all_cells else float("nan"),
+        seen_share=float("nan"),
         half_seen_s=seen.times_s[half] if area_m2 else float("nan"),
         map_coverage=record.score.coverage if record.score is not None else float("nan"),
         map_error_m=record.score.distance_mean_m if record.score is not None else float("nan"),
+        off_target_m=_off(samples[0], target) if target is not None else float("nan"),
     )
+
+
+def _off(samples: Samples, target: Target) -> float:
+    last = samples["time_s"] >= samples["time_s"][-1] - target.last_s
+    off_m = np.linalg.norm(samples.path_world_m[last] - target.position_world_m, axis=1)
+    return float(np.sqrt((off_m**2).mean()))
 
 
 def _write(found: Comparison, folder: Path, flown_by: dict[str, Any]) -> None:
@@ -150,8 +246,10 @@ def _write(found: Comparison, folder: Path, flown_by: dict[str, Any]) -> None:
     writer.writerows(asdict(row).values() for row in found.rows)
     write_atomically(folder / TABLE, text.getvalue().encode())
     curves = {name: [{"time_s": t, "seen_m2": a} for t, a in lines] for name, lines in found.curves.items()}
-    rows = [{key: None if value != value else value for key, value in asdict(row).items()} for row in found.rows]
-    write_json(folder / VALUES, {**flown_by, "rows": rows, "seen_over_time": curves})
-    from uwsim.figures.comparison import draw_comparison  # imported here, since matplotlib takes a second
+    rows, pairs = ([plain_row(each) for each in table] for table in (found.rows, found.pairs))
+    write_json(folder / VALUES, {**flown_by, "rows": rows, "pairs": pairs, "seen_over_time": curves})
 
-    draw_comparison(folder / FIGURE, found.curves)
+
+def plain_row(row: Row | Pair) -> dict[str, Any]:
+    """Return a row's values for JSON, which has no NaN."""
+    return {key: None if value != value else value for key, value in asdict(row).items()}

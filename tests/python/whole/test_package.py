@@ -45,9 +45,9 @@ def test_one_figure_of_speed_is_stated_everywhere() -> None:
         assert filled(text, values) == text, f"{page}: run `python -m tools.measured write`"
         stated = re.findall(r"(\w+)(<!--[\w.]+-->)? times\s+real\s+time", text)
         assert stated == [(str(values["survey"]["times"]), "<!--survey.times-->")], page
-    assert filled("`old`<!--survey.machine--> 1.0<!--survey.seconds-->", {"survey": {"machine": "a b", "seconds": 2}}) == (
-        "`a b`<!--survey.machine--> 2<!--survey.seconds-->"
-    )
+    assert filled(
+        "`old`<!--survey.machine--> 1.0<!--survey.seconds-->", {"survey": {"machine": "a b", "seconds": 2}}
+    ) == ("`a b`<!--survey.machine--> 2<!--survey.seconds-->")
 
 
 def test_the_citation_names_version_commit_and_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,80 @@
+"""Paired comparison of missions: differences between flights of the same seed, with exact intervals of their median."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from uwsim.flight.compare import Row
+
+MORE_IS_BETTER = {
+    "time_s": False, "path_m": False, "effort_s": False, "battery_percent": False, "collisions": False,
+    "estimate_rms_m": False, "off_target_m": False, "seen_m2": True, "half_seen_s": False, "map_coverage": True,
+    "map_error_m": False,
+}  # fmt: skip
+"""The values of a row that are compared, and whether more of them is better."""
+LEVEL = 0.95
+LEAST_FOR_INTERVAL = 6
+"""Seeds from which on an interval exists: 2 (1/2)^n < 1 - LEVEL."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """How a mission differs from the first one in a value, over the seeds that both have flown.
+
+    median: of the differences, positive if the mission's value is larger. low, high: 95 % interval of that median; NaN
+    with fewer than 6 seeds. wins, losses: seeds for which the mission is better, and worse; the rest are ties.
+    """
+
+    mission: str
+    against: str
+    value: str
+    seeds: int
+    median: float
+    low: float
+    high: float
+    wins: int
+    losses: int
+
+
+def paired(rows: Sequence[Row], values: Iterable[str] = MORE_IS_BETTER) -> list[Pair]:
+    """Compare every mission with the first one, in each value that is known for all of their common seeds.
+
+    The interval is that of order statistics, which makes no assumption about the distribution (Conover, Practical
+    Nonparametric Statistics, 1999, 3.2; scipy.stats.quantile_test).
+    """
+    missions = list(dict.fromkeys(row.mission for row in rows))
+    flown: dict[str, dict[int, Row]] = {name: {} for name in missions}
+    for row in rows:
+        flown[row.mission][row.seed] = row
+    found = []
+    for name in missions[1:]:
+        seeds = [seed for seed in flown[missions[0]] if seed in flown[name]]
+        for value in values:
+            gaps = np.array([getattr(flown[name][s], value) - getattr(flown[missions[0]][s], value) for s in seeds])
+            if len(gaps) and np.isfinite(gaps).all():
+                found.append(_pair(name, missions[0], value, gaps))
+    return found
+
+
+def _pair(mission: str, against: str, value: str, gaps: np.ndarray) -> Pair:
+    from scipy.stats import quantile_test  # imported here: scipy.stats takes half a second
+
+    low = high = float("nan")
+    if len(gaps) >= LEAST_FOR_INTERVAL:
+        low, high = quantile_test(gaps, q=0.0, p=0.5).confidence_interval(LEVEL)
+    better = gaps if MORE_IS_BETTER[value] else -gaps
+    wins, losses = int((better > 0).sum()), int((better < 0).sum())
+    return Pair(mission, against, value, len(gaps), float(np.median(gaps)), float(low), float(high), wins, losses)
+
+
+def without_randomness(rows: Sequence[Row]) -> list[str]:
+    """Return the missions whose flights are the same for all of at least two seeds."""
+    flights: Mapping[str, list[tuple[object, ...]]] = {row.mission: [] for row in rows}
+    for row in rows:
+        flights[row.mission].append(tuple(repr(value) for key, value in asdict(row).items() if key != "seed"))
+    return [name for name, each in flights.items() if len(each) > 1 and len(set(each)) == 1]
