@@ -1,4 +1,4 @@
-"""A hint for errors about unknown names: the known name with the most similar spelling."""
+"""A hint for errors about unknown names: the known name with the most similar spelling, in whatever case."""
 
 from __future__ import annotations
 
@@ -10,5 +10,6 @@ MIN_SIMILARITY = 0.6  # difflib's ratio: from 0 (nothing in common) to 1 (equal)
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `; did you mean 'sonar'?` if a known name is similar, else ""."""
-    near = difflib.get_close_matches(name, list(known), n=1, cutoff=MIN_SIMILARITY)
-    return f"; did you mean '{near[0]}'?" if near else ""
+    spelt = {each.lower(): each for each in known}
+    near = difflib.get_close_matches(name.lower(), spelt, n=1, cutoff=MIN_SIMILARITY)
+    return f"; did you mean '{spelt[near[0]]}'?" if near else ""

@@ -41,10 +41,19 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @app.command()
-def info(source: MapFile, origin: MapOrigin = ZERO) -> None:
+def info(
+    source: MapFile,
+    origin: MapOrigin = ZERO,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
     """Print a map's format, resolution, counts, bounds and size."""
-    from uwsim.mapping.info import map_info
+    import json
 
+    from uwsim.mapping.info import map_info, map_values
+
+    if as_json:
+        typer.echo(json.dumps(map_values(source, origin), indent=1))
+        return
     rows = map_info(source, origin)
     width = max(len(name) for name, _ in rows)
     for name, value in rows:

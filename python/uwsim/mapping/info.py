@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from uwsim.mapping.files.formats import MAP_FORMATS, Origin
 from uwsim.mapping.files.map_files import map_format, open_map
@@ -28,3 +31,20 @@ def map_info(path: Path, origin_world_m: Origin) -> list[tuple[str, str]]:
     for axis, low, high in zip("xyz", *bounds, strict=True):
         rows.append((f"known {axis}", f"{low:.2f} to {high:.2f} m ({high - low:.2f} m)"))
     return rows
+
+
+def map_values(path: Path, origin_world_m: Origin) -> dict[str, Any]:
+    """Return the same as values by name, in SI units; bounds_m is null for an empty map. Raises the same errors."""
+    occupancy = open_map(path, origin_world_m)
+    statistics, bounds = occupancy.statistics(), occupancy.bounds()
+    return {
+        "file": str(path),
+        "format": map_format(path)[1:],
+        "bytes": path.stat().st_size,
+        "resolution_m": occupancy.resolution_m,
+        "occupied_voxels": statistics.occupied_voxels,
+        "free_voxels": statistics.free_voxels,
+        "nodes": statistics.nodes,
+        "memory_bytes": statistics.memory_bytes,
+        "bounds_m": None if bounds is None else [np.asarray(corner).tolist() for corner in bounds],
+    }

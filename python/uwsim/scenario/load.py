@@ -1,8 +1,10 @@
-"""Loads and validates a scenario by name or path."""
+"""Loads and validates a scenario by name or path, or from a dictionary."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from uwsim.base.no_collections import no_collections
 from uwsim.scenario.read.assets import assets_folder, find_yaml, packaged_names
@@ -13,17 +15,21 @@ from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.scenario import Scenario
 
 
-def load(source: str | Path | Scenario) -> Scenario:
-    """Return a scenario from a packaged name ("lake"), the path of a YAML file, or a Scenario itself.
+def load(source: str | Path | Scenario | Mapping[str, Any]) -> Scenario:
+    """Return a scenario from a packaged name ("lake"), the path of a YAML file, such a file's content, or a Scenario.
 
-    Files named in the YAML file are looked up relative to it, then among the packaged assets; vehicle files are also
-    read. Raises ScenarioError, with one line per mistake that states file, line, key, value, unit and rule.
+    Files named in it are looked up relative to it, or to the working folder, then among the packaged assets; vehicle
+    files are also read. Raises ScenarioError, with one line per mistake that states file, line, key, value, unit and
+    rule.
     """
     if isinstance(source, Scenario):
         return source
-    if not isinstance(source, str | Path):
-        raise ScenarioError(f"scenario: expected a name, a path or a Scenario, not {type(source).__name__}")
+    if not isinstance(source, str | Path | Mapping):
+        expected = "a name, a path, a dictionary or a Scenario"
+        raise ScenarioError(f"scenario: expected {expected}, not {type(source).__name__}")
     _build_validator()
+    if isinstance(source, Mapping):
+        return validated(Scenario, dict(source), folder=Path.cwd())
     path = find_yaml(source, "scenarios")
     is_packaged = assets_folder() in path.parents
     document = read_yaml(path, path.name if is_packaged else str(source))

@@ -50,10 +50,10 @@ STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a w
 class Simulator(SimulatorProperties):
     """A running scenario.
 
-    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (for all
-    vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_hz (for a model with several),
-    vehicle_model (of the first vehicle: a packaged model's name, a path or a VehicleModel), mission_time_s, link (a
-    modem's name or path): override the scenario's values. threads: maximum number of threads,
+    scenario: a packaged scenario's name ("lake"), the path of a YAML file or its content, or a Scenario. seed,
+    sonar_model (for all vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_hz (for a model with
+    several), vehicle_model (of the first vehicle: a packaged model's name, a path or a VehicleModel), mission_time_s,
+    link (a modem's name or path): override the scenario's values. threads: maximum number of threads,
     by default one per core; results do not depend on it. Raises ScenarioError, with file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
@@ -87,7 +87,7 @@ class Simulator(SimulatorProperties):
 
     def __init__(
         self,
-        scenario: str | Path | Scenario = "lake",
+        scenario: str | Path | Scenario | Mapping[str, Any] = "lake",
         *,
         seed: int | None = None,
         sonar_model: int | str | Path | None = None,

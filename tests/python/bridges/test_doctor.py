@@ -1,6 +1,7 @@
 """`uwsim doctor` names each reason why two participants cannot discover each other, and how to fix it."""
 
 import http.server
+import json
 import os
 import socket
 import threading
@@ -129,3 +130,19 @@ def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(mon
     for done in (right, at_odds):
         assert "uwsim serves here" in done.stdout and "/uwsim (jazzy)" in done.stdout
         assert ("WRONG" in done.stdout) == bool(done.returncode)
+
+
+def test_commands_to_copy_are_whole_on_a_narrow_terminal_and_json_has_the_same(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    missing = software.Finding("extras", "figures; not installed: rl", "note", "pip install 'uwsim[rl]' " + 60 * "x")
+    monkeypatch.setattr("uwsim.bridges.doctor.examine", lambda *_: iter([missing]))
+    shown = uwsim("doctor", "--listen", "0.1").stdout
+    assert "…" not in shown and "'uwsim[rl]'" in shown and shown.count("x") == 60
+    found = json.loads(uwsim("doctor", "--listen", "0.1", "--json").stdout)
+    assert found[0] == {"what": "extras", "found": missing.found, "verdict": "note", "advice": missing.advice}
+
+
+def test_extras_that_are_missing_are_named_as_pip_takes_them(monkeypatch):
+    monkeypatch.setattr(software, "find_spec", lambda module: None if module in ("PIL", "cma") else True)
+    found = software.other_extras()
+    assert found.found.endswith("not installed: cameras,learn") and "'uwsim[cameras,learn]'" in found.advice

@@ -1,5 +1,6 @@
 """`uwsim map` on small maps of the pool: info, convert, merge, and errors."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -34,6 +35,10 @@ def test_info_describes_the_map(folder):
     west, east = centres[:, 0].min() - VOXEL_M / 2, centres[:, 0].max() + VOXEL_M / 2
     assert f"known x          {west:.2f} to {east:.2f} m" in shown
     assert "the map is empty" in uwsim_map("info", folder / "empty.bt")
+    values = json.loads(uwsim_map("info", folder / "pool.bt", "--json"))
+    assert (values["occupied_voxels"], values["resolution_m"]) == (len(occupancy.occupied_voxels()), VOXEL_M)
+    assert [values["bounds_m"][0][0], values["bounds_m"][1][0]] == pytest.approx([west, east])
+    assert json.loads(uwsim_map("info", folder / "empty.bt", "--json"))["bounds_m"] is None
 
 
 def test_info_takes_the_format_from_the_first_line_not_the_name(folder, tmp_path):

@@ -308,6 +308,10 @@ def test_uwsim_recording_lists_what_a_file_holds(run: Path, capsys: pytest.Captu
     said = capsys.readouterr().out
     assert "scenario lake, seed 3" in said and "from 0 s to 2.5 s" in said and "1 undock" in said
     assert " 126  /odom " in said and "nav_msgs/msg/Odometry" in said
+    list_recording(run, as_json=True)
+    values = json.loads(capsys.readouterr().out)
+    assert (values["scenario"], values["seed"], values["to_s"], values["commands"]["undock"]) == ("lake", 3, 2.5, 1)
+    assert values["channels"]["/odom"]["messages"] == 126 and values["is_whole"]
 
 
 def test_uwsim_replay_says_what_it_found(run: Path, tmp_path: Path) -> None:

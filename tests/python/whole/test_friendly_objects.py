@@ -219,3 +219,20 @@ def test_a_users_script_passes_strict_type_checkers(
     assert done.returncode == 1, done.stdout + done.stderr
     errors = [line for line in done.stdout.splitlines() if " error: " in line or " - error" in line]
     assert len(errors) == 1 and f"{wrong.name}:2:" in errors[0], done.stdout
+
+
+def test_mistakes_name_what_the_user_wrote(sim: uwsim.Simulator) -> None:
+    with pytest.raises(KeyError, match="did you mean 'imu'"):
+        sim.rov.sensors["IMU"]
+    with pytest.raises(TypeError, match=r"^imaging_sonars\['forward_looking'\].ping\(\): takes no arguments"):
+        sim.rov.imaging_sonars["forward_looking"].ping(3)
+    with pytest.raises(TypeError, match=r"^imaging_sonars\['profiler'\].ping\(\): takes angles_rad"):
+        sim.rov.imaging_sonars["profiler"].ping()
+
+
+def test_a_scenario_may_be_a_dictionary() -> None:
+    terrain = {"source": "noise", "size_m": [20, 20], "spacing_m": 1, "bed_depth_m": 5}
+    sim = uwsim.Simulator({"name": "mine", "terrain": terrain, "vehicles": [{"name": "rov", "model": "rov"}]}, seed=3)
+    assert (sim.scenario.name, sim.seed, sim.scenario.terrain.bed_depth_m) == ("mine", 3, 5.0)
+    with pytest.raises(ValueError, match=r"terrain.bed_depth_m = -1 m: must be"):
+        uwsim.Simulator({"name": "mine", "terrain": {**terrain, "bed_depth_m": -1}})

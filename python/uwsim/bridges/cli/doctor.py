@@ -23,22 +23,33 @@ def doctor(
     listen: Annotated[
         float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
     ] = 3.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list of findings.")] = False,
 ) -> int:
-    """Diagnose why ROS and the simulator do not connect.
+    """Diagnose this installation, and why ROS and the simulator do not connect.
 
-    Checks domain, interface, multicast, versions, ports and packages. Exits with 1 if something is wrong.
+    Checks processor, extras, domain, interface, multicast, versions and ports. Exits with 1 if something is wrong.
     """
+    import json
+    from dataclasses import asdict
+
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from uwsim.bridges.doctor import examine
 
-    console, table = Console(), Table("", "", "found", "what to do", show_edge=False)
-    wrong = 0
+    console = Console(stderr=as_json)
     with console.status(f"looking and listening for {listen:g} s"):
-        for finding in examine(bridges, port, ardusub_port, listen):
-            wrong += finding.verdict == "wrong"
-            table.add_row(MARKS[finding.verdict], finding.what, finding.found, finding.advice)
+        findings = list(examine(bridges, port, ardusub_port, listen))
+    wrong = sum(finding.verdict == "wrong" for finding in findings)
+    if as_json:
+        typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))
+        return 1 if wrong else 0
+    table = Table("", "", "found", "what to do", show_edge=False)
+    for column in table.columns:
+        column.overflow = "fold"  # a command that is cut could not be run
+    for finding in findings:
+        table.add_row(MARKS[finding.verdict], *map(escape, (finding.what, finding.found, finding.advice)))
     console.print(table)
     console.print("nothing is wrong" if not wrong else f"{wrong} wrong")
     return 1 if wrong else 0

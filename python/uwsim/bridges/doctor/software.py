@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import platform
 from importlib.metadata import PackageNotFoundError, requires, version
 from importlib.util import find_spec
 
+from uwsim import _core
+from uwsim.base.extras import EXTRA_OF
 from uwsim.bridges.doctor.finding import Finding
 from uwsim.bridges.ros1.rospy_module import DEBIAN, INSTALL
 
@@ -20,7 +23,29 @@ EXTRAS = {
 def software() -> list[Finding]:
     """Return findings about the installed software."""
     python = f"Python {platform.python_version()}, {platform.machine()}, {platform.system()} {platform.release()}"
-    return [Finding("uwsim", f"{version('uwsim')} on {python}"), *map(extra, EXTRAS), ros1()]
+    core = f"{_core.instruction_set()}, {os.cpu_count()} processors"
+    return [
+        Finding("uwsim", f"{version('uwsim')} on {python}"),
+        Finding("processor", core),
+        other_extras(),
+        *map(extra, EXTRAS),
+        ros1(),
+    ]
+
+
+def other_extras() -> Finding:
+    """Return a finding about all other extras: those whose packages are installed, and those that are not."""
+    names = {name: [module for module, of in EXTRA_OF.items() if of == name] for name in EXTRA_OF.values()}
+    there = {
+        name: all(find_spec(module) for module in modules) for name, modules in names.items() if name not in EXTRAS
+    }
+    found = ", ".join(name for name in there if there[name]) or "none"
+    missing = ",".join(name for name in there if not there[name])
+    if not missing:
+        return Finding("extras", found)
+    return Finding(
+        "extras", f"{found}; not installed: {missing}", "note", f"for what needs them: pip install 'uwsim[{missing}]'"
+    )
 
 
 def extra(name: str) -> Finding:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol, cast
 
@@ -76,6 +77,7 @@ class ImagingSonar(Attached):
 
     def later(self, *arguments: Any, with_labels: bool = False) -> Callable[[], Any]:
         """Store the current state; return a function that pings from it at any time, on any thread; see `ping`."""
+        self._require_fitting(arguments)
         around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
         return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
 
@@ -98,6 +100,13 @@ class ImagingSonar(Attached):
     def stream(self) -> str:
         """The name of the sonar's random stream, such as rov/forward_looking."""
         return _core.stream_name(self._vehicle, self.name)
+
+    def _require_fitting(self, arguments: tuple[Any, ...]) -> None:
+        """Raise TypeError unless these are the arguments of this kind's ping, after those that every kind has."""
+        wanted = [name for name in list(inspect.signature(self._kind.ping).parameters)[4:] if name != "with_labels"]
+        if len(arguments) != len(wanted):
+            expected = f"{', '.join(wanted) or 'no arguments'}, and with_labels by name"
+            raise TypeError(f"imaging_sonars['{self.name}'].ping(): takes {expected}; {len(arguments)} given")
 
     def _require(self, kind: type[Acoustics]) -> None:
         if not isinstance(self.model, kind):

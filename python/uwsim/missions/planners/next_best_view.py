@@ -24,10 +24,11 @@ from uwsim.missions.planners.map_way import go_by_map
 from uwsim.missions.steps import Steps, race, wait
 from uwsim.missions.stopped import StoppedError
 
-RESOLUTION_M, PING_PERIOD_S, CLEARANCE_M = 0.4, 0.25, 1.0
+RESOLUTION_M, PING_PERIOD_S, CLEARANCE_M = 0.4, 0.25, 1.2
 VIEW_RANGE_M, HIGH_DEG, VIEWS, DECAY_PER_M = 10.0, 25, 40, 0.05  # higher views would count the air
 ELEVATIONS_RAD = (math.radians(-35.0), math.radians(5.0))  # of the sonar: at the bed and ahead, and at the roof
 LEAST_GAIN_M3 = 8.0
+SEEN_M = 4.0  # around earlier views, whose unknown rest lies behind the bed or outside
 
 
 def next_best_view(
@@ -44,27 +45,30 @@ def next_best_view(
     low[2], high[2] = -deepest_m, 0.0
     live = LiveMap(vehicle, RESOLUTION_M, Cells((float(start[0]), float(start[1])), 0.0, 2.0))
     rng = np.random.default_rng(0)  # candidates only: the same flight for the same echoes
+    views = [start]
     yield from race(_look_round(vehicle), _map(vehicle, live))
     for taken in range(1, most_views + 1):
         candidates = _candidates(live, low, high, rng)
         gains = _gains_m3(live, candidates)
         away_m = np.linalg.norm(candidates - np.asarray(vehicle.pose.position_world_m), axis=1)
-        order = np.argsort(-gains * np.exp(-DECAY_PER_M * away_m), kind="stable")
-        for k in order[gains[order] >= LEAST_GAIN_M3]:
+        seen_m = np.linalg.norm(candidates[:, None] - np.array(views), axis=2).min(axis=1)
+        worth = gains * np.exp(-DECAY_PER_M * away_m) * (1.0 - np.exp(-((seen_m / SEEN_M) ** 2)))
+        for k in np.argsort(-worth, kind="stable")[: int((gains >= LEAST_GAIN_M3).sum())]:
+            views.append(candidates[k])
             try:
-                yield from race(_go(vehicle, live, candidates[k]), _map(vehicle, live))
+                yield from race(_view(vehicle, live, candidates[k]), _map(vehicle, live))
                 break
             except StoppedError:
-                continue  # no free way leads there
+                continue  # no free way leads there, or the vehicle cannot turn there
         else:
             return taken
         vehicle.log("view", gain_m3=float(gains[k]), position_m=candidates[k].tolist())
-        yield from race(_look_round(vehicle), _map(vehicle, live))
     return most_views + 1
 
 
-def _go(vehicle: OwnVehicle, live: LiveMap, goal: NDArray[np.float64]) -> Steps[None]:
+def _view(vehicle: OwnVehicle, live: LiveMap, goal: NDArray[np.float64]) -> Steps[None]:
     yield from go_by_map(vehicle, live.map, goal, clearance_m=CLEARANCE_M)
+    yield from _look_round(vehicle)
 
 
 def _look_round(vehicle: OwnVehicle) -> Steps[None]:

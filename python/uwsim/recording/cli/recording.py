@@ -15,8 +15,11 @@ from uwsim.cli.groups import under
 @under("Record")
 def recording(
     source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap", callback=readable)],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List the contents of a recording: run, commands, channels."""
+    import json
+
     from uwsim.recording.commands import COMMANDS
     from uwsim.recording.reader import Recording
 
@@ -26,6 +29,19 @@ def recording(
     if run.end is None and run.end_tick is not None:
         end += ", where it was cut off"
     commands = Counter(command.name for command in run.commands()) if COMMANDS in run.channels else Counter()
+    if as_json:
+        values = {
+            "kind": run.start.kind, "scenario": run.start.scenario, "seed": run.start.seed, "from_s": first_s,
+            "to_s": None if run.end_tick is None else run.end_tick * 1e-9 * run.step_ns, "is_whole": run.end is not None,
+            "begun": run.start.begun, "build": run.start.build, "bytes": source.stat().st_size,
+            "commands": dict(commands), "left_out": dict(run.dropped),
+            "channels": {
+                f"/{each.name}": {"type": each.type, "messages": each.message_count, "rate_hz": each.rate_hz}
+                for each in run.channels.values()
+            },
+        }  # fmt: skip
+        typer.echo(json.dumps(values, indent=1))
+        return
     rows = [
         ("run", f"{run.start.kind}, scenario {run.start.scenario}, seed {run.start.seed}"),
         ("simulated", f"from {first_s:g} s {end}"),
