@@ -137,7 +137,7 @@ def test_commands_to_copy_are_whole_on_a_narrow_terminal_and_json_has_the_same(m
     missing = software.Finding("extras", "figures; not installed: rl", "note", "pip install 'uwsim[rl]' " + 60 * "x")
     monkeypatch.setattr("uwsim.bridges.doctor.examine", lambda *_: iter([missing]))
     shown = uwsim("doctor", "--listen", "0.1").stdout
-    assert "…" not in shown and "'uwsim[rl]'" in shown and shown.count("x") == 60
+    assert "…" not in shown and "'uwsim[rl]'" in shown and shown.count("x") == 61
     found = json.loads(uwsim("doctor", "--listen", "0.1", "--json").stdout)
     assert found[0] == {"what": "extras", "found": missing.found, "verdict": "note", "advice": missing.advice}
 

@@ -32,7 +32,7 @@ def recording(
     if as_json:
         values = {
             "kind": run.start.kind, "scenario": run.start.scenario, "seed": run.start.seed, "from_s": first_s,
-            "to_s": None if run.end_tick is None else run.end_tick * 1e-9 * run.step_ns, "is_whole": run.end is not None,
+            "to_s": None if run.end_tick is None else run.end_tick * run.step_ns / 1e9, "is_whole": run.end is not None,
             "begun": run.start.begun, "build": run.start.build, "bytes": source.stat().st_size,
             "commands": dict(commands), "left_out": dict(run.dropped),
             "channels": {
