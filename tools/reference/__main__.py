@@ -9,7 +9,7 @@ from tools.reference.commands import commands_page
 from tools.reference.doors import PAGE, security_page
 from tools.reference.environments import environments_page
 from tools.reference.imaging import imaging_page
-from tools.reference.python_names import python_page
+from tools.reference.python_names import python_pages
 from tools.reference.results import results_page
 from tools.reference.scenario import scenario_page
 from tools.reference.sensors import sensors_page
@@ -24,7 +24,6 @@ PAGES = {
     "channels": channels_page,
     "commands": commands_page,
     "environments": environments_page,
-    "python": python_page,
     "sources": sources_page,
     "benchmarks": benchmarks_page,
     "benchmark-results": results_page,
@@ -35,8 +34,9 @@ def main() -> None:
     """Write each page whose text has changed."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    for name, page in PAGES.items():
-        target, text = folder / f"{name}.md", page()
+    for name, text in {**{name: page() for name, page in PAGES.items()}, **python_pages()}.items():
+        target = folder / f"{name}.md"
+        target.parent.mkdir(exist_ok=True)
         if not target.exists() or target.read_text() != text:
             target.write_text(text)
     if folder.resolve() == PAGE.parent / "docs/reference":

@@ -1,4 +1,4 @@
-"""The Python reference: the public names, documented by their docstrings."""
+"""The Python reference: the public names, documented by their docstrings, on a page for each subject."""
 
 PUBLIC = {
     "The simulator": [
@@ -19,6 +19,8 @@ PUBLIC = {
         "uwsim.flight.record.FlightRecord",
         "uwsim.bridges.remote.flight.fly_remote()",
         "uwsim.flight.survey.run_survey()",
+        "uwsim.flight.compare",
+        "uwsim.flight.benchmark",
         "uwsim.exercises.flight.fly_exercise()",
     ],
     "Planners": [
@@ -33,6 +35,9 @@ PUBLIC = {
             "map_way.go_by_map",
             "curves.fly_through",
             "twin.make_twin",
+            "next_best_view.next_best_view",
+            "place_missions.keep_place",
+            "place_missions.reach_dock",
         )
     ],
     "Control": ["uwsim.navigation.control.Controller", "uwsim.navigation.control.PathFollower"],
@@ -95,7 +100,7 @@ PUBLIC = {
 
 HEAD = """# Python
 
-**Public**: the names on this page, and those of `import uwsim` (`uwsim.Simulator`, `uwsim.Batch`, `uwsim.fly`,
+**Public**: the names on these pages, and those of `import uwsim` (`uwsim.Simulator`, `uwsim.Batch`, `uwsim.fly`,
 `uwsim.run_survey`, `uwsim.scenarios`, `uwsim.view`). Changes to them are listed in the changelog and require a new
 minor version.
 
@@ -107,15 +112,26 @@ IN_PARTS = {"uwsim.simulator.Simulator", "uwsim.simulator.vehicle.Vehicle", "uws
 """Classes whose public methods are written in several files, as base classes."""
 
 
-def python_page() -> str:
-    """Return the page: directives that include the docstrings when the site is built."""
-    text = HEAD
-    for title, names in PUBLIC.items():
-        text += f"\n## {title}\n\n```{{eval-rst}}\n"
-        for name in names:
-            text += _directive(name)
-        text += "```\n"
-    return text
+def python_pages() -> dict[str, str]:
+    """Return the pages by name: directives that include the docstrings when the site is built, and a page of them."""
+    pages = {f"python/{title.lower().replace(' ', '-')}": title for title in PUBLIC}
+    links = "\n".join(
+        f"| [{title}]({name}.md) | {', '.join(f'`{_short(each)}`' for each in PUBLIC[title])} |"
+        for name, title in pages.items()
+    )
+    tree = "\n".join(pages)
+    index = f"{HEAD}\n| page | names |\n|---|---|\n{links}\n\n```{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{tree}\n```\n"
+    return {"python": index, **{name: _page(title) for name, title in pages.items()}}
+
+
+def _page(title: str) -> str:
+    return f"# {title}\n\n```{{eval-rst}}\n{''.join(map(_directive, PUBLIC[title]))}```\n"
+
+
+def _short(name: str) -> str:
+    """Return a module's name whole, and that of a class or function without its module."""
+    last = name.rpartition(".")[2]
+    return name if last[0].islower() and not last.endswith("()") else last
 
 
 def _directive(name: str) -> str:

@@ -11,6 +11,7 @@ import hashlib
 import inspect
 import io
 import json
+import marshal
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, fields, replace
@@ -169,9 +170,19 @@ def compare(
 
 def _digest(mission: MissionFunction | Path | None, *conditions: object) -> str:
     """Return a digest of everything that a flight depends on: its mission's source, its conditions, and this build."""
-    source = mission if isinstance(mission, Path) or mission is None else inspect.getsourcefile(mission)
-    what = [file_digest(Path(source)) if source else None, getattr(mission, "__qualname__", None), build_fingerprint()]
+    what = [_source(mission), getattr(mission, "__qualname__", None), build_fingerprint()]
     return hashlib.blake2b(repr([*what, *conditions]).encode(), digest_size=16).hexdigest()
+
+
+def _source(mission: MissionFunction | Path | None) -> str | None:
+    """Return a digest of the mission's file or, in a notebook, its compiled code; None for the scenario's survey."""
+    if mission is None or isinstance(mission, Path):
+        return file_digest(mission) if mission is not None else None
+    path = Path(inspect.getsourcefile(inspect.unwrap(mission)) or "")
+    code = getattr(mission, "__code__", None)
+    if path.is_file() or code is None:
+        return file_digest(path) if path.is_file() else None
+    return hashlib.blake2b(marshal.dumps(code, 2), digest_size=16).hexdigest()  # version 2: without references
 
 
 def _discard(path: Path) -> None:

@@ -2,7 +2,6 @@
 
 import contextlib
 import inspect
-import json
 import pydoc
 import re
 import runpy
@@ -10,8 +9,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import nbformat
 import pytest
 from sphinx.search.en import SearchEnglish
+from tools.notebooks import is_fresh
 from tools.reference.python_names import PUBLIC
 
 import docs_pages
@@ -80,6 +81,26 @@ def test_the_search_of_the_site_finds_every_key() -> None:
     assert {key for key in keys if language.stem(key.lower()) not in indexed} == {"on", "then", "up"}
 
 
+def test_the_search_of_the_site_finds_what_newcomers_look_for() -> None:
+    language = SearchEnglish({})
+    words = set(language.split(" ".join(path.read_text().lower() for path in docs_pages.PAGES)))
+    asked = [
+        "docker",
+        "pytorch",
+        "license",
+        "swarm",
+        "matlab",
+        "side-scan",
+        "benchmark",
+        "bibtex",
+        "wheel",
+        "container",
+    ]
+    parts = {part for word in asked for part in language.split(word)}
+    assert "side" in parts and [part for part in parts if not language.word_filter(part)] == []
+    assert parts <= words, parts - words
+
+
 def keys_of(part: Any) -> set[str]:
     """Return the keys of a schema and of all that it contains."""
     if isinstance(part, list):
@@ -110,13 +131,19 @@ def test_what_the_programs_import_is_public() -> None:
         assert inside or holds or any(thing is each for each in things), f"{module}.{name}"
 
 
-def test_notebooks_are_kept_without_what_they_gave() -> None:
-    """Outputs are generated when the site is built; stored ones would become outdated and make diffs unreadable."""
+def test_notebooks_are_kept_with_what_their_code_gave() -> None:
+    """Read on the web as they are; `python -m tools.notebooks` runs those whose code has changed."""
     notebooks = sorted((DOCS / "notebooks").glob("*.ipynb"))
     assert len(notebooks) >= 6
     for path in notebooks:
-        cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
-        assert cells and all(not cell["outputs"] and cell["execution_count"] is None for cell in cells), path.name
+        notebook = nbformat.read(path, as_version=4)
+        assert is_fresh(notebook), f"{path.name}: run python -m tools.notebooks"
+        given = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+        assert any("image/png" in output.get("data", {}) for output in given), f"{path.name}: no picture"
+        assert not [output for output in given if output.output_type == "error"]
+        next(cell for cell in notebook.cells if cell.cell_type == "code").source += "\n1"
+        assert not is_fresh(notebook)
+    assert sum(path.stat().st_size for path in notebooks) < 2_000_000
 
 
 def test_every_picture_is_shown_and_made_by_a_command() -> None:

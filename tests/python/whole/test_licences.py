@@ -3,11 +3,13 @@
 import re
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
-from tools.licence_list import main, reaches
+from tools.licence_list import HEADERS, main, reaches
+from tools.wheel_licences import add, missing
 
 ROOT = Path(__file__).parents[3]
 
@@ -34,6 +36,32 @@ def test_every_dependency_has_a_licence_and_none_reaches_to_us(
 )
 def test_which_licences_reach(licence: str, far: bool) -> None:
     assert reaches(licence) == far
+
+
+def test_a_wheel_carries_the_licences_of_what_is_inside(tmp_path: Path) -> None:
+    bullet = next(path.name for path in Path("/usr/lib").glob("*/libLinearMath.so.*"))
+    tree, info = tmp_path / "uwsim-1", tmp_path / "uwsim-1/uwsim-1.dist-info"
+    for folder in (info / "licenses", tree / "uwsim.libs"):
+        folder.mkdir(parents=True)
+    (info / "METADATA").write_text("Name: uwsim\nLicense-File: LICENSE\n\nLong text.\n")
+    (info / "licenses/LICENSE").write_text((ROOT / "LICENSE").read_text())
+    (tree / "uwsim.libs" / bullet.replace(".so", "-0123abcd.so")).write_text("")
+
+    def packed() -> list[str]:
+        with zipfile.ZipFile(tmp_path / "made.whl", "w") as wheel:
+            for path in sorted(tree.rglob("*")):
+                wheel.write(path, path.relative_to(tree))
+        return missing(tmp_path / "made.whl")
+
+    everything = sorted([f"{bullet}.copyright", *(f"{each}.copyright" for each in HEADERS), "pybind11.LICENSE"])
+    assert packed() == everything
+    add(tree)
+    assert packed() == []
+    assert "zlib" in (info / f"licenses/{bullet}.copyright").read_text().lower()
+    assert "redistribut" in (info / "licenses/pybind11.LICENSE").read_text().lower()
+    assert (info / "METADATA").read_text().endswith("LICENSE\n\nLong text.\n")
+    (info / "licenses/libpcl-dev.copyright").unlink()
+    assert packed() == ["libpcl-dev.copyright"]
 
 
 @pytest.mark.parametrize("name", ["requirements-lock.txt", "requirements-lock-dev.txt"])

@@ -63,6 +63,11 @@ def test_the_citation_names_version_commit_and_build(tmp_path: Path, monkeypatch
     assert "url = {https://example.org/a_b}" in entry and "commit abc123, build" in entry and "year = {20" in entry
 
 
+def test_the_package_runs_as_the_command() -> None:
+    ran = subprocess.run([sys.executable, "-m", "uwsim", "--version"], capture_output=True, text=True, check=True)
+    assert ran.stdout == f"uwsim {PROJECT['version']}\n"
+
+
 def test_every_action_of_the_workflows_is_pinned_by_commit() -> None:
     used = [line for path in (ROOT / ".github/workflows").glob("*.yml") for line in path.read_text().splitlines()]
     actions = [line for line in used if "uses:" in line]
