@@ -10,8 +10,11 @@ from scipy.spatial.transform import Rotation
 from command_line import error_line, uwsim
 from uwsim import make_dataset
 from uwsim.campaigns.cli import dataset as cli
+from uwsim.campaigns.datasets.make import Dataset
+from uwsim.campaigns.datasets.spec import DatasetSpec
 from uwsim.campaigns.datasets.track import read_track
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.validated import validated
 
 SMALL = {"size": (32, 24), "write": ("depth",), "workers": 0}
 MISSION = """
@@ -158,9 +161,31 @@ def test_the_command_makes_a_dataset(tmp_path: Path) -> None:
 def test_the_command_reads_sizes_ranges_and_variations() -> None:
     assert cli._size("640x360") == (640, 360)
     assert cli._interval("--distance", "1..6.5") == (1.0, 6.5)
-    assert cli._variation("optics.jerlov=II,3C") == ("optics.jerlov", {"choices": ["II", "3C"]})
-    assert cli._variation("rov.lamps.front.on=true,false")[1] == {"choices": [True, False]}
-    assert cli._variation("optics.wind_m_s=0..5")[1] == {"low": 0.0, "high": 5.0}
-    for read in (lambda: cli._size("640"), lambda: cli._interval("--distance", "3"), lambda: cli._variation("a.b")):
+    assert cli._variation("optics.jerlov=II,3C") == ("optics.jerlov", "II,3C")
+    assert cli._variation("optics.wind_m_s=0..5") == ("optics.wind_m_s", "0..5")
+    for read in (lambda: cli._size("640"), lambda: cli._interval("--distance", "3"), lambda: cli._variation("a=1..b")):
         with pytest.raises(ValueError, match="must be"):
             read()
+
+
+@pytest.mark.parametrize(
+    ("brief", "whole"),
+    [
+        ("II,III", {"choices": ["II", "III"]}),
+        (["II", "III"], {"choices": ["II", "III"]}),
+        ("10..80", {"low": 10, "high": 80}),
+        ((10, 80), {"low": 10, "high": 80}),
+        ("true,false", {"choices": [True, False]}),
+        ({"low": 10, "high": 80}, {"low": 10, "high": 80}),
+    ],
+)
+def test_variations_may_be_written_briefly_in_python_as_on_the_command_line(brief: object, whole: object) -> None:
+    one, two = (validated(DatasetSpec, {"scenario": "pool", "n": 1, "vary": {"a": each}}) for each in (brief, whole))
+    assert one.vary == two.vary
+
+
+def test_a_dataset_is_shown_in_one_line(tmp_path: Path) -> None:
+    spec = validated(DatasetSpec, {"scenario": "pool", "n": 2000})
+    assert repr(Dataset(spec, Path("data"), 1000, (), 10, 2.0)) == (
+        "<Dataset 'data': 1,000 of 2,000 frames of pool, 5.0 frames/s>"
+    )

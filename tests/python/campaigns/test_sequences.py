@@ -5,7 +5,7 @@ import hashlib
 import json
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import cv2
 import numpy as np
@@ -21,6 +21,7 @@ from uwsim.base.atomic_file import remove_unfinished
 from uwsim.base.own_files import mark
 from uwsim.campaigns.datasets.sequences.make import ABOUT, BAG, CHAIN, IMU, TRUTH, UNFINISHED
 from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.flight.terminal import Silent
 from uwsim.missions import wait
 
 BALL_M, GRAVITY_M_S2 = np.array([3.0, 0.4, -4.0]), 9.80665
@@ -337,3 +338,27 @@ def test_an_immediate_exit_removes_what_is_unfinished(world: Path, tmp_path: Pat
     with pytest.raises((KeyboardInterrupt, OSError)):
         uwsim.make_sequence(world, ends, tmp_path / "out", cameras=())
     assert not list(tmp_path.iterdir())
+
+
+def test_chosen_instruments_are_written_with_the_same_bytes_and_the_cost_is_shown(
+    sequence: SimpleNamespace, world: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Heard(Silent):
+        said: ClassVar[list[str]] = []
+
+        def message(self, text: str) -> None:
+            self.said.append(text)
+
+    monkeypatch.setattr("uwsim.campaigns.datasets.sequences.make.COST_AFTER_S", 0.5)
+    options = {"cameras": (), "instruments": ("imu", "dvl", "multibeam"), "without": ("multibeam",), "bag": False}
+    made = uwsim.make_sequence(world, mission, tmp_path / "out", seed=5, screen=Heard(), **options)
+    assert set(made.counts) == {"state_groundtruth_estimate0", "imu0", "dvl0"}
+    assert not (made.out / BAG).exists()
+    for name in made.counts:
+        assert (made.out / "mav0" / name / "data.csv").read_bytes() == (sequence.mav / name / "data.csv").read_bytes()
+    (cost,) = [text for text in Heard.said if "for each simulated second" in text]
+    assert cost.startswith("the first 0.5 s: ") and " MB " in cost
+    assert repr(made).startswith(f"<Sequence '{made.out}': 1.5 s, 300 state") and "\n" not in repr(made)
+    with pytest.raises(ValueError, match=r"instrument 'dlv': must be one of imu, dvl, .*did you mean 'dvl'"):
+        uwsim.make_sequence(world, mission, tmp_path / "no", without=("dlv",))
+    assert not (tmp_path / "no").exists()

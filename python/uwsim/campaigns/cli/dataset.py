@@ -26,7 +26,9 @@ Vary = Annotated[
 ]
 
 
-OF_SEQUENCES = ("scenario", "out", "camera", "vehicle", "seed", "sequence", "time_limit")
+OF_SEQUENCES = (
+    "scenario", "out", "camera", "vehicle", "seed", "sequence", "time_limit", "instruments", "without", "no_bag",
+)  # fmt: skip
 """The options that have an effect on a sequence."""
 
 
@@ -50,7 +52,9 @@ def dataset(
     ] = "rgb,depth,normals,instances,classes,boxes",
     pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",
     effects: Annotated[str, typer.Option(help="on, off, or effects joined by +.")] = "on",
-    without: Annotated[str, typer.Option(help="Effects to omit, comma-separated, such as wobble.")] = "",
+    without: Annotated[
+        str, typer.Option(help="Effects to omit, such as wobble; for --sequence, instruments, such as multibeam.")
+    ] = "",
     along: Annotated[
         Path | None,
         typer.Option(
@@ -73,6 +77,11 @@ def dataset(
         float | None,
         typer.Option(help="End a --sequence after this simulated time [s].", callback=within(0.001, 1e7, "s")),
     ] = None,
+    instruments: Annotated[
+        str | None,
+        typer.Option(help="Sensors and sonars of a --sequence, such as imu,dvl,multibeam. Default: all of them."),
+    ] = None,
+    no_bag: Annotated[bool, typer.Option("--no-bag", help="Write no ROS bag for a --sequence.")] = False,
     look_at: Annotated[
         str | None, typer.Option(help="Names or classes, comma-separated, such as gate,pipeline. Default: everything.")
     ] = None,
@@ -121,9 +130,12 @@ def dataset(
     """
     if sequence is not None:
         _refuse_options_of_frames(context)
-        _make_sequence(scenario, sequence, out, _listed(camera), vehicle, seed, time_limit)
+        _make_sequence(
+            scenario, sequence, out, cameras=_listed(camera), vehicle=vehicle, seed=seed, time_limit_s=time_limit,
+            instruments=None if instruments is None else _listed(instruments), without=_listed(without), bag=not no_bag,
+        )  # fmt: skip
         return
-    need("--sequence", time_limit=time_limit)
+    need("--sequence", time_limit=time_limit, instruments=instruments, no_bag=no_bag or None)
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.datasets import make_dataset
     from uwsim.campaigns.workers.job_progress import job_progress
@@ -188,17 +200,11 @@ def _is_passed(context: typer.Context, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def _make_sequence(
-    scenario: str, mission: Path, out: Path, cameras: tuple[str, ...], vehicle: str | None, seed: int | None,
-    time_limit_s: float | None,
-) -> None:  # fmt: skip
+def _make_sequence(scenario: str, mission: Path, out: Path, **options: Any) -> None:
     from uwsim.campaigns.datasets.sequences import make_sequence
     from uwsim.flight.terminal import Terminal
 
-    made = make_sequence(
-        scenario, mission, out, cameras=cameras, vehicle=vehicle, seed=seed, time_limit_s=time_limit_s,
-        screen=Terminal(),
-    )  # fmt: skip
+    made = make_sequence(scenario, mission, out, screen=Terminal(), **options)
     counts = ", ".join(f"{count:,} {name}" for name, count in made.counts.items())
     typer.echo(f"{made.flight.simulated_s:.1f} s in {made.out}: {counts}")
 
@@ -230,22 +236,11 @@ def _interval(option: str, text: str) -> tuple[float, float]:
     raise ValueError(f"{option} {text}: must be LOW..HIGH, such as 1..6")
 
 
-def _variation(text: str) -> tuple[str, dict[str, Any]]:
-    """Parse --vary NAME=LOW..HIGH or NAME=A,B,C; return the name and the variation."""
-    name, equals, values = text.partition("=")
-    if not equals or not name or not values:
+def _variation(text: str) -> tuple[str, str]:
+    """Parse --vary NAME=LOW..HIGH or NAME=A,B,C; return the name and the text of the variation."""
+    name, _, values = text.partition("=")
+    if not name or not values:
         raise ValueError(f"--vary {text}: must be NAME=LOW..HIGH or NAME=A,B,C")
     if ".." in values:
-        low, high = _interval(f"--vary {name}", values)
-        return name, {"low": low, "high": high}
-    return name, {"choices": [_value(value) for value in values.split(",")]}
-
-
-def _value(text: str) -> Any:
-    """Parse a number or boolean; return any other text unchanged."""
-    from uwsim.base.texts.json_text import json_value
-
-    try:
-        return json_value(text, "--vary")
-    except ValueError:
-        return text
+        _interval(f"--vary {name}", values)
+    return name, values

@@ -41,6 +41,10 @@ class Dataset:
     made: int
     wall_s: float
 
+    def __repr__(self) -> str:
+        rate = f", {self.frames_per_s:.1f} frames/s" if self.made else ""
+        return f"<Dataset '{self.out}': {self.finished:,} of {self.spec.n:,} frames of {self.spec.scenario}{rate}>"
+
     @property
     def interrupted(self) -> bool:
         """Whether frames are missing; `resume=True` renders them."""

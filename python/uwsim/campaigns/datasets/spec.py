@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from uwsim.base.texts.json_text import json_value
 from uwsim.instruments.cameras.effects import effects_on
 from uwsim.scenario.spec.camera import LARGEST_SIDE
 from uwsim.scenario.spec.fields import InRange, Model, broken
@@ -34,7 +36,8 @@ class DatasetSpec(Model):
     free space around the vehicle's hull and the camera. pitch_max_deg, roll_max_deg: the vehicle's limits in either
     direction. label_range_m: objects farther away are not labelled; None: the water's visibility. min_pixels: objects
     with fewer pixels are not annotated. val_share: the fraction of frames used for validation. vary: variations by
-    parameter name; each frame draws a value for each parameter.
+    parameter name, each "LOW..HIGH", "A,B,C", a tuple (low, high), a list of values, or a dictionary as in a sweep's
+    file; each frame draws a value for each parameter.
     """
 
     scenario: str
@@ -57,6 +60,12 @@ class DatasetSpec(Model):
     min_pixels: Annotated[int, InRange(1, LARGEST_SIDE**2, "pixels")] = MIN_PIXELS
     val_share: Annotated[float, InRange(0, 1)] = 0.2
     vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
+
+    @field_validator("vary", mode="before")
+    @classmethod
+    def _written_briefly(cls, vary: Any) -> Any:
+        """Read "LOW..HIGH" and "A,B,C" as on the command line, and a list of values or a tuple (low, high)."""
+        return {name: variation_of(value) for name, value in vary.items()} if isinstance(vary, Mapping) else vary
 
     @model_validator(mode="after")
     def _has_no_ineffective_keys(self) -> DatasetSpec:
@@ -92,3 +101,22 @@ class DatasetSpec(Model):
     def writes(self, *products: str) -> bool:
         """Return whether any of these products is written."""
         return not set(products).isdisjoint(self.write)
+
+
+def variation_of(value: Any) -> Any:
+    """Return a variation, written briefly, as the dictionary of a sweep's file; anything else unchanged."""
+    if isinstance(value, str):
+        low, dots, high = value.partition("..")
+        parts = [low, high] if dots else value.split(",")
+        value = tuple(map(_value, parts)) if dots else [_value(part) for part in parts]
+    if isinstance(value, tuple) and len(value) == 2:
+        return {"low": value[0], "high": value[1]}
+    return {"choices": value} if isinstance(value, list) else value
+
+
+def _value(text: str) -> Any:
+    """Parse a number or boolean; return any other text unchanged."""
+    try:
+        return json_value(text, "vary")
+    except ValueError:
+        return text

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import time
 from collections.abc import Iterator, Mapping
 from collections.abc import Sequence as Names
 from contextlib import contextmanager, suppress
@@ -17,6 +18,7 @@ from typing import Any
 
 from uwsim.base.agenda import Rank, next_tick
 from uwsim.base.atomic_file import unfinished
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.folder_lock import LOCK, alone_in
 from uwsim.base.own_files import is_own, mark
 from uwsim.campaigns.datasets.sequences.calibration import camera_chain, imu_noise, kalibr_imu, mounted
@@ -37,6 +39,7 @@ from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.simulator import Simulator
 
 ABOUT, BAG, TRUTH, CHAIN, IMU = "sequence.json", "sequence.bag", "groundtruth.tum", "camchain-imucam.yaml", "imu.yaml"
+MULTIBEAM, COST_AFTER_S = "multibeam", 2.0
 UNFINISHED = ".unfinished"
 """Ends the name of the folder in which a sequence is written until it is complete."""
 
@@ -53,6 +56,10 @@ class Sequence:
     counts: dict[str, int]
     flight: FlightRecord
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count:,} {name}" for name, count in self.counts.items())
+        return f"<Sequence '{self.out}': {self.flight.simulated_s:.1f} s, {counts}>"
+
 
 def make_sequence(
     scenario: str | Path | Scenario,
@@ -60,6 +67,9 @@ def make_sequence(
     out: str | Path,
     *,
     cameras: Names[str] = ("front",),
+    instruments: Names[str] | None = None,
+    without: Names[str] = (),
+    bag: bool = True,
     vehicle: str | None = None,
     seed: int | None = None,
     time_limit_s: float | None = None,
@@ -70,7 +80,9 @@ def make_sequence(
 
         uwsim.make_sequence("lake", "my_mission.py", "sequence", cameras=("front", "down"))
 
-    mission: the mission, as for uwsim.flight.fly.fly. out: a new folder. cameras: names of the vehicle's cameras. The
+    mission: the mission, as for uwsim.flight.fly.fly. out: a new folder. cameras: names of the vehicle's cameras.
+    instruments: names of its sensors and imaging sonars, and multibeam; None: all; the ground truth is always written.
+    without: instruments to leave out. bag: whether to write sequence.bag, which takes as much space as the rest. The
     same scenario, seed and mission give the same bytes, whatever the number of threads. If the flight fails or is
     interrupted, its files are removed; a folder whose name ends in ".unfinished" was left by a killed process, and the
     next run removes it.
@@ -86,8 +98,9 @@ def make_sequence(
     source = _source(table, sim, vehicle)
     for name in cameras:
         source.of(sim).cameras[name]  # raises a KeyError that lists the existing names
+    chosen = _chosen(source, sim, instruments, without)
     with _made(into) as folder:
-        taken = _Taken(folder, table, source, sim, cameras)
+        taken = _Taken(folder, table, source, sim, cameras, chosen, bag=bag, screen=screen or Silent())
         taken.start()
         try:
             flight = fly(
@@ -102,6 +115,16 @@ def make_sequence(
         counts = taken.counts
         _describe(folder, sim, source, taken, flight)
     return Sequence(into, counts, flight)
+
+
+def _chosen(source: Source, sim: Simulator, instruments: Names[str] | None, without: Names[str]) -> set[str]:
+    """Return the names of the instruments to write, of sensors, imaging sonars, and multibeam. Raises ValueError."""
+    vehicle = source.of(sim)
+    known = [*vehicle.sensors, *([MULTIBEAM] if source.has_sonar else []), *vehicle.imaging_sonars]
+    for name in (*(instruments or ()), *without):
+        if name not in known:
+            raise ValueError(f"instrument '{name}': must be one of {', '.join(known)}{did_you_mean(name, known)}")
+    return set(known if instruments is None else instruments) - set(without)
 
 
 def _source(table: Table, sim: Simulator, vehicle: str | None) -> Source:
@@ -133,8 +156,12 @@ def _made(into: Path) -> Iterator[Path]:
 class _Taken:
     """All instruments of a vehicle in flight."""
 
-    def __init__(self, folder: Path, table: Table, source: Source, sim: Simulator, cameras: Names[str]) -> None:
-        self._sim, self._bag = sim, BagSink(folder / BAG, compressed=False)
+    def __init__(
+        self, folder: Path, table: Table, source: Source, sim: Simulator, cameras: Names[str], chosen: set[str], *,
+        bag: bool, screen: Silent,
+    ) -> None:  # fmt: skip
+        self._sim, self._bag = sim, BagSink(folder / BAG, compressed=False) if bag else None
+        self._folder, self._screen = folder, screen
         self._bag_channels: dict[str, int] = {}
         vehicle, mav = source.of(sim), folder / "mav0"
         channels = {channel.name: channel for channel in table.channels}
@@ -142,19 +169,21 @@ class _Taken:
         self.sensors = [
             Sampled(mav / _numbered(mav, sensor.kind), source, sim, name, self._say, channels.get(source.topic(name)))
             for name, sensor in vehicle.sensors.items()
+            if name in chosen
         ]
         self.instruments: list[Instrument] = [
             Truth(mav / "state_groundtruth_estimate0", folder / TRUTH, source, table, self._say),
             *self.sensors, *self.cameras,
         ]  # fmt: skip
-        if source.has_sonar:
+        if MULTIBEAM in chosen:
             self.instruments.append(Pinged(mav / "multibeam0", source, table, sim, self._say))
-        for name, sonar in vehicle.imaging_sonars.items():
-            kind = type(sonar.model).__name__.lower()
+        for name in [each for each in vehicle.imaging_sonars if each in chosen]:
+            kind = type(vehicle.imaging_sonars[name].model).__name__.lower()
             self.instruments.append(Imaged(mav / _numbered(mav, kind), source, table, sim, name, self._say))
         self._subscriptions = [
             Subscription(sim, round(1e9 / each.rate_hz), each.read, lambda _: None) for each in self.instruments
         ]
+        self._first = Subscription(sim, round(1e9 * COST_AFTER_S), self._show_cost, lambda _: None)
         frames = channels["tf_static"]
         self._say(frames, frames.read(sim), sim.time_ns)
 
@@ -169,16 +198,28 @@ class _Taken:
         for each, subscription in zip(self.instruments, self._subscriptions, strict=True):
             subscription.due_tick = next_tick(self._sim.tick, round(1e9 / each.rate_hz), step_ns)
             self._sim.agenda.add(subscription, Rank.OBSERVER, subscription.act)
+        self._first.due_tick = self._sim.tick + round(COST_AFTER_S / self._sim.step_s)
+        self._sim.agenda.add(self._first, Rank.OBSERVER, self._first.act)
+        self._begun_s = time.perf_counter()
+
+    def _show_cost(self, sim: Simulator) -> None:
+        """Show once what a simulated second costs, so that a long sequence can be stopped before it fills a disk."""
+        self._first.cancel()
+        took_s = (time.perf_counter() - self._begun_s) / COST_AFTER_S
+        megabytes = 1e-6 * sum(path.stat().st_size for path in self._folder.rglob("*")) / COST_AFTER_S
+        rule = f"{took_s:.2g} s and {megabytes:.2g} MB for each simulated second"
+        self._screen.message(f"the first {COST_AFTER_S:g} s: {rule}; --without, --no-bag and --time-limit save some")
 
     def finish(self) -> None:
         """Stop reading, and close all files. Raises OSError."""
-        for subscription in self._subscriptions:
+        for subscription in (*self._subscriptions, self._first):
             subscription.cancel()
         try:
             for each in self.instruments:
                 each.close()
         finally:
-            self._bag.close({})
+            if self._bag is not None:
+                self._bag.close({})
 
     def require_whole(self) -> None:
         """Raise the first error of an instrument."""
@@ -187,6 +228,8 @@ class _Taken:
                 raise subscription.error
 
     def _say(self, channel: Channel, message: Any, time_ns: int) -> None:
+        if self._bag is None:
+            return
         if channel.name not in self._bag_channels:
             self._bag.add_channel(channel)
             self._bag_channels[channel.name] = 0
