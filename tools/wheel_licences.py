@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from tools.licence_list import HEADERS
 
 HASH = re.compile(r"-[0-9a-f]{8}(?=\.so)")
-"""What auditwheel adds to a library's name."""
+"""The suffix that auditwheel adds to a library's name."""
 
 
 def wanted(names: list[str]) -> dict[str, str]:

@@ -80,7 +80,7 @@ def test_pairs_share_their_seed_and_the_interval_is_that_of_order_statistics() -
     (found,) = paired(rows, ["time_s"])
     # with n = 7, P(all on one side of the median) = 2^-6 < 5 %, and P(all but one) = 16 2^-7 > 5 %: lowest and highest
     assert (found.median, found.low, found.high, found.wins, found.losses) == (3.0, -1.0, 6.0, 1, 6)
-    (five,) = paired([row for row in rows if row.seed < 5], ["time_s", "off_target_m"])  # which nobody knows
+    (five,) = paired([row for row in rows if row.seed < 5], ["time_s", "off_target_m"])  # unknown
     assert five.seeds == 5 and five.low != five.low  # 2 (1/2)^5 > 5 %: no interval exists
     assert without_randomness(rows) == []
 
