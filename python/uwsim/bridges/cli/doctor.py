@@ -25,7 +25,7 @@ def doctor(
     ] = 3.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list of findings.")] = False,
 ) -> int:
-    """Diagnose this installation, and why ROS and the simulator do not connect.
+    """Diagnose the installation, and why ROS does not connect.
 
     Checks processor, extras, domain, interface, multicast, versions and ports. Exits with 1 if something is wrong.
     """
