@@ -154,7 +154,9 @@ def commands() -> dict[str, list[Parameter]]:
 
 
 def _commands(found: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, list[Parameter]]]:
+    from uwsim.base.sockets import is_offered, load_all
     from uwsim.cli.flags import expanded
+    from uwsim.cli.groups import SOCKET
 
     for name, each in found.items():
         if not isinstance(each, typer.Typer):
@@ -164,6 +166,7 @@ def _commands(found: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, list
                 command.name or command.callback.__name__.replace("_", "-"): command.callback
                 for command in each.registered_commands
             }
+            of_group |= load_all(f"{SOCKET}.{name}") if is_offered(f"{SOCKET}.{name}") else {}
             yield from _commands(of_group, f"{prefix}{name} ")
 
 
