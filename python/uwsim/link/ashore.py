@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim.channels import Channel
 from uwsim.channels.families.map import PLACED, PUBLISH_NS, PingMap, binary, empty_map
@@ -107,6 +106,8 @@ def arrived(network: Network, carried: Carried, after_ns: int) -> Iterable[Any]:
 
 def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Return the echoes (n, 3) of a PlacedPing and the sonar's position (3,), both in the message's frame."""
+    from scipy.spatial.transform import Rotation  # slow to import
+
     ranges_m = np.asarray(message.ranges, np.float64)
     angles_rad = message.angle_min + message.angle_increment * np.arange(len(ranges_m))
     met = np.isfinite(ranges_m)

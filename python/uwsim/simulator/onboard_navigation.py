@@ -28,7 +28,7 @@ def new_navigator(
 
     Of the waves, it receives the significant height, as in a forecast.
     """
-    from uwsim.navigation.estimation import Navigator  # imported here: scipy is slow to import
+    from uwsim.navigation.estimation import Navigator  # imported here: few simulators estimate
 
     return Navigator(
         vehicle,
@@ -126,7 +126,7 @@ class OnboardNavigation:
 
 
 def _checked(text: str) -> str:
-    from uwsim.navigation.estimation.saved import NavigatorState  # imported here: scipy is slow to import
+    from uwsim.navigation.estimation.saved import NavigatorState  # imported here: few simulators estimate
 
     NavigatorState.model_validate_json(text)
     return text

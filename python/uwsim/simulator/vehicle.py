@@ -232,7 +232,7 @@ class Vehicle(CommandedVehicle):
         return self._navigation
 
     def _known_start(self) -> Start:
-        from uwsim.navigation.estimation import Start  # imported here: scipy is slow to import
+        from uwsim.navigation.estimation import Start  # imported here: few simulators estimate
 
         position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
         velocity = turn @ self.velocity.linear_body_m_s

@@ -9,7 +9,6 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from uwsim.base.commands import command_named
 from uwsim.bridges.actions.action import Action, Plan, Progress
@@ -130,6 +129,8 @@ class Goal:
 
     def feed_back(self, vehicle: OwnVehicle, elapsed_s: float) -> None:
         """Report the progress."""
+        from scipy.spatial.transform import Rotation  # slow to import
+
         source, pose = self.action.source, vehicle.pose
         quaternion = Rotation.from_matrix(pose.world_from_body[:3, :3]).as_quat()
         legs = np.vstack([pose.position_world_m, self._plan.points_world_m[self._leg :]])

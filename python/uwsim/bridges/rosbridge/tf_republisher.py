@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import math
 import time
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+from numpy.typing import NDArray
 
 from uwsim.base.arguments import is_number
+from uwsim.base.quaternions import product, turned
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply, Topic
 from uwsim.channels.calls.command_services import by_field
@@ -38,24 +40,28 @@ LONGEST_NAME = 256  # for frame and goal names; longer names are skipped or refu
 
 @dataclass(frozen=True)
 class Transform:
-    """The pose of one frame in another: translation_m (3,), rotation, and the header of the last link in the chain."""
+    """The pose of one frame in another: translation_m (3,), rotation, and the header of the last link in the chain.
 
-    translation_m: np.ndarray[Any, np.dtype[np.float64]]
-    rotation: Rotation
+    rotation_xyzw (4,): a unit quaternion.
+    """
+
+    translation_m: NDArray[np.float64]
+    rotation_xyzw: NDArray[np.float64]
     stamp: Any = None
 
     def __mul__(self, other: Transform) -> Transform:
         """Chain transforms: a_from_b * b_from_c."""
-        moved = self.translation_m + self.rotation.apply(other.translation_m)
-        return Transform(moved, self.rotation * other.rotation, other.stamp or self.stamp)
+        moved = self.translation_m + turned(self.rotation_xyzw, other.translation_m)
+        return Transform(moved, product(self.rotation_xyzw, other.rotation_xyzw), other.stamp or self.stamp)
 
     def inverse(self) -> Transform:
         """Return the inverse transform: b_from_a for a_from_b."""
-        back = self.rotation.inv()
-        return Transform(-back.apply(self.translation_m), back, self.stamp)
+        back = self.rotation_xyzw * CONJUGATE
+        return Transform(-turned(back, self.translation_m), back, self.stamp)
 
 
-IDENTITY = Transform(np.zeros(3), Rotation.identity())
+CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
+IDENTITY = Transform(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
 
 @dataclass(eq=False)
@@ -128,8 +134,8 @@ class TfRepublisher:
                 or (is_new and len(self._parents) >= MOST_FRAMES)
             ):
                 continue
-            turned = stamped.transform.rotation
-            if 0.25 < turned.x**2 + turned.y**2 + turned.z**2 + turned.w**2 < 4.0:  # otherwise it is not a rotation
+            turn = stamped.transform.rotation
+            if 0.25 < turn.x**2 + turn.y**2 + turn.z**2 + turn.w**2 < 4.0:  # otherwise it is not a rotation
                 self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
@@ -193,9 +199,9 @@ class TfRepublisher:
 
 
 def _transform(stamped: Any) -> Transform:
-    moved, turned = stamped.transform.translation, stamped.transform.rotation
-    rotation = Rotation.from_quat([turned.x, turned.y, turned.z, turned.w])
-    return Transform(np.array([moved.x, moved.y, moved.z]), rotation, stamped.header)
+    moved, turn = stamped.transform.translation, stamped.transform.rotation
+    rotation = np.array([turn.x, turn.y, turn.z, turn.w])
+    return Transform(np.array([moved.x, moved.y, moved.z]), rotation / np.linalg.norm(rotation), stamped.header)
 
 
 def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
@@ -245,7 +251,8 @@ def _differs(new: Transform, old: Transform | None, request: Request) -> bool:
     if old is None:
         return True
     distance_m = float(np.linalg.norm(new.translation_m - old.translation_m))
-    angle_rad = float((old.rotation.inv() * new.rotation).magnitude())
+    *axis, w = product(old.rotation_xyzw * CONJUGATE, new.rotation_xyzw).tolist()
+    angle_rad = 2.0 * math.atan2(math.hypot(*axis), abs(w))
     return distance_m > request.distance_m or angle_rad > request.angle_rad
 
 
@@ -256,5 +263,5 @@ def _stamped(target: str, frame: str, transform: Transform) -> Any:
         message.header.stamp = transform.stamp.stamp
     translation, rotation = message.transform.translation, message.transform.rotation
     translation.x, translation.y, translation.z = (float(v) for v in transform.translation_m)
-    rotation.x, rotation.y, rotation.z, rotation.w = (float(v) for v in transform.rotation.as_quat())
+    rotation.x, rotation.y, rotation.z, rotation.w = (float(v) for v in transform.rotation_xyzw)
     return message

@@ -58,12 +58,12 @@ class Frame(NamedTuple):
 def body_frames(model: VehicleModel) -> Iterator[Frame]:
     """Yield the frames of a vehicle, each after its parent; all are below base_link."""
     for name, sensor in model.sensors.items():
-        turn = build.mount_xyzw(sensor.yaw_pitch_roll_deg)
+        turn = of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg)
         if sensor.kind == "dvl":
             turn = build.turned_xyzw(turn, build.DOWN_XYZW)
         yield Frame(BASE, f"{name}_link", sensor.position_m, turn)
     for name, sonar in model.imaging_sonars.items():
-        turn = build.turned_xyzw(build.mount_xyzw(sonar.yaw_pitch_roll_deg), build.FAN_XYZW)
+        turn = build.turned_xyzw(of_yaw_pitch_roll_deg(sonar.yaw_pitch_roll_deg), build.FAN_XYZW)
         yield Frame(BASE, f"{name}_link", sonar.position_m, turn)
     for name, camera in model.cameras.items():
         if camera.follows == "body":

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.channels.channel import LATCHED, Channel, Delivery, OverLink
 from uwsim.channels.families.body_frames import SONAR_TILT, body_frames
 from uwsim.channels.ros import build
@@ -165,7 +166,7 @@ def _turning(source: Source, sim: Simulator) -> list[Any]:
 
 def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, joint_frames: bool, sim: Simulator) -> Any:
     station = sim.scenario.station
-    yaw_xyzw = build.mount_xyzw((station.yaw_deg, 0.0, 0.0))
+    yaw_xyzw = of_yaw_pitch_roll_deg((station.yaw_deg, 0.0, 0.0))
     transforms = [build.transform(sim.time_ns, "world", prefix + "station", station.position_m, yaw_xyzw)]
     transforms += [
         _optical(sim, prefix + "station", prefix + name, camera)

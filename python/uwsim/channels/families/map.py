@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim.channels.channel import PING, Channel, Delivery, OverLink
 from uwsim.channels.families.map_changes import MapChanges
@@ -165,6 +164,8 @@ class PingMap:
 
     def _read_placed(self, sim: Simulator) -> Any:
         """Return the latest ping together with the pose of the sonar."""
+        from scipy.spatial.transform import Rotation  # slow to import
+
         taken = self._pings.newest(sim)
         stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
         header = build.header(stamp_ns, self._source.frame("odom"))

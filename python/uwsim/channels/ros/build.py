@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim.base.quaternions import product
 from uwsim.channels.ros.message_out import default_message, default_value
@@ -100,11 +99,6 @@ def transform(
     return message(
         "geometry_msgs/msg/TransformStamped", header=header(stamp_ns, parent), child_frame_id=child, transform=moved
     )
-
-
-def mount_xyzw(yaw_pitch_roll_deg: ArrayLike) -> NDArray[np.float64]:
-    """Return a mount's rotation as a quaternion (4,)."""
-    return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()  # type: ignore[no-any-return]
 
 
 def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:

@@ -7,7 +7,6 @@ import struct
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from uwsim.channels import Channel
 from uwsim.channels.ros import build
@@ -30,6 +29,8 @@ def pack(message: Any) -> bytes:
 
     The true position and the commands are not included.
     """
+    from scipy.spatial.transform import Rotation  # slow to import
+
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     position = b"".join(_three_bytes(x) for x in message.position)
     turn = np.asarray(message.orientation, np.float64)
@@ -46,6 +47,8 @@ def pack(message: Any) -> bytes:
 
 def unpack(data: bytes, channel: Channel) -> Any:
     """Return the telemetry message; values that were not carried are nan or empty."""
+    from scipy.spatial.transform import Rotation  # slow to import
+
     stamp, position, yaw, pitch, roll, flags, failsafe, lamps, count, *figures = HEAD.unpack(data)
     turn = Rotation.from_euler("ZYX", np.array([yaw, pitch, roll]) * TURN_RAD).as_quat()
     states = {name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)}

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.navigation.estimation.errors import bias_model, noise_of, rounding_step, white_std, whole_std
 from uwsim.navigation.estimation.protocols import InstrumentLike, SamplesLike
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 ATMOSPHERE_PA = 101_325.0
@@ -54,6 +56,8 @@ def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
 
 def body_from_sensor(sensor: InstrumentLike) -> Rotation:
     """Return a sensor's orientation on the body."""
+    from scipy.spatial.transform import Rotation  # slow to import
+
     return Rotation.from_quat(sensor.spec.orientation_xyzw)
 
 
@@ -169,6 +173,8 @@ class Orientation:
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
+        from scipy.spatial.transform import Rotation  # slow to import
+
         world_from_sensor = Rotation.from_quat(samples.readings[:, 6:10].reshape(-1, 4))
         return samples.valid, (world_from_sensor * body_from_sensor(sensor).inv()).as_quat()
 

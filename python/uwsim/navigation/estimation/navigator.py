@@ -8,10 +8,10 @@ import math
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.base.motion import Pose, Velocity
@@ -23,6 +23,9 @@ from uwsim.navigation.estimation.errors import bias_model, limit, white_std, who
 from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
 from uwsim.navigation.estimation.saved import HeldState, NavigatorState
 from uwsim.navigation.estimation.start import Start
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 IMU = "the IMU's inertial samples"  # must differ from the aids' names, since one of them may be the same IMU
@@ -112,6 +115,8 @@ class Navigator(Attached):
             self._restart(start)
 
     def _restart(self, start: Start | None) -> None:
+        from scipy.spatial.transform import Rotation  # slow to import
+
         now_ns = self._imu.time_ns
         start = start or Start(tuple(self._around.station_world_m), UNKNOWN_M)
         tilt_std = max(whole_std(self._imu, "orientation"), LEVEL_STD_RAD)
@@ -151,6 +156,8 @@ class Navigator(Attached):
 
     def _first_orientation(self) -> Rotation:
         """Return the orientation from the IMU's roll and pitch plus, if there is a compass, its heading."""
+        from scipy.spatial.transform import Rotation  # slow to import
+
         value = self._imu.read()
         world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
         for compass in self._aids.values():

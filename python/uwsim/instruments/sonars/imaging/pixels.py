@@ -7,7 +7,6 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates, uniform_filter1d
 
 Levels = NDArray[np.float32]
 
@@ -59,6 +58,8 @@ def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, hei
     Power is averaged over the range bins within a pixel, then interpolated between four neighbours. Raises ValueError
     unless height is positive.
     """
+    from scipy.ndimage import map_coordinates, uniform_filter1d  # slow to import
+
     if height < 1:
         raise ValueError(f"height = {height} pixels: must be positive")
     bins, beams = level_db.shape
