@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import io
+import json
 import logging
 import os
 import resource
@@ -11,7 +12,7 @@ import subprocess
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from unittest import mock
 
@@ -71,6 +72,28 @@ def uwsim_process(
 ) -> subprocess.CompletedProcess[str]:
     """Run the command to completion in a separate process. options: arguments of subprocess.run."""
     return subprocess.run([*command, *arguments], capture_output=True, text=True, timeout=600, check=False, **options)
+
+
+SEVERAL = """
+import json, sys
+from command_line import uwsim
+for words in json.loads(sys.argv[1]):
+    done = uwsim(*words)
+    print(json.dumps([words, done.returncode, done.stdout, done.stderr]))
+"""
+
+
+def uwsim_in_another_process(
+    *commands: Sequence[str | Path], env: Mapping[str, str]
+) -> list[subprocess.CompletedProcess[str]]:
+    """Run commands to completion, one after the other, in one separate process with this environment."""
+    folders = os.pathsep.join([*filter(None, [env.get("PYTHONPATH")]), str(Path(__file__).parent)])
+    lists = json.dumps([[str(word) for word in words] for words in commands])
+    done = subprocess.run(
+        [sys.executable, "-c", SEVERAL, lists], env={**env, "PYTHONPATH": folders}, stdout=subprocess.PIPE, text=True,
+        timeout=600, check=True,
+    )  # fmt: skip
+    return [subprocess.CompletedProcess(*json.loads(line)) for line in done.stdout.splitlines()]
 
 
 def error_line(result: subprocess.CompletedProcess[str]) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from command_line import UWSIM, error_line, uwsim_process
+from command_line import UWSIM, error_line, uwsim_in_another_process, uwsim_process
 from plugin_package import add_package, installed_plugin, with_plugins
 
 PLUG = """
@@ -33,11 +33,11 @@ def plugins(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_command_is_listed_explained_completed_and_run(plugins: Path) -> None:
     environment = with_plugins(plugins)
-    listed = uwsim_process("--help", env=environment)
+    listed, explained, run = uwsim_in_another_process(["--help"], ["toy", "--help"], ["toy", "pool"], env=environment)
     assert listed.stderr == ""
     assert "From other packages:\n  toy          List the sensors of each vehicle of a scenario.\n" in listed.stdout
-    assert "Name of a scenario" in uwsim_process("toy", "--help", env=environment).stdout
-    assert "rov: imu" in uwsim_process("toy", "pool", env=environment).stdout
+    assert "Name of a scenario" in explained.stdout
+    assert "rov: imu" in run.stdout
     completing = {"_UWSIM_COMPLETE": "complete_bash", "COMP_WORDS": "uwsim to", "COMP_CWORD": "1"}
     assert uwsim_process(env=environment | completing).stdout.split() == ["toy"]
 
@@ -57,8 +57,8 @@ def test_a_broken_or_clashing_package_costs_a_line_of_warning(plugins: Path, tmp
         "or a typer.Typer",
     ]
     assert "  toy " in listed.stdout and "  survey " in listed.stdout and "noise" not in listed.stdout
-    assert "rov: imu" in uwsim_process("toy", env=environment).stdout
-    refused = uwsim_process("gone", env=environment)
+    toy, refused = uwsim_in_another_process(["toy"], ["gone"], env=environment)
+    assert "rov: imu" in toy.stdout
     assert refused.returncode == 1
     assert "'gone' of bad-one (no_such_module:run): cannot be used" in refused.stderr.splitlines()[-1]
     assert "Traceback" not in refused.stderr
@@ -74,25 +74,27 @@ def test_a_package_is_imported_only_by_its_own_command(tmp_path: Path) -> None:
 
 def test_a_bridge_has_flags_in_every_command_of_bridges(plugins: Path) -> None:
     environment = with_plugins(plugins)
-    for command in ("serve", "replay"):
-        shown = uwsim_process(command, "--help", env=environment).stdout
-        assert "--toy HOST:PORT" in shown and "--toy-channel" in shown and "--toy-max" in shown
-    assert "toy-max" in uwsim_process("doctor", "--help", env=environment).stdout
+    commands = [[command, "--help"] for command in ("serve", "replay", "doctor")]
+    *served, doctor = uwsim_in_another_process(*commands, env=environment)
+    for each in served:
+        assert "--toy HOST:PORT" in each.stdout and "--toy-channel" in each.stdout and "--toy-max" in each.stdout
+    assert "toy-max" in doctor.stdout
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "message"),
-    [
-        (["--toy-channel", "odom"], 2, "--toy-channel: needs --toy"),
-        (["--toy", "127.0.0.1:9", "--toy-max", "99"], 2, "--toy-max = 99 bytes: must be in [100, 65000] bytes"),
-        (["--toy", "nowhere"], 1, "--toy = 'nowhere': must be HOST:PORT"),
-        (["--toy", "127.0.0.1:9", "--toy-channel", "odo"], 1, "--toy-channel = 'odo': must be one of"),
-    ],
-)
-def test_a_mistake_in_its_options_gives_one_line(plugins: Path, arguments: list[str], code: int, message: str) -> None:
-    done = uwsim_process("serve", "pool", "--port", "0", *arguments, env=with_plugins(plugins))
-    assert done.returncode == code
-    assert message in error_line(done)
+MISTAKES = [
+    (["--toy-channel", "odom"], 2, "--toy-channel: needs --toy"),
+    (["--toy", "127.0.0.1:9", "--toy-max", "99"], 2, "--toy-max = 99 bytes: must be in [100, 65000] bytes"),
+    (["--toy", "nowhere"], 1, "--toy = 'nowhere': must be HOST:PORT"),
+    (["--toy", "127.0.0.1:9", "--toy-channel", "odo"], 1, "--toy-channel = 'odo': must be one of"),
+]
+
+
+def test_a_mistake_in_its_options_gives_one_line(plugins: Path) -> None:
+    commands = [["serve", "pool", "--port", "0", *arguments] for arguments, _, _ in MISTAKES]
+    refused = uwsim_in_another_process(*commands, env=with_plugins(plugins))
+    for done, (_, code, message) in zip(refused, MISTAKES, strict=True):
+        assert done.returncode == code
+        assert message in error_line(done)
 
 
 def test_its_bridge_sends_what_is_served_and_what_is_played(plugins: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from command_line import error_line, uwsim_process
+from command_line import error_line, uwsim_in_another_process, uwsim_process
 from docs_pages import ROOT
 from plugin_package import add_package, installed_plugin, with_plugins
 
@@ -55,11 +55,11 @@ def run(script: str, plugins: Path, *arguments: Path) -> Any:
 
 def test_kinds_are_in_help_schemas_and_on_the_instructors_page(plugins: Path) -> None:
     environment = with_plugins(plugins)
-    assert "reach_dock, square" in " ".join(uwsim_process("compare", "--help", env=environment).stdout.split())
-    schemas = {
-        part: json.loads(uwsim_process("scenario", "schema", part, env=environment).stdout)
-        for part in ("fault", "sensor", "imaging_sonar", "exercise", "terrain", "obstacle")
-    }
+    parts = ("fault", "sensor", "imaging_sonar", "exercise", "terrain", "obstacle")
+    commands = [["compare", "--help"], *(["scenario", "schema", part] for part in parts)]
+    compare, *shown = uwsim_in_another_process(*commands, env=environment)
+    assert "reach_dock, square" in " ".join(compare.stdout.split())
+    schemas = {part: json.loads(each.stdout) for part, each in zip(parts, shown, strict=True)}
     assert schemas["fault"]["definitions"]["Kelp"]["properties"]["times"]["maximum"] == 100
     light = next(arm for arm in schemas["sensor"]["oneOf"] if arm["properties"]["kind"]["const"] == "light")
     assert light["properties"]["attenuation_1_m"]["x-unit"] == "1/m"
@@ -280,31 +280,34 @@ def test_the_goal_is_judged_and_the_planner_flies(plugins: Path, tmp_path: Path)
         "from uwsim.missions import wait\ndef mission(vehicle):\n    vehicle.set_effort(yaw=0.5)\n    yield wait(40)\n"
     )
     options = ["--pilot", tmp_path / "pilot.py", "--out", tmp_path / "out"]
-    flown = uwsim_process("exercise", tmp_path / "turn.yaml", *options, env=environment)
-    assert "10.0 of 10  Turn round" in flown.stdout, flown
+    exercise = ["exercise", tmp_path / "turn.yaml", *options]
     options = ["--scenario", "pool", "--seeds", "1", "--set", "side_m=2", "--out", tmp_path / "compared"]
-    compared = uwsim_process("compare", "square", *options, env=environment)
+    flown, compared = uwsim_in_another_process(exercise, ["compare", "square", *options], env=environment)
+    assert "10.0 of 10  Turn round" in flown.stdout, flown
     assert compared.returncode == 0 and "square" in compared.stdout, compared
 
 
 def test_formats_of_clouds_and_grids_are_in_help_written_read_and_refused(plugins: Path, tmp_path: Path) -> None:
     environment = with_plugins(plugins)
-    assert ".xyz, .csv)" in " ".join(uwsim_process("map", "convert", "--help", env=environment).stdout.split())
     (tmp_path / "a.xyz").write_text("1 2 3\n4.5 5 -6\n")
-    for source, target in (("a.xyz", "b.csv"), ("b.csv", "c.xyz")):
-        converted = uwsim_process("map", "convert", tmp_path / source, tmp_path / target, env=environment)
-        assert f"{target}: 2 points" in converted.stdout, converted
+    (tmp_path / "wrong.csv").write_text("x,y,z\n1,2,what\n")
+    files = {"a.xyz": "b.csv", "b.csv": "c.xyz", "wrong.csv": "d.ply"}
+    help_, *converted, gridded = uwsim_in_another_process(
+        ["map", "convert", "--help"],
+        *(["map", "convert", tmp_path / source, tmp_path / target] for source, target in files.items()),
+        ["map", "convert", tmp_path / "a.xyz", tmp_path / "d.asc", "--cell", "2"],
+        env=environment,
+    )
+    assert ".xyz, .csv)" in " ".join(help_.stdout.split())
+    assert "b.csv: 2 points" in converted[0].stdout and "c.xyz: 2 points" in converted[1].stdout, converted
     assert (tmp_path / "b.csv").read_text() == "x,y,z\n1,2,3\n4.5,5,-6\n"
     assert (tmp_path / "c.xyz").read_text() == "1.0 2.0 3.0\n4.5 5.0 -6.0\n"
-    words = ["map", "convert", tmp_path / "a.xyz", tmp_path / "d.asc", "--cell", "2"]
-    assert "d.asc: 3 x 2 cells of 2 m" in uwsim_process(*words, env=environment).stdout
+    assert "d.asc: 3 x 2 cells of 2 m" in gridded.stdout
     assert (tmp_path / "d.asc").read_text().splitlines()[2:] == [
         *("xllcorner 0.0", "yllcorner 2.0", "cellsize 2.0", "nodata_value nan"),
         *("nan nan 6", "-3 nan nan"),
     ]
-    (tmp_path / "b.csv").write_text("x,y,z\n1,2,what\n")
-    refused = uwsim_process("map", "convert", tmp_path / "b.csv", tmp_path / "d.ply", env=environment)
-    assert "b.csv': not a valid CSV file: " in error_line(refused)
+    assert "wrong.csv': not a valid CSV file: " in error_line(converted[2])
     unknown = error_line(uwsim_process("map", "convert", tmp_path / "a.xyz", tmp_path / "b.csv"))  # without the package
     assert "must end in .bt, .ot, .pcd, .ply, .las, .xyz, .tif, .tiff" in unknown
 
@@ -318,8 +321,8 @@ def test_a_recording_with_the_packages_kinds_repeats_to_the_byte(plugins: Path, 
     options = ["--scenario", scenario, "--record", recording, "--out", scenario.with_name("out")]
     flown = uwsim_process("run", mission, *options, env=environment)
     assert flown.returncode == 0, flown
-    assert "light" in uwsim_process("recording", recording, env=environment).stdout
-    replayed = uwsim_process("replay", recording, env=environment)
+    shown, replayed = uwsim_in_another_process(["recording", recording], ["replay", recording], env=environment)
+    assert "light" in shown.stdout
     assert replayed.returncode == 0 and "the same bytes" in replayed.stdout, replayed
     lines = uwsim_process("replay", recording).stderr.splitlines()  # without the package
     assert [line.partition(" = ")[2].partition(":")[0] for line in lines] == UNKNOWN, lines
