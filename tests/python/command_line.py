@@ -124,9 +124,13 @@ def hears_ctrl_c() -> None:
 
 
 def files_limited_to(size_bytes: int) -> Callable[[], None]:
-    """Return a preexec_fn that limits the file size, so that writes beyond it fail as on a full disk."""
+    """Return a preexec_fn that limits the file size, so that writes beyond it fail as on a full disk.
+
+    The process writes no bytecode: Python would keep truncated files of it, which all others would fail to import.
+    """
 
     def limit() -> None:
+        os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, size_bytes))
 

@@ -207,7 +207,7 @@ try:
 except OSError as error:
     print(error)
 """
-    command = [sys.executable, "-c", script, str(path)]
+    command = [sys.executable, "-B", "-c", script, str(path)]
     said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
     assert said.stdout == f"'{path}': cannot be written: File too large\n"
     assert said.stderr == ""
