@@ -14,7 +14,7 @@ import numpy as np
 from uwsim.base.commands import command_named
 from uwsim.bridges.actions import Action
 from uwsim.bridges.mavlink.component import SendText
-from uwsim.bridges.mavlink.earth import Home, Vector
+from uwsim.bridges.mavlink.earth import Place, Vector
 from uwsim.bridges.mavlink.state import State
 from uwsim.channels.authority.steering import log_error
 from uwsim.live import LiveSimulator
@@ -38,7 +38,7 @@ class Craft:
     live: LiveSimulator
     name: str
     action: Action | None
-    home: Home
+    home: Place
     send_text: SendText
     output: deque[Any] = field(default_factory=lambda: deque(maxlen=1000))
     state: State | None = None

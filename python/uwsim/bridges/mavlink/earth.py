@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,18 @@ FRD = np.array([1.0, -1.0, -1.0])
 """Factors that convert body axes from forward, left, up to forward, right, down, or back."""
 
 
+class Place(Protocol):
+    """The world's location on Earth; see uwsim.mapping.files.georeference.Georeference."""
+
+    def degrees(self, position_world_m: Vector, /) -> Iterable[float]:
+        """Return the latitude and longitude [deg] of a position (3,)."""
+
+    def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float, /) -> Vector:
+        """Return the position (3,) of a geographic location."""
+
+
 class Home(NamedTuple):
-    """The location of the world's origin [deg]. The water surface there has altitude 0."""
+    """A location [deg] of the origin of a world that has none on Earth. The water surface there has altitude 0."""
 
     lat_deg: float
     lon_deg: float

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Home, euler_rad
+from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Place, euler_rad
 from uwsim.bridges.mavlink.state import CONTROLS, POSITION, PREARM, State
 
 UNKNOWN_U16, UNKNOWN_I16 = 0xFFFF, 0x7FFF
@@ -181,9 +181,9 @@ def place(mav: Any, craft: Craft) -> Any:
     return mav.home_position_encode(lat, lon, 0, *(NED_FROM_ENU @ home), [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0)
 
 
-def origin(mav: Any, home: Home) -> Any:
+def origin(mav: Any, home: Place) -> Any:
     """Return GPS_GLOBAL_ORIGIN."""
-    return mav.gps_global_origin_encode(round(1e7 * home.lat_deg), round(1e7 * home.lon_deg), 0)
+    return mav.gps_global_origin_encode(*(round(1e7 * degrees) for degrees in home.degrees(np.zeros(3))), 0)
 
 
 class Kind(NamedTuple):

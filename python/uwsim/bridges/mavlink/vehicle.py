@@ -29,7 +29,7 @@ from uwsim.bridges.mavlink.component import (
     Given,
 )
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import Home
+from uwsim.bridges.mavlink.earth import Home, Place
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
@@ -77,8 +77,8 @@ class MavlinkVehicle(Bridge):
     while the station's pilot has the controls, and are logged and recorded.
 
     action: the vehicle's action `fly_path`, which flies GUIDED targets and missions, or None if it has none. home: the
-    location of the world's origin. video: the stream of one of its cameras, to be announced to ground stations. Raises
-    OSError if the socket cannot be opened, and MissingExtraError without pymavlink.
+    world's location on Earth, if it has one. video: the stream of one of its cameras, to be announced to ground
+    stations. Raises OSError if the socket cannot be opened, and MissingExtraError without pymavlink.
     """
 
     peer = "a MAVLink ground station"
@@ -92,7 +92,7 @@ class MavlinkVehicle(Bridge):
         *,
         action: Action | None,
         feed: Readings | None = None,
-        home: Home = HOME,
+        home: Place | None = None,
         video: VideoStream | None = None,
     ) -> None:
         need_extra("pymavlink", "mavlink", "--mavlink")
@@ -101,7 +101,7 @@ class MavlinkVehicle(Bridge):
         super().__init__("mavlink", live, channels, services, feed)
         self._live, self._action, self._dialect = live, action, ardupilotmega
         self.vehicle = next(iter(live.vehicles)) if action is None else action.source.name
-        self._craft = craft = Craft(live, self.vehicle, action, home, self.send_text)
+        self._craft = craft = Craft(live, self.vehicle, action, home or HOME, self.send_text)
         self._wire = Wire(endpoint, self._parser)
         self.endpoint = self._wire.endpoint
         self._rare = RareLog(logging.getLogger("uwsim.mavlink"))

@@ -1,12 +1,20 @@
-"""The location of a world on Earth, for files of depth grids."""
+"""The location of a world on Earth: conversion between the world frame and latitude and longitude."""
 
 from __future__ import annotations
 
+import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 if TYPE_CHECKING:  # rasterio takes half a second to import
     from rasterio.crs import CRS
+
+WGS84 = "EPSG:4326"
+SQUARED_ECCENTRICITY = 6.69437999014e-3  # of WGS 84
 
 
 @dataclass(frozen=True)
@@ -19,3 +27,36 @@ class Georeference:
     crs: CRS | None = None
     origin: tuple[float, float] = (0.0, 0.0)
     units_per_m: float = 1.0
+
+    def degrees(self, position_world_m: ArrayLike) -> NDArray[np.float64]:
+        """Return latitude and longitude (..., 2) [deg, WGS 84] of positions (..., 2 or 3). Needs a location on Earth.
+
+        The conversion is PROJ's, by rasterio.
+        """
+        from rasterio.warp import transform
+
+        position = np.asarray(position_world_m, np.float64)
+        x, y = (self.origin[k] + self.units_per_m * position[..., k].ravel() for k in (0, 1))
+        longitude, latitude = transform(self.crs, WGS84, x, y)
+        return np.reshape(np.column_stack([latitude, longitude]), (*position.shape[:-1], 2))
+
+    def world_m(self, latitude_deg: float, longitude_deg: float, altitude_m: float) -> NDArray[np.float64]:
+        """Return the position (3,) of a geographic location; the water surface is at altitude 0.
+
+        A location beyond the coordinate system's domain is infinitely far away.
+        """
+        from rasterio._err import CPLE_BaseError
+        from rasterio.warp import transform
+
+        x, y = [math.inf], [math.inf]
+        with suppress(CPLE_BaseError):
+            x, y = transform(WGS84, self.crs, [longitude_deg], [min(max(latitude_deg, -90.0), 90.0)])
+        return np.array([*(np.array([x[0], y[0]]) - self.origin) / self.units_per_m, altitude_m])
+
+    def north_rad(self, position_world_m: ArrayLike) -> float:
+        """Return how far the world's y axis points to the east of true north at a position (grid convergence)."""
+        position = np.asarray(position_world_m, np.float64)
+        here, ahead = np.radians(self.degrees([position[:2], position[:2] + np.array([0.0, 100.0 / self.units_per_m])]))
+        north, east = ahead - here
+        radii = (1.0 - SQUARED_ECCENTRICITY * math.sin(here[0]) ** 2) / (1.0 - SQUARED_ECCENTRICITY)
+        return math.atan2(east * math.cos(here[0]) * radii, north)

@@ -237,12 +237,7 @@ def _degrees(sim: Simulator, places: list[Any]) -> list[tuple[float | None, floa
     known = [k for k, place in enumerate(places) if place is not None]
     if earth.crs is None or not known:
         return found
-    from rasterio.warp import transform  # available, since rasterio has read the terrain
-
-    xs = [earth.origin[0] + earth.units_per_m * places[k][0] for k in known]
-    ys = [earth.origin[1] + earth.units_per_m * places[k][1] for k in known]
-    longitudes, latitudes = transform(earth.crs, "EPSG:4326", xs, ys)
-    for k, longitude, latitude in zip(known, longitudes, latitudes, strict=True):
+    for k, (latitude, longitude) in zip(known, earth.degrees([places[k] for k in known]).tolist(), strict=True):
         found[k] = (round(longitude, 8), round(latitude, 8))
     return found
 

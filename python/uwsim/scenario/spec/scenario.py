@@ -12,6 +12,7 @@ from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.earth import Earth
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.link import LinkSpec
@@ -56,7 +57,8 @@ class Scenario(Model):
     """All inputs that determine a run's results. World frame: ENU, z up, water surface at z = 0.
 
     name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
-    simulation. dynamics: what moves the vehicles. water: its surface, currents and profile. optics: optical conditions
+    simulation. dynamics: what moves the vehicles. earth: where on Earth the world's origin is; by default unknown,
+    unless the terrain has a coordinate system. water: its surface, currents and profile. optics: optical conditions
     for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. water_targets: fish
     and bubbles, which a multibeam in physics mode receives. station: the reference for distances; it has the dock.
     vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
@@ -72,6 +74,7 @@ class Scenario(Model):
     step_s: Annotated[float, InRange(0.0005, 0.02, "s")] = 0.005
     mission_time_s: Annotated[float, InRange(1, 1e6, "s")] = 3600.0
     dynamics: Dynamics = Dynamics.model_construct()
+    earth: Earth | None = None
     water: Water = Water.model_construct()
     optics: Optics = Optics.model_construct()
     terrain: TerrainSpec
@@ -107,6 +110,13 @@ class Scenario(Model):
                 if item.name in taken:
                     raise broken("is already in use", at=(kind, index, "name"), value=item.name)
                 taken.add(item.name)
+        return self
+
+    @model_validator(mode="after")
+    def _is_placed_once(self) -> Scenario:
+        if self.earth is not None and self.terrain.has_place:
+            rule = "must be left out, as the terrain's file has a place on Earth; with terrain.crs: local, it has none"
+            raise broken(rule, at=("earth",))
         return self
 
     @model_validator(mode="after")

@@ -17,6 +17,8 @@ from uwsim.scenario.spec.kinds import Kinds
 
 MAX_NODES = 16_000_000
 """4,000 x 4,000 nodes: 64 MB of heights, and some 3 GB of triangles for ray casting."""
+LOCAL = "local"
+"""The coordinate system of plain metres."""
 
 Spacing = Annotated[float, InRange(0.02, 100, "m")]
 
@@ -36,6 +38,11 @@ class TerrainModel(Model):
 
     if TYPE_CHECKING:
         source: str
+
+    @property
+    def has_place(self) -> bool:
+        """Whether the source itself may locate the world on Earth; a scenario's `earth` is then refused."""
+        return False
 
     @model_validator(mode="after")
     def _fits(self) -> TerrainModel:

@@ -22,7 +22,7 @@ from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.terrain import MAX_NODES
+from uwsim.scenario.spec.terrain import LOCAL, MAX_NODES
 
 if TYPE_CHECKING:
     from uwsim.scenario.terrains.raster import RasterTerrain
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 FloatGrid = NDArray[np.float64]
 Coordinates = TypeVar("Coordinates", float, FloatGrid)
 WGS84 = "EPSG:4326"
-LOCAL = "local"
 MAX_HEIGHT_M = 12_000.0
 """Largest distance from the water surface; no sea is deeper."""
 DEGREE_CELL = 0.1
@@ -131,7 +130,7 @@ def raster_place(spec: RasterTerrain) -> RasterPlace:
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
     if raster.is_geographic:
-        return RasterPlace(_metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
+        return RasterPlace(metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
     return RasterPlace(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
 
 
@@ -253,7 +252,7 @@ def _file_from_metres(
     """Convert real metres east and north of the centre to the file's coordinates."""
     if not raster.is_geographic:
         return centre[0] + x_m / raster.unit_m, centre[1] + y_m / raster.unit_m
-    x, y = transform(_metres_about(centre), raster.crs, x_m.ravel(), y_m.ravel())
+    x, y = transform(metres_about(centre), raster.crs, x_m.ravel(), y_m.ravel())
     return np.reshape(x, x_m.shape), np.reshape(y, x_m.shape)
 
 
@@ -265,7 +264,7 @@ def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerr
     rows = np.concatenate([np.full(65, 0.5), np.full(65, h - 0.5), down, down])
     x, y = _mapped(raster.file_from_pixel, columns, rows)
     if raster.is_geographic:
-        east, north = (np.asarray(axis) for axis in transform(raster.crs, _metres_about(centre), x, y))
+        east, north = (np.asarray(axis) for axis in transform(raster.crs, metres_about(centre), x, y))
     else:
         east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m
     # A border point limits the size along the axis on which it is relatively farther out.
@@ -284,7 +283,7 @@ def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates
     return affine.a * x + affine.b * y + affine.c, affine.d * x + affine.e * y + affine.f
 
 
-def _metres_about(centre: tuple[float, float]) -> CRS:
+def metres_about(centre: tuple[float, float]) -> CRS:
     """Return a projection to metres east and north of a given longitude and latitude.
 
     Its scale is 1 at the centre; the scale error at 10 km is 1e-6.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Size
-from uwsim.scenario.spec.terrain import TerrainModel
+from uwsim.scenario.spec.terrain import LOCAL, TerrainModel
 
 Coordinate = Annotated[float, InRange(-1e9, 1e9)]
 
@@ -38,6 +38,11 @@ class RasterTerrain(TerrainModel):
     size_m: tuple[Size, Size] | None = None
     interpolation: Literal["cubic", "linear"] = "cubic"
     fill_nodata: bool = False
+
+    @property
+    def has_place(self) -> bool:
+        """See TerrainModel."""
+        return self.crs != LOCAL
 
     def heights(self) -> NDArray[np.floating]:
         """See TerrainModel."""

@@ -1,0 +1,18 @@
+"""The place on Earth of a scenario's world."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from uwsim.scenario.spec.fields import InRange, Model
+
+
+class Earth(Model):
+    """The location of the world's origin on Earth, where x points to the east and y to true north (WGS 84).
+
+    Elsewhere, x and y are those of the transverse Mercator projection about the origin.
+    latitude_deg: geodetic latitude, north positive. longitude_deg: longitude, east positive.
+    """
+
+    latitude_deg: Annotated[float, InRange(-89, 89, "deg")]
+    longitude_deg: Annotated[float, InRange(-180, 180, "deg")]
