@@ -172,4 +172,5 @@ def test_only_the_listener_listens() -> None:
                 found.add(str(path.relative_to(SOURCES)))
     guards_of_rospy = "bridges/ros1/guard.py"  # names rospy's server in order to restrict it
     by_mavlink = "bridges/mavlink/endpoint.py"  # admits no browser: see test_mavlink.py
-    assert found == {"bridges/listener.py", guards_of_rospy, by_mavlink}
+    by_nmea = "bridges/nmea/wire.py"  # reads nothing from its clients
+    assert found == {"bridges/listener.py", guards_of_rospy, by_mavlink, by_nmea}

@@ -32,6 +32,8 @@ OPTIONS = {
     "`--mavlink tcp`": ["--mavlink", "tcp:0"],
     "`--mavlink udpin`": ["--mavlink", "udpin:0"],
     "`--mavlink udpout`": ["--mavlink", "udpout"],
+    "`--nmea tcp`": ["--nmea", "tcp:0"],
+    "`--nmea udp`": ["--nmea", "udp"],
     "`--ardusub`": ["--ardusub", "--ardusub-port", "0"],
     "`--video`": ["--video", "5600"],
     "`--ros1`": ["--ros1"],

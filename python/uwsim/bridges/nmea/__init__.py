@@ -1,0 +1,1 @@
+"""NMEA 0183: sentences of a vehicle's navigation for survey and chart programs."""
