@@ -1,6 +1,7 @@
 """Changes at a station: simulators prepared before Start, pilots whose network fails, parameter updates to pages."""
 
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from station_pages import PATIENCE_S, Page, page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.control import new_path
+from uwsim.operator.station.plan import Plan, PlanFlight
 
 
 def test_start_finds_the_simulator_that_was_checked_ready():
@@ -91,3 +93,19 @@ def test_a_saved_plan_hides_no_module(tmp_path: Path, name: str):
     with pytest.raises(ValueError, match="a Python module has this name, which the file would hide"):
         new_path(tmp_path, {"name": name}, "plan", ".py")
     assert new_path(tmp_path, {"name": "my_plan"}, "plan", ".py") == tmp_path / "my_plan.py"
+
+
+def test_time_stands_still_while_a_plan_decides():
+    """Each control period of a plan has its command, at whatever speed the simulator runs."""
+    with LiveSimulator(Simulator("pool", seed=2), speed="max") as live:
+        live.pause()
+        flight = PlanFlight(live, "rov", Plan([(-3.0, 0.0, -2.0), (-1.0, 1.0, -2.0)], 0.5))
+        until(lambda: any(entry.name == "set_effort" for entry in live.log), "the plan's first command")
+        live.resume()
+        until(lambda: not flight.is_on, "the end of the plan")
+        ticks = [entry.tick for entry in live.log if entry.name == "set_effort"]
+        ended = live.tick
+        until(lambda: live.tick > ended, "time to pass again")
+        assert flight.report()["ended_because"] == "all waypoints are reached"
+        assert len(ticks) > 30
+        assert {later - earlier for earlier, later in pairwise(ticks[:-1])} == {round(0.1 / live.simulator.step_s)}

@@ -10,7 +10,7 @@ from typing import Any
 from uwsim.base.arguments import is_number
 from uwsim.channels.guest import Values
 from uwsim.live import LiveSimulator
-from uwsim.live.clock import LiveClock
+from uwsim.live.clock import MissionClock
 from uwsim.missions import StoppedError
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import run
@@ -67,31 +67,32 @@ class Plan:
 class _Clock:
     """A mission clock that ends the mission on request."""
 
-    def __init__(self, live: LiveSimulator) -> None:
-        self._clock: LiveClock = live.clock
-        self.stopped_because = ""
+    def __init__(self, clock: MissionClock, flight: PlanFlight) -> None:
+        self._clock, self._flight = clock, flight
 
     @property
     def time_s(self) -> float:
         return float(self._clock.time_s)
 
     def wait(self, duration_s: float) -> None:
-        if self.stopped_because:
-            raise StoppedError(self.stopped_because)
+        self._require_flying()
         self._clock.wait(duration_s)
-        if self.stopped_because:
-            raise StoppedError(self.stopped_because)
+        self._require_flying()
+
+    def _require_flying(self) -> None:
+        if self._flight.stopped_because:
+            raise StoppedError(self._flight.stopped_because)
 
 
 class PlanFlight:
-    """Flies a plan on a separate thread, using the vehicle's own estimate, until it ends or `stop` is called."""
+    """Flies a plan on a separate thread, using the vehicle's own estimate, until it ends or `stop` is called.
+
+    Simulated time does not pass while the mission decides, so that no delay of this thread changes what is flown.
+    """
 
     def __init__(self, live: LiveSimulator, vehicle: str, plan: Plan) -> None:
-        self.plan, self.reached, self.ended_because = plan, 0, ""
-        hull = live.vehicles[vehicle]
-        self._clock = _Clock(live)
-        self._own = OwnVehicle(hull, self._clock, estimate=hull.estimate, hear=self._note)
-        self._hull = hull
+        self.plan, self.reached, self.ended_because, self.stopped_because = plan, 0, "", ""
+        self._live, self._hull = live, live.vehicles[vehicle]
         self._thread = threading.Thread(target=self._fly, name="uwsim-plan", daemon=True)
         self._thread.start()
 
@@ -102,7 +103,7 @@ class PlanFlight:
 
     def stop(self, because: str) -> None:
         """End the flight at the next control period."""
-        self._clock.stopped_because = self._clock.stopped_because or because
+        self.stopped_because = self.stopped_because or because
 
     def report(self) -> Values:
         """Return the flight's state as fields of a response."""
@@ -115,11 +116,13 @@ class PlanFlight:
     def _fly(self) -> None:
         ended = "all waypoints are reached"
         try:
-            run(mission_of(self.plan), self._own, self._clock)
-            self._hull.set_effort()
+            with self._live.mission_clock() as clock:
+                own = OwnVehicle(self._hull, clock, estimate=self._hull.estimate, hear=self._note)
+                run(mission_of(self.plan), own, _Clock(clock, self))
+                self._hull.set_effort()
         except Exception as error:  # StoppedError, or the simulator was stopped, reset or failed
             ended = str(error) or type(error).__name__
-            if not self._clock.stopped_because:
+            if not self.stopped_because:
                 self._end_efforts()
         self.ended_because = ended
 
@@ -127,7 +130,7 @@ class PlanFlight:
         try:
             self._hull.set_effort()
         except Exception as error:
-            self._clock.stopped_because = str(error)
+            self.stopped_because = str(error)
 
 
 def mission_of(plan: Plan) -> Any:
