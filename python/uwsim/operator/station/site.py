@@ -17,6 +17,7 @@ from urllib.parse import parse_qs, unquote, urlsplit
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from uwsim.operator.station.running import Running
 from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.hub import Station
 from uwsim.operator.station.replay_files import ghost_json, hull_glb, track_json
@@ -109,6 +110,11 @@ class Site:
         raise LookupError(path)
 
 
+def _named(running: Running, vehicle: str, suffix: str) -> str:
+    """Return the name of a map's file, which says of which world it is."""
+    return f"{running.live.simulator.scenario.name}-{vehicle}.{suffix}"
+
+
 ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/scene/scene\.json", lambda running: (json.dumps(running.scene.described()).encode(), "")),
     (r"/scene/terrain\.f32", lambda running: (running.scene.heights(), "")),
@@ -118,9 +124,12 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/flight/track\.json", lambda running: (track_json(running), "")),
     (r"/flight/ghost/([^/]+)\.json", lambda running, name: (ghost_json(running, name), "")),
     (r"/flight/hull/([^/]+)\.glb", lambda running, name: (hull_glb(running, name), "")),
-    (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), f"{name}.bt")),
-    (r"/map/([^/]+)\.(ply|pcd)", lambda running, name, suffix: (cloud(running, name, suffix), f"{name}.{suffix}")),
-    (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), f"{name}.tif")),
+    (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), _named(running, name, "bt"))),
+    (
+        r"/map/([^/]+)\.(ply|pcd)",
+        lambda running, name, suffix: (cloud(running, name, suffix), _named(running, name, suffix)),
+    ),
+    (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), _named(running, name, "tif"))),
     (r"/snapshot/(.+)\.png", lambda running, view: (running.snapshots.png(view), f"{view.replace('/', '-')}.png")),
     (r"/notes/notes\.(csv|geojson)", lambda running, suffix: (running.inspection.file(suffix), f"notes.{suffix}")),
     (r"/notes/(.+\.png)", lambda running, name: (running.inspection.picture(name), "")),

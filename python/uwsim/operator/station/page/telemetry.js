@@ -10,6 +10,7 @@ const LATE_SIM_S = 2; // lag behind the simulated time, for example over an acou
 export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
+  #ranges = new Map(); // of each proximity sensor: { range_m, reach_m }
   /** @type {import('./wire/messages.js').Telemetry | null} */
   message = null;
   vehicle = ''; // the vehicle's name
@@ -28,6 +29,7 @@ export class Telemetry extends EventTarget {
     [this.message, this.vehicle] = [null, vehicle];
     this.joints = new Map();
     this.#closings = new Map();
+    this.#ranges = new Map();
     this.#receivedMs = -Infinity;
     const { bridge } = this.station;
     this.#ends = [
@@ -49,7 +51,11 @@ export class Telemetry extends EventTarget {
         bridge.subscribe(
           ranges,
           'sensor_msgs/Range',
-          ({ header, range, max_range: reach }) => this.#approach(name, range < reach ? range : NaN, header),
+          ({ header, range, max_range: reach_m }) => {
+            const range_m = range < reach_m ? range : NaN;
+            this.#ranges.set(name, { range_m, reach_m });
+            this.#approach(name, range_m, header);
+          },
           { throttle_rate: 150 },
         ),
       );
@@ -58,6 +64,18 @@ export class Telemetry extends EventTarget {
   // The next contact: { name, time_s }, or null if none is imminent.
   get contact() {
     return soonest(this.#closings);
+  }
+
+  // The nearest echo around the vehicle [m], and the range of the sensor to port [m]; NaN if there is none.
+  get nearest_m() {
+    const { distance_to_port: port = NaN, distance_to_seabed: bed = NaN } = this.message ?? {};
+    const port_m = port < this.portReach_m ? port : NaN;
+    const found = [port_m, bed, ...[...this.#ranges.values()].map(({ range_m }) => range_m)].filter(Number.isFinite);
+    return found.length ? Math.min(...found) : NaN;
+  }
+
+  get portReach_m() {
+    return (this.#ranges.get('port') ?? [...this.#ranges.values()][0])?.reach_m ?? NaN;
   }
 
   #receive(message) {

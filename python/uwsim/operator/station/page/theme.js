@@ -16,6 +16,7 @@ export function setTheme(kind) {
 
 function apply() {
   document.documentElement.dataset.theme = theme() === 'system' ? (prefersLight.matches ? 'light' : 'dark') : theme();
+  dispatchEvent(new Event('theme'));
 }
 
 prefersLight.addEventListener('change', apply);

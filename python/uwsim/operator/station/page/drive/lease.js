@@ -22,6 +22,7 @@ export class Lease {
   show() {
     const { station } = this;
     write(this.button, this.#text());
+    this.button.title = this.#text();
     this.button.dataset.mine = station.isPilot ? 'yes' : station.isSilent || this.#isUnsettled ? 'silent' : 'no';
     this.button.disabled = station.isBlind;
     this.#showOffer();

@@ -1,10 +1,11 @@
 // The alarms of this session with their times, and the collisions that have not been acknowledged yet.
+import { said } from '../said.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.alarms;
 
 const LONGEST = 200;
-const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.proximity };
+const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.bed };
 
 export class AlarmLog {
   entries = []; // { time_s, text }, newest first
@@ -44,9 +45,9 @@ export class AlarmLog {
     }
     if (now.contact && now.contact !== last.contact) add(WORDS.ahead(now.contact));
     for (const field of now.flags) if (!last.flags.includes(field)) add(FLAGS[field]);
-    for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(alarm);
+    for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(said(alarm));
     if (now.failsafe && now.failsafe !== last.failsafe) add(WORDS.failsafe(now.failsafe));
-    if (now.note && now.note !== last.note) add(now.note);
+    if (now.note && now.note !== last.note) add(said(now.note));
     return this.entries[0] !== was;
   }
 

@@ -6,12 +6,13 @@ import { STRINGS } from '../strings.js';
 const WORDS = STRINGS.alarms;
 
 const STORED = 'uwsim.sound';
+const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at which the proximity lamp lights
 /** Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
  * @type {Record<string, { title: string, level: string, field: string, beep: [number, number], period_ms: number }>}
  */
 const LAMPS = {
   range: { title: WORDS.range, level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
-  proximity: { title: WORDS.proximity, level: 'warn', field: 'proximity_warning', beep: [740, 0.1], period_ms: 1500 },
+  proximity: { title: WORDS.proximity, level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
   collision: { title: WORDS.collision, level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
@@ -50,7 +51,7 @@ export class Alarms {
     this.count = el('small', {}, WORDS.none);
     this.element = el(
       'section',
-      {},
+      { className: 'warnings' },
       el('h2', {}, WORDS.warnings, this.button),
       el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
       this.acknowledge,
@@ -82,10 +83,12 @@ export class Alarms {
     this.acknowledge.hidden = true;
   }
 
-  // The collision lamp stays on until a collision is acknowledged. The proximity lamp also follows the time to contact.
-  #isOn(name, message, contact) {
+  // The collision lamp stays on until a collision is acknowledged. The proximity lamp follows the echoes around the
+  // vehicle and the time to contact; `proximity_warning` is the altitude's, which has its place on the tape.
+  #isOn(name, message, contact, nearest_m) {
     if (name === 'collision' && this.log.collisions > 0) return true;
-    return Boolean(message?.[LAMPS[name].field]) || (name === 'proximity' && contact !== null);
+    if (name === 'proximity') return contact !== null || nearest_m < NEAR_M;
+    return Boolean(message?.[LAMPS[name].field]);
   }
 
   #showLog() {
@@ -96,14 +99,14 @@ export class Alarms {
     );
   }
 
-  show(message, isStale, { time_s = NaN, contact = null } = {}) {
+  show(message, isStale, { time_s = NaN, contact = null, nearest_m = NaN } = {}) {
     if (message && !isStale && this.log.update(message, time_s, contact)) this.#showLog();
     const { collisions } = this.log;
     this.acknowledge.hidden = collisions === 0;
     write(this.acknowledge, WORDS.acknowledgeAll(collisions));
     for (const [name, { level, beep, period_ms }] of Object.entries(LAMPS)) {
       const { element, state } = this.#lamps[name];
-      const isOn = this.#isOn(name, message, contact);
+      const isOn = this.#isOn(name, message, contact, nearest_m);
       element.dataset.on = isOn ? level : 'off';
       element.classList.toggle('is-stale', isStale);
       write(state, isOn ? WORDS.on : WORDS.off);

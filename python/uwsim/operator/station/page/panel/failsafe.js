@@ -1,6 +1,7 @@
 // The vehicle's failsafe: its action, the reason, its findings, and the button that takes back control.
 import { attempt, el, write } from '../dom.js';
 import { ALL_STOPPED, FAILSAFE_ACTIONS, FAILSAFE_CAUSES } from '../wire/messages.js';
+import { said } from '../said.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.failsafe;
@@ -34,7 +35,7 @@ export class Failsafe {
   // Show the state from the telemetry, which servers of other versions may lack.
   show(message, isStale) {
     const { failsafe = '', failsafe_cause: cause = '' } = message ?? {};
-    const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED);
+    const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED).map(said);
     this.element.hidden = !failsafe && alarms.length === 0;
     this.element.classList.toggle('is-stale', isStale);
     this.element.dataset.kind = failsafe && failsafe !== 'go_on' ? 'steers' : 'tells';

@@ -35,6 +35,10 @@ const EFFORTS = [WORDS.surge, WORDS.sway, WORDS.heave, WORDS.roll, WORDS.pitch, 
 const LENGTH = 'length'; // in the pilot's unit
 const RANGE = (value, digits = 1) => (value === Infinity ? WORDS.none : fixed(value, digits));
 
+// A range, or that nothing is within the sensor's reach.
+const beyond = (range_m, reach_m) =>
+  range_m >= reach_m ? WORDS.beyond(fixed(inUnit(reach_m), 0)) : RANGE(inUnit(range_m));
+
 const DEG = 180 / Math.PI;
 // Format a vector in body axes, such as "1.20 ahead, -0.10 to port, 0.00 up".
 const components = (vector, names) => names.map((name, k) => `${fixed(vector[k], 2)} ${name}`).join(', ');
@@ -74,7 +78,7 @@ const POSITION = [
 ];
 const AROUND = [
   [WORDS.station, LENGTH, (m) => fixed(inUnit(m.distance_to_station), 1)],
-  [WORDS.portSide, LENGTH, (m) => RANGE(inUnit(m.distance_to_port))],
+  [WORDS.portSide, LENGTH, (m, reach_m) => beyond(m.distance_to_port, reach_m)],
   [WORDS.water, '°C', (m) => fixed(m.temperature, 1)],
   [WORDS.pressure, 'kPa', (m) => fixed(m.pressure / 1000, 1)],
   [WORDS.soundDelay, 'ms', (m) => fixed(1000 * m.link_delay, 0)],
@@ -175,7 +179,7 @@ export class Panel {
           'a',
           {
             href: this.station.href(`${vehicle.map}.${kind}`),
-            download: `${description.scenario}-${vehicle.name}.${kind}`,
+            download: '',
             'aria-label': WORDS.downloadAs(kind),
           },
           `.${kind}`,
@@ -189,9 +193,9 @@ export class Panel {
   }
 
   show() {
-    const { message, isStale, lag_s } = this.telemetry;
+    const { message, isStale, lag_s, contact, nearest_m, portReach_m } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
-    this.alarms.show(message, isStale, { time_s: this.telemetry.stamp_s, contact: this.telemetry.contact });
+    this.alarms.show(message, isStale, { time_s: this.telemetry.stamp_s, contact, nearest_m });
     if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
     this.allStop.show(message, isStale);
     this.failsafe.show(message, isStale);
@@ -208,7 +212,7 @@ export class Panel {
     if (!message) return;
     for (const element of this.#lengths) write(element, unitName());
     for (const [element, read, tip, field] of this.#values) {
-      write(element, read(message));
+      write(element, read(message, portReach_m));
       const age = ageText(ageOf(field, message));
       element.parentElement.classList.toggle('is-stale', age !== '');
       element.title = age || (tip?.(message) ?? '');

@@ -2,7 +2,7 @@
 import { GLTFLoader, Vector3 } from '../vendor/three.js';
 import { attitude } from '../attitude.js';
 import { Vessel } from '../map3d/actors.js';
-import { drawVessel } from '../views/chart.js';
+import { drawVessel } from '../views/chart_marks.js';
 
 const COLOUR = '#b06cff';
 

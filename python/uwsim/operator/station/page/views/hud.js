@@ -4,6 +4,7 @@ import { attitude } from '../attitude.js';
 import { shownHolds } from '../drive/holds.js';
 import { inUnit, unitName } from '../units.js';
 import { axisText, pixelsBelow } from './camera_axis.js';
+import { said } from '../said.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.hud;
@@ -47,7 +48,8 @@ export class Hud {
     if (!message || width < 240) return;
     const top = Math.max(0, (height - width / aspect) / 2); // top of the picture, which is shown whole
     const left = Math.max(0, (width - height * aspect) / 2);
-    const scale = Math.max(0.72, Math.min(1.15, height / 560));
+    const rem = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+    const scale = rem * Math.max(0.72, Math.min(1.15, height / 560));
     this.ink = isStale ? STALE : INK;
     this.soft = isStale ? STALE : SOFT;
     c.textBaseline = 'middle';
@@ -63,7 +65,7 @@ export class Hud {
     this.#heading(width / 2, top + 10, Math.min(440, width * 0.46), scale, angles.heading_deg, {
       target_deg: yaw_rad === null ? null : 90 - (yaw_rad * 180) / Math.PI,
     });
-    this.#chips(width / 2, height - top - 58 * scale, scale, holds, isStale ? '' : (message.hold_note ?? ''));
+    this.#chips(width / 2, height - top - 58 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''));
     const tall = Math.min(300, height * 0.56);
     const side = left + Math.max(12, width * 0.02);
     this.#tape(side, height / 2, tall, scale, {
@@ -118,7 +120,9 @@ export class Hud {
       c.moveTo(x, top + height);
       c.lineTo(x, top + height - (isNamed ? 8 : 4) * scale);
       c.stroke();
-      if (isNamed) c.fillText(WORDS.cardinals[whole] ?? String(whole).padStart(3, '0'), x, top + 13 * scale);
+      const text = WORDS.cardinals[whole] ?? String(whole).padStart(3, '0');
+      const isWhole = Math.abs(x - middle) + c.measureText(text).width / 2 < width / 2;
+      if (isNamed && isWhole) c.fillText(text, x, top + 13 * scale);
     }
     if (target_deg !== null) {
       const off_deg = ((((target_deg - heading + 180) % 360) + 360) % 360) - 180;
@@ -175,7 +179,8 @@ export class Hud {
       c.moveTo(edge, y);
       c.lineTo(edge + inward * (isNamed ? 9 : 5) * scale, y);
       c.stroke();
-      const isInside = Math.abs(y - middle) < tall / 2 - 8;
+      const away = Math.abs(y - middle); // a name is drawn whole: neither cut by the edge nor below the value
+      const isInside = away < tall / 2 - 8 * scale && away > 20 * scale;
       if (isNamed && isInside) c.fillText(String(tick), edge + inward * 13 * scale, y);
     }
     if (target !== null && isKnown) {

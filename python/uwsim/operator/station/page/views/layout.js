@@ -1,10 +1,13 @@
 // The views: one large, the others small, swapped by click or number key. Each camera or sonar is a stream of pictures.
 import { el, write } from '../dom.js';
+import { has, TASKS } from './arrangement.js';
 import { cameraAxis, focalPixels } from './camera_axis.js';
 import { Hud } from './hud.js';
 import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 import { SonarScreen } from './sonar_screen.js';
+import { strip } from './strip.js';
+import { titled } from '../said.js';
 import { STRINGS } from '../strings.js';
 import { SONAR_KINDS } from '../wire/messages.js';
 
@@ -16,7 +19,6 @@ const KINDS = ['camera', 'chase', 'scene', 'chart', 'fan', ...SONAR_KINDS, 'stat
 const AHEAD = /front/; // cameras that look ahead, where the server does not describe them
 const CAMERAS = new Set(['camera', 'station', 'chase']);
 const KEYS = 10;
-const ROW = 6; // small views that fit side by side
 const LARGE = { credit: 2 };
 const LATE_PERIODS = 3; // in periods of the pictures that arrive over a link
 const SELDOM_S = 0.5; // longer intervals between pictures are displayed
@@ -34,6 +36,8 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = new URLSearchParams(location.search).get('view') ?? ''; // as uwsim.view asks for the scene
+  /** @type {import('./arrangement.js').Arrangement} */
+  arrangement = TASKS.inspection;
   #isAboard = false; // whether views show the vehicle's own pictures, not those carried by the link
   #cameras = new Previews();
   #sonars = new Previews();
@@ -48,7 +52,10 @@ export class Views extends EventTarget {
     this.drawn = drawn;
     telemetry.addEventListener('change', () => this.#drawHud());
     document.addEventListener('visibilitychange', () => this.#choosePictures());
-    new ResizeObserver(() => this.#drawHud()).observe(container);
+    new ResizeObserver(() => {
+      this.#fit();
+      this.#drawHud();
+    }).observe(container);
     setInterval(() => this.#look(), 500);
   }
 
@@ -94,17 +101,26 @@ export class Views extends EventTarget {
       swap.setAttribute('aria-label', WORDS.enlarge(title, key));
     });
     this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
-    const count = Math.max(this.#views.size - 1, 1);
-    this.container.style.setProperty('--small-count', count);
-    this.container.style.setProperty('--small-half', count > ROW ? Math.ceil(count / 2) : count);
     const shown = [...this.#views.values()].find(({ view }) => view.link?.period_s !== null);
     this.enlarge(this.#views.has(this.#large) ? this.#large : (shown?.view.name ?? this.names[0]));
+  }
+
+  // Show the views of an arrangement, of those that there are.
+  arrange(arrangement) {
+    this.arrangement = arrangement;
+    this.container.parentElement?.classList.toggle('has-no-panel', !arrangement.panel);
+    const large = [...this.#views.values()].find(({ view }) => has([arrangement.large], view));
+    this.enlarge(large?.view.name ?? this.#large);
   }
 
   enlarge(name) {
     if (!this.#views.has(name)) return;
     this.#large = name;
-    for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
+    for (const [other, { element, view }] of this.#views) {
+      element.classList.toggle('is-large', other === name);
+      element.hidden = other !== name && !has(this.arrangement.small, view);
+    }
+    this.#fit();
     for (const own of this.drawn) own.setLarge(name === own.name);
     for (const [other, { sonar }] of this.#views) sonar?.setLarge(other === name);
     if (this.largeView.isCamera) this.largeView.element.append(this.#tools);
@@ -126,6 +142,15 @@ export class Views extends EventTarget {
     this.enlarge(this.names[(number + KEYS - 1) % KEYS]);
   }
 
+  #fit() {
+    const { clientWidth, clientHeight, style, parentElement } = this.container;
+    const count = [...this.#views.values()].filter(({ element }) => !element.hidden).length - 1;
+    const { columns, rows, row_px } = strip(clientWidth, clientHeight, Math.max(count, 0));
+    style.setProperty('--columns', String(columns));
+    style.setProperty('--row', `${row_px}px`);
+    parentElement?.style.setProperty('--strip', `${rows * row_px}px`);
+  }
+
   #frame(title, ...contents) {
     const number = el('b');
     const swap = el('button', { type: 'button', className: 'swap' });
@@ -140,11 +165,12 @@ export class Views extends EventTarget {
     const sonar = view.sonar ? new SonarScreen(view.sonar) : null;
     const canvas = sonar?.canvas ?? el('canvas', { className: 'picture', width: 16, height: 9 });
     canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', WORDS.picture(view.title));
+    const title = titled(view);
+    canvas.setAttribute('aria-label', WORDS.picture(title));
     const isCamera = CAMERAS.has(view.kind);
     const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
-    const frame = this.#frame(view.title, ...(sonar?.element ?? [canvas, hudCanvas]));
+    const frame = this.#frame(title, ...(sonar?.element ?? [canvas, hudCanvas]));
     frame.swap.addEventListener('click', () => this.enlarge(view.name));
     frame.element.dataset.view = view.name;
     const picture = new Picture(this.station.bridge, sonar?.source ?? canvas);
@@ -168,8 +194,8 @@ export class Views extends EventTarget {
     const sonars = [];
     /** @type {{ picture: any, topic: string } | null} */
     let large = null;
-    for (const [name, { view, picture, isCamera }] of this.#views) {
-      if (!picture || document.hidden) picture?.show('');
+    for (const [name, { view, picture, isCamera, element }] of this.#views) {
+      if (!picture || document.hidden || element.hidden) picture?.show('');
       else if (name === this.#large) large = { picture, topic: this.#isFull(view) ? view.aboard_topic : view.topic };
       else if (view.link?.large_only && !isCamera)
         picture.show(''); // it would take the modem's time
