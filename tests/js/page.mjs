@@ -10,6 +10,7 @@ import {
   readPad,
   shaped,
 } from '../../python/uwsim/operator/station/page/drive/pads.js';
+import { crosses } from '../../python/uwsim/operator/station/page/map3d/sight.js';
 import { AlarmLog } from '../../python/uwsim/operator/station/page/panel/alarm_log.js';
 import { inUnit } from '../../python/uwsim/operator/station/page/units.js';
 import {
@@ -24,6 +25,8 @@ import {
   measured,
   pathLength,
 } from '../../python/uwsim/operator/station/page/views/chart_frame.js';
+import { contours } from '../../python/uwsim/operator/station/page/views/chart_ground.js';
+import { together, wayTo } from '../../python/uwsim/operator/station/page/views/chart_marks.js';
 import { Closing, soonest } from '../../python/uwsim/operator/station/page/views/closing.js';
 import {
   Fan,
@@ -32,6 +35,7 @@ import {
   ringStep,
   Waterfall,
 } from '../../python/uwsim/operator/station/page/views/sonar_geometry.js';
+import { strip } from '../../python/uwsim/operator/station/page/views/strip.js';
 
 const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <= tolerance, `${got}: not ${expected}`);
 const RAD = Math.PI / 180;
@@ -231,3 +235,48 @@ near(
 const bed = { rows: 2, columns: 3, west_m: 0, south_m: 0, spacing_m: [10, 10] };
 assert.equal(heightAt([1, 2, 3, 4, 5, 6], bed, [19, 11]), 6);
 assert.ok(Number.isNaN(heightAt([1, 2, 3, 4, 5, 6], bed, [40, 0])));
+
+// The row of small views takes what a large picture of 16:9 leaves: at 1920 x 1080 beside the panel, 70 % of the screen.
+const row = strip(1920 - 304, 1080 - 45, 10);
+assert.deepEqual([row.columns, row.rows], [10, 1]);
+const tall = 1080 - 45 - row.row_px;
+assert.ok((Math.min(tall * (16 / 9), 1616) * Math.min(tall, 1616 * (9 / 16))) / (1920 * 1080) >= 0.7);
+assert.deepEqual(strip(1000, 600, 0), { columns: 1, rows: 0, row_px: 0 });
+assert.ok(strip(1000, 1400, 10).rows > 1);
+
+// Contours of a cone are circles: all of their points are at one distance from its top.
+const side = 41;
+const cone = Float32Array.from(
+  { length: side * side },
+  (_, k) => -Math.hypot((k % side) - 20, Math.floor(k / side) - 20),
+);
+const grid = { rows: side, columns: side, west_m: -20, south_m: -20, spacing_m: [1, 1] };
+const lines = contours(cone, grid, 0);
+assert.deepEqual(
+  lines.map(({ depth }) => depth),
+  [5, 10, 15, 20, 25],
+);
+for (const { depth, segments } of lines)
+  for (const [x0, y0, x1, y1] of segments) {
+    near(Math.hypot(x0, y0), depth, 0.1);
+    near(Math.hypot(x1, y1), depth, 0.1);
+  }
+
+// A vehicle off the chart is pointed to; waypoints at one place share their mark.
+const view = new ChartFrame();
+[view.size, view.scale] = [[800, 600], 10];
+assert.equal(wayTo(view, [10, 10]), null);
+const way = wayTo(view, [0, -100]);
+near(Math.abs(way.bearing_deg), 180, 1e-9);
+near(way.away_m, 100, 1e-9);
+assert.ok(way.at[1] < 600 && way.at[1] > 500);
+assert.deepEqual(
+  together([[0, 0], [9, 0], [0.5, 0]], view).map(({ numbers }) => numbers), // prettier-ignore
+  [[1, 3], [2]],
+);
+
+// A triangle hides what lies behind it, not what lies before it or beside it.
+const triangle = [5, -1, -1, 5, 1, -1, 5, 0, 2];
+assert.ok(crosses(triangle, null, [0, 0, 0], [10, 0, 0]));
+assert.ok(!crosses(triangle, [0, 1, 2], [0, 0, 0], [4, 0, 0]));
+assert.ok(!crosses(triangle, [0, 1, 2], [0, 3, 0], [10, 3, 0]));

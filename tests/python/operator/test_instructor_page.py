@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from browser import exercise_desk, judge, until, when
+from browser import exercise_desk, judge, shows, until, when
 from uwsim.exercises import load_exercise
 
 TOKEN = "a-secret-of-18-byte"
@@ -53,13 +53,12 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
     instructor.click("text=Let it fail")
     until(lambda: sim.faults.active, "a fault")
     instructor.wait_for_selector("text=End sensor")
-    instructor.evaluate("""() => {
-      const slider = document.querySelector("[aria-label='Current, east']");
-      slider.value = 0.2;
-      slider.dispatchEvent(new Event('change'));
-    }""")
-    until(lambda: sim.parameters["water.current_world_m_s.x"] == 0.2, "a current")
-    instructor.select_option("[aria-label='Water type']", "9C")
+    instructor.fill("[aria-label='Current sets towards [°]']", "90")
+    instructor.fill("[aria-label='Current [m/s]']", "0.2")
+    instructor.get_by_role("button", name="Set", exact=True).click()
+    until(lambda: sim.parameters["water.current_world_m_s.x"] == 0.2, "a current to the east")
+    assert sim.parameters["water.current_world_m_s.y"] == 0.0
+    instructor.select_option("[aria-label='Visibility (water type)']", "9C")
     until(lambda: sim.parameters["optics.jerlov"] == "9C", "turbid water")
     instructor.click("#inspect")
     instructor.fill("[aria-label='Search parameters']", "sun_elevation")
@@ -119,6 +118,35 @@ def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor)
     assert not course.state()["is_valid"], "the instructor returned to a moment"
     assert log[0]["args"]["args"] == {"kind": "sensor", "sensor": "depth", "mode": "stuck"}
     assert "inject_fault" in [entry.name for entry in live.log]
+
+
+def test_the_instructor_plans_a_fault_speaks_and_takes_the_controls(here, trainee, instructor):
+    running = here.station.present()
+    when(instructor, "document.querySelector('.instructor-views canvas').width > 16")  # the trainee's picture
+    instructor.select_option("[aria-label=Fault]", "sonar")
+    instructor.fill("[aria-label=in_s]", "500")
+    instructor.fill("[aria-label=for_s]", "15")
+    instructor.click("text=Let it fail")
+    instructor.wait_for_selector(".fault-times .is-planned")
+    planned = call(instructor, "station/overview")["fault_times"][-1]
+    assert planned["planned_end_s"] - planned["begin_s"] == pytest.approx(15.0)
+    assert not running.live.simulator.faults.active
+    instructor.fill("[aria-label='Message to the trainee']", "Mind the box")
+    instructor.click("text=Send")
+    shows(trainee, "#instruction", "Instructor: Mind the box")
+    pilot = here.station.lease.pilot
+    instructor.click("text=Take the controls")
+    when(trainee, "!station.station.isPilot")
+    assert not call(trainee, "station/drive", vehicle="rov", surge=1.0)["success"]
+    instructor.click("text=Give the controls to")
+    until(lambda: here.station.lease.pilot == pilot, "the trainee's controls")
+    call(trainee, "station/all_stop", vehicle="rov", on=True)
+    shows(instructor, ".instructor-log", "all stop")
+    entry = call(instructor, "station/overview")["log"][0]
+    assert entry["by"].startswith("Pilot") and entry["clock"][:2] == "20"
+    if running.judged.course.has_begun:  # by the test before
+        instructor.click("text=End the attempt")
+        until(lambda: not running.judged.course.has_begun, "the end of the attempt")
 
 
 def test_without_the_token_the_page_shows_nothing(here):

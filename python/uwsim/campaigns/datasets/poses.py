@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim import _core
 from uwsim.campaigns.datasets.targets import Targets
 from uwsim.simulator.simulator import Simulator
 
@@ -129,12 +128,3 @@ def _rays(eye: Eye, random: np.random.Generator) -> Floats:
     xy = eye.rays[rows, columns].astype(np.float64)
     rays = np.column_stack([np.ones(BATCH), -xy])
     return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
-
-
-def visibility_m(water: _core.WaterOptics) -> float:
-    """Return the distance at which a diver can see a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
-
-    Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, which gives the factor for 532
-    nm.
-    """
-    return 4.8 / float(water.beam_attenuation[1])

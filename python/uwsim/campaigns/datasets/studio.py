@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.campaigns.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint, visibility_m
+from uwsim.campaigns.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.targets import Targets
 from uwsim.instruments.cameras import Camera, CameraInfo, Frame
@@ -19,7 +19,7 @@ from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage, look_ah
 from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_radius_m
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.optics import core_optics, visibility_m
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.variation import extremes, level_at
 from uwsim.simulator.simulator import Simulator

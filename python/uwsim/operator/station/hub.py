@@ -53,8 +53,8 @@ class Station:
         # Checked here, so that errors do not appear only when a pilot starts the first simulator.
         checked_wire(wire, "world" if origin is None else origin)
         folder = folder or Path.cwd()
-        self.instructor = None if instructor_token is None else Instructor(instructor_token, folder)
         self.lease = Lease()
+        self.instructor = None if instructor_token is None else Instructor(instructor_token, folder, self.lease)
         self._pulse = Pulse(self.lease)
         self.sessions = Sessions(
             self.lease, self._pulse.wake, self._pulse.publish, offered=offered, is_fixed=is_fixed, folder=folder,

@@ -13,22 +13,27 @@ import math
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from threading import Timer
 from typing import Any
 
+from uwsim import _core
 from uwsim.bridges.admission import WRONG_MAX_S, WRONG_S
 from uwsim.bridges.rare_log import RareLog
 from uwsim.channels.guest import Values
 from uwsim.exercises.exercise import EVENT_COMMANDS
 from uwsim.live import LiveSimulator
+from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.running import Moment, Running
 from uwsim.operator.station.sessions import Sessions
+from uwsim.scenario.build.optics import visibility_m
 
 LOG = "instructor-log.jsonl"
 MOMENTS_MAX = 20
 LOG_SHOWN = 50
 TIMEOUT_S = 10.0
+TEXT_MAX = 200  # letters of a message to the trainee
 TOKEN_MIN = 8
 WRONG_TOKEN = "the instructor's token is wrong"
 
@@ -37,11 +42,12 @@ WRONG_TOKEN = "the instructor's token is wrong"
 class Instructor:
     """The instructor of a station. clients: connections that have presented the token.
 
-    folder: where the log is written.
+    folder: where the log is written, with the acts of the trainee and of the instructor. lease: who has the controls.
     """
 
     token: str
     folder: Path
+    lease: Lease
     clients: set[str] = field(default_factory=set)
     log: list[Values] = field(default_factory=list)
     _guessing: set[str] = field(default_factory=set)  # clients whose wrong token is not answered yet
@@ -91,11 +97,15 @@ class Instructor:
             outcome = ACTIONS[action](self, sessions, running, arguments)
         if running.judged is not None and action != "command":  # the course itself notes commands
             running.judged.note_instruction(outcome)
-        self._note(time_s, action, arguments, outcome)
+        self.note(time_s, "instructor", action, arguments, outcome)
         return outcome
 
-    def _note(self, time_s: float, action: str, arguments: Values, outcome: str) -> None:
-        entry = {"time_s": round(time_s, 3), "action": action, "args": arguments, "text": outcome}
+    def note(self, time_s: float, by: str, action: str, arguments: Values, text: str) -> None:
+        """Write an act to the log. by: "instructor", or the pilot's name."""
+        clock = datetime.now().astimezone().isoformat(timespec="seconds")
+        entry = {
+            "time_s": round(time_s, 3), "clock": clock, "by": by, "action": action, "args": arguments, "text": text,
+        }  # fmt: skip
         self.log = [*self.log[1 - LOG_SHOWN :], entry]
         self.folder.mkdir(parents=True, exist_ok=True)
         with (self.folder / LOG).open("a", encoding="utf-8") as file:
@@ -114,7 +124,11 @@ def parameters(live: LiveSimulator) -> Values:
     from dataclasses import asdict
 
     own = live.simulator.parameters
-    return {"descriptions_json": json.dumps([asdict(own.describe(name)) for name in own.list("")])}
+    waters = {name: _core.WaterOptics.jerlov(name) for name in _core.jerlov_types()}
+    return {
+        "descriptions_json": json.dumps([asdict(own.describe(name)) for name in own.list("")]),
+        "visibility_m": {name: visibility_m(water) for name, water in waters.items()},
+    }
 
 
 def _truth(sim: Any) -> Values:
@@ -136,7 +150,36 @@ def _truth(sim: Any) -> Values:
                 "cameras": list(models[name].cameras),
             }
         )
-    return {"time_s": sim.time_s, "vehicles": vehicles, "faults": list(sim.faults.active)}
+    faults = {"faults": list(sim.faults.active), "fault_times": _fault_times(sim)}
+    return {"time_s": sim.time_s, "vehicles": vehicles, **faults}
+
+
+def _fault_times(sim: Any) -> list[Values]:
+    """Return when each fault began, begins and ended, as far as this is known; see wire_training.FaultTime."""
+    found: list[Values] = []
+    for event in sim.events:
+        if event.name == "fault":
+            name = event.values["fault"]
+            figures = {key: value for key, value in event.values.items() if key not in ("fault", "kind", "for_s")}
+            size = ", ".join(f"{key} {value}" for key, value in figures.items())
+            kept = {"name": name, "kind": event.values["kind"], "size": size, "begin_s": event.time_s}
+            found.append({**kept, "end_s": None, "planned_end_s": _end_s(event.time_s, event.values.get("for_s"))})
+        elif event.name == "fault_ends":
+            for each in found:
+                if each["name"] == event.values["fault"] and each["end_s"] is None:
+                    each["end_s"] = event.time_s
+    for name, fault in sim.faults.save()["faults"].items():
+        spec = fault["spec"]
+        at_s = spec.get("at_s")
+        is_pending = fault["count"] == 0 and at_s is not None and fault["begin_tick"] == round(at_s / sim.step_s)
+        if is_pending:  # one that was ended before it began never begins
+            kept = {"name": name, "kind": spec["kind"], "size": "", "begin_s": at_s}
+            found.append({**kept, "end_s": None, "planned_end_s": _end_s(at_s, spec.get("for_s"))})
+    return found
+
+
+def _end_s(begin_s: float, for_s: float | None) -> float | None:
+    return None if for_s is None else begin_s + for_s
 
 
 def _command(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
@@ -189,6 +232,28 @@ def _restart(own: Instructor, sessions: Sessions, running: Running, arguments: V
     return "restarted"
 
 
+def _message(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    text = arguments.get("text")
+    if not isinstance(text, str) or len(text) > TEXT_MAX or not (text == "" or text.isprintable()):
+        raise ValueError(f"text: must have at most {TEXT_MAX} printable characters")
+    running.instruction = text
+    return f"message: {text}" if text else "message taken back"
+
+
+def _hand_over(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    own.lease.assign(arguments.get("to", ""))
+    sessions.change_pilot()
+    return f"the controls are given to {own.lease.pilot_name}" if own.lease.pilot else "the controls are free"
+
+
+def _end(own: Instructor, sessions: Sessions, running: Running, arguments: Values) -> str:
+    judged = running.judged
+    if judged is None or not judged.course.has_begun or judged.course.is_over:
+        raise ValueError("end: no attempt is being flown")
+    judged.break_off("ended by the instructor")
+    return "ended the attempt"
+
+
 Action = Callable[[Instructor, Sessions, Running, Values], str]
 ACTIONS: dict[str, Action] = {
     "command": _command,
@@ -197,4 +262,7 @@ ACTIONS: dict[str, Action] = {
     "save_moment": _save_moment,
     "return_to": _return_to,
     "restart": _restart,
+    "message": _message,
+    "hand_over": _hand_over,
+    "end": _end,
 }

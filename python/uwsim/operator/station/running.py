@@ -61,7 +61,7 @@ class Running:
     whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
     change of a parameter changes the result of `describe`; see `notice_changes`. replay: the replay that the simulator
     follows, if any. In a replay, the truth is shown, and all values are those aboard, without a link. branched_from:
-    the point in a replay at which a pilot took the helm, or "".
+    the point in a replay at which a pilot took the helm, or "". instruction: the instructor's last message, or "".
     """
 
     def __init__(
@@ -99,6 +99,7 @@ class Running:
         self.recorder: Recorder | None = None
         self.flight: FlightRecording | None = None
         self.branched_from = ""
+        self.instruction = ""
         self.judged: Judged | None = None
         self.plan: PlanFlight | None = None
         self.is_supervised = False

@@ -53,6 +53,7 @@ class Scene:
                 {
                     "name": name, "label": label, "url": f"/scene/mesh/{k}.glb",
                     "outline_m": self._once(f"outline {k}", partial(self._outline, name, make)),
+                    "colour": self._colour(name),
                 }
                 for k, (name, label, make) in enumerate(self._solids())
             ],
@@ -73,6 +74,14 @@ class Scene:
         station.add_solid("station", np.asarray(vertices, np.float64), np.asarray(triangles, np.uint32))
         rays = _core.RayScene(station)
         return [free_look(rays, *start_pose(self._scenario, source.entry)) for source in self._sources]
+
+    def _colour(self, name: str) -> list[float] | None:
+        """Return the albedo of a mesh, red, green and blue, or None if its material has its kind's."""
+        bodies = {each.name: each.material for each in self._scenario.obstacles} | {
+            "station": self._scenario.station.material
+        }
+        colour = bodies[name].colour
+        return None if colour is None else list(colour)
 
     def _outline(self, name: str, make: Callable[[], Mesh]) -> list[list[float]]:
         for obstacle in self._scenario.obstacles:

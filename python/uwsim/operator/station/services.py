@@ -118,6 +118,7 @@ class Services:
             self._lease.require_pilot(caller)
         elif caller != self._lease.pilot and running.judged is not None:
             running.judged.note_stop(self._lease.members.get(caller, "a watcher"), "all stop")
+        self._note_act(caller, "all stop" if is_stop(request) else "all stop released", {})
         return running.pilot.all_stop(request, _sent(running))
 
     def _command(self, caller: str, request: Values) -> Future[Values]:
@@ -137,6 +138,7 @@ class Services:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
             text = _sent(running)
         future = live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given)
+        self._note_act(caller, name, given)
         if COMMANDS[name].steers:
             running.end_plan("the pilot has taken over")
         if name == "hold" and isinstance(vehicle, str):
@@ -170,6 +172,7 @@ class Services:
             raise ValueError("a plan cannot be flown over a link: its control loop runs at the station")
         if running.plan is not None and running.plan.is_on:
             raise ValueError("a plan is flown already: stop it first")
+        self._note_act(caller, "plan", {"points": len(plan.points_world_m)})
         running.plan = PlanFlight(running.live, str(name), plan)
         return self._planned(running)
 
@@ -181,6 +184,13 @@ class Services:
         if self._instructor is None:
             raise ValueError("this station has no instructor")
         return self._instructor
+
+    def _note_act(self, caller: str, act: str, arguments: Values) -> None:
+        """Write a member's act to the instructor's log, if there is an instructor."""
+        if self._instructor is not None:
+            time_s = 1e-9 * self._sessions.present().live.time_ns
+            by = self._lease.members.get(caller, "a watcher")
+            self._instructor.note(time_s, by, act, arguments, act.replace("_", " "))
 
     def _supervise(self, caller: str, request: Values) -> Future[Values]:
         return self._required_instructor().admit(caller, request.get("token"))
@@ -259,6 +269,7 @@ class Services:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(self._controls())}")
         live = self._sessions.present().live
         said = CONTROLS[action](self._sessions, request)
+        self._note_act(caller, action, {})
         self._publish()
         return {"success": True, "message": said or "", "tick": live.tick}
 

@@ -17,10 +17,10 @@ from urllib.parse import parse_qs, unquote, urlsplit
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from uwsim.operator.station.running import Running
 from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.hub import Station
 from uwsim.operator.station.replay_files import ghost_json, hull_glb, track_json
+from uwsim.operator.station.running import Running
 from uwsim.operator.station.token_page import token_page
 
 PAGE = Path(__file__).resolve().with_name("page")

@@ -102,12 +102,25 @@ class SavedMoment(Message):
 
 
 class Instruction(Message):
-    """An entry of the instructor's log."""
+    """An entry of the log of both sides. clock: wall-clock time, ISO 8601. by: "instructor", or the pilot's name."""
 
     time_s: float
+    clock: str
+    by: str
     action: str
     args: dict[str, Any]
     text: str
+
+
+class FaultTime(Message):
+    """When a fault began or begins. end_s: when it ended, or null. planned_end_s: when it is to end, null for never."""
+
+    name: str
+    kind: str
+    size: str
+    begin_s: float
+    end_s: float | None
+    planned_end_s: float | None
 
 
 class Overview(Message):
@@ -117,16 +130,21 @@ class Overview(Message):
     time_s: float
     vehicles: list[VehicleTruth]
     faults: list[str]
+    fault_times: list[FaultTime]
     exercise: dict[str, Any] | None
     moments: list[SavedMoment]
     log: list[Instruction]
 
 
 class ParameterList(Message):
-    """All parameters. descriptions_json: as returned by /simulation/describe_parameters."""
+    """All parameters. descriptions_json: as returned by /simulation/describe_parameters.
+
+    visibility_m: how far one sees horizontally in each type of water.
+    """
 
     success: Literal[True]
     descriptions_json: str
+    visibility_m: dict[str, float]
 
 
 class FaultField(Message):

@@ -27,3 +27,12 @@ def _water(optics: Optics) -> _core.WaterOptics:
     if own is None:
         return _core.WaterOptics.jerlov(optics.jerlov)
     return _core.WaterOptics(own.diffuse_attenuation, own.absorption, own.scattering)
+
+
+def visibility_m(water: _core.WaterOptics) -> float:
+    """Return the distance at which a diver can see a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
+
+    Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, which gives the factor for 532
+    nm.
+    """
+    return 4.8 / float(water.beam_attenuation[1])

@@ -108,6 +108,7 @@ station.addEventListener('state', () => {
   document.title = description ? WORDS.titleOf(description.scenario) : WORDS.title;
   if (isRunning && !IS_ALONE) lease.takeOnce();
   showBanner();
+  showInstruction();
 });
 station.addEventListener('close', showBanner);
 station.addEventListener('open', showBanner);
@@ -243,6 +244,15 @@ function openKeys() {
 
 function openMenu() {
   showMenu(station, { keys: openKeys, gamepad: () => showGamepads(pilot.gamepads) });
+}
+
+let instruction = '';
+// The instructor's message stays at the top of the panel; a new one also appears over the picture.
+function showInstruction() {
+  const text = station.state.instruction ?? '';
+  if (text !== instruction && text) toast(STRINGS.instructor.says(text));
+  instruction = text;
+  panel.showInstruction(text);
 }
 
 function showBanner() {

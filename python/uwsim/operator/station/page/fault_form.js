@@ -30,7 +30,19 @@ export class FaultForm {
   #show() {
     const fields = this.#kinds.find(({ kind }) => kind === this.kind.value)?.fields ?? [];
     this.#inputs = new Map(fields.map((field) => [field.name, this.#input(field)]));
+    const start = {
+      name: 'in_s',
+      value: 0,
+      is_number: true,
+      width: 1,
+      low: 0,
+      high: 1e6,
+      choices: [],
+      is_optional: true,
+    };
+    this.#inputs.set('in_s', this.#input(start));
     this.fields.replaceChildren(
+      el('label', { className: 'instructor-field' }, WORDS.inSeconds, this.#inputs.get('in_s').input),
       ...fields.map(({ name, unit, meaning }) =>
         el('label', { className: 'instructor-field', title: meaning }, name, this.#inputs.get(name).input, unit),
       ),

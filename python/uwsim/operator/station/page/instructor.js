@@ -3,7 +3,9 @@ import './localize.js';
 import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
 import { FaultForm } from './fault_form.js';
+import { FaultTimes } from './fault_times.js';
 import { Inspector, sliderBounds } from './inspector.js';
+import { TraineeView } from './instructor_view.js';
 import { STRINGS } from './strings.js';
 import * as messages from './wire/messages.js';
 import { accepted } from './wire/rosbridge.js';
@@ -13,17 +15,19 @@ const WORDS = STRINGS.instructor;
 const ASK_MS = 500;
 // Parameters with a slider, and their titles.
 const SLIDERS = {
-  'water.current_world_m_s.x': WORDS.current,
-  'water.current_world_m_s.y': WORDS.currentNorth,
   'optics.particles_per_m3': WORDS.haze,
   'optics.sun_elevation_deg': WORDS.sun,
   mission_time_s: WORDS.batteryLife,
 };
 const WATER = 'optics.jerlov';
+const CURRENT = ['water.current_world_m_s.x', 'water.current_world_m_s.y'];
+const RAD = Math.PI / 180;
 
 // The station with parameters accessed through the instructor's own services.
 class InstructorStation extends Station {
   isAdmitted = false;
+  /** @type {Record<string, number>} */
+  visibility_m = {}; // by type of water
 
   get isPilot() {
     return this.isAdmitted;
@@ -38,7 +42,9 @@ class InstructorStation extends Station {
   }
 
   async described() {
-    return JSON.parse((await accepted(messages.parameters(this.bridge))).descriptions_json);
+    const found = await accepted(messages.parameters(this.bridge));
+    this.visibility_m = found.visibility_m;
+    return JSON.parse(found.descriptions_json);
   }
 
   async parameterNames() {
@@ -76,7 +82,27 @@ const pause = button(WORDS.pause, () => attempt(station.instruct(station.state.p
 const moments = el('div', { className: 'instructor-row' });
 const faults = el('div', { className: 'instructor-row' });
 const log = el('ol', { className: 'instructor-log', tabIndex: 0 });
-const form = new FaultForm((args) => attempt(station.command('inject_fault', args)));
+const times = new FaultTimes();
+const trainee = new TraineeView(station);
+const form = new FaultForm(({ in_s, ...args }) =>
+  attempt(station.command('inject_fault', in_s > 0 ? { ...args, at_s: seen.time_s + in_s } : args)),
+);
+const towards = el('input', { type: 'number', min: 0, max: 360, step: 5, value: 0, 'aria-label': WORDS.sets });
+const flows = el('input', { type: 'number', min: 0, max: 5, step: 0.05, value: 0, 'aria-label': WORDS.flows });
+// A current is named by the direction into which it flows, clockwise from north.
+const setCurrent = () => {
+  const [angle, speed] = [Number(towards.value) * RAD, Number(flows.value)];
+  const parts = [speed * Math.sin(angle), speed * Math.cos(angle)].map((value) => +value.toFixed(6));
+  attempt(station.setParameters({ [CURRENT[0]]: parts[0], [CURRENT[1]]: parts[1] }));
+};
+const note = el('input', { type: 'text', maxLength: 200, 'aria-label': WORDS.message, autocomplete: 'off' });
+const send = (event) => {
+  event.preventDefault();
+  attempt(station.instruct('message', { text: note.value.trim() }));
+};
+const holder = el('p', { role: 'status' });
+const givers = el('div', { className: 'instructor-row' });
+const ends = button(WORDS.endAttempt, () => attempt(station.instruct('end')));
 const sliders = Object.entries(SLIDERS).map(([name, title]) => {
   const value = el('output', { className: 'reading' }, '–');
   const input = el('input', { type: 'range', 'aria-label': title });
@@ -92,7 +118,19 @@ const water = el('select', {
 });
 
 byId('instructor').append(
+  section(WORDS.trainee, trainee.choice, trainee.element, trainee.link.element),
   section(WORDS.truth, truth),
+  section(
+    WORDS.controls,
+    holder,
+    givers,
+    el(
+      'form',
+      { className: 'instructor-row', onsubmit: send },
+      el('label', { className: 'instructor-field' }, WORDS.message, note),
+      el('button', { type: 'submit' }, WORDS.send),
+    ),
+  ),
   exercise,
   section(
     WORDS.time,
@@ -102,13 +140,21 @@ byId('instructor').append(
       pause,
       button(WORDS.restart, () => attempt(station.instruct('restart'))),
       button(WORDS.save, () => attempt(station.instruct('save_moment'))),
+      ends,
     ),
     el('h3', {}, WORDS.moments),
     moments,
   ),
-  section(WORDS.faults, form.element, el('h3', {}, WORDS.active), faults),
+  section(WORDS.faults, form.element, el('h3', {}, WORDS.active), faults, el('h3', {}, WORDS.timeLine), times.element),
   section(
     WORDS.water,
+    el(
+      'div',
+      { className: 'instructor-row' },
+      el('label', { className: 'instructor-field' }, WORDS.sets, towards),
+      el('label', { className: 'instructor-field' }, WORDS.flows, flows),
+      button(WORDS.set, setCurrent),
+    ),
     ...sliders.map(({ row }) => row),
     el('label', { className: 'instructor-slider' }, WORDS.visibility, water, el('span')),
   ),
@@ -119,7 +165,11 @@ write(byId('title'), WORDS.title);
 
 let seen = null; // the last overview
 station.addEventListener('open', () => supervise());
-station.addEventListener('session', () => showParameters());
+station.addEventListener('session', () => {
+  showParameters();
+  if (station.description) trainee.begin(station.description);
+});
+station.addEventListener('state', () => showControls());
 station.addEventListener('description', () => showParameters());
 setInterval(() => look(), ASK_MS);
 
@@ -159,6 +209,16 @@ async function look() {
   }
 }
 
+// Who has the controls, and buttons that give them to somebody else.
+function showControls() {
+  const { pilot, member_ids: ids } = station.state;
+  write(holder, pilot ? WORDS.holds(station.nameOf(pilot)) : WORDS.nobody);
+  buttons(givers, [...ids.filter((id) => id !== pilot), ''], (id) => [
+    id === station.id ? WORDS.take : id ? WORDS.giveTo(station.nameOf(id)) : WORDS.free,
+    () => attempt(station.instruct('hand_over', { to: id })),
+  ]);
+}
+
 function rewrite(list, texts) {
   if (list.children.length !== texts.length) list.replaceChildren(...texts.map(() => el('li')));
   texts.forEach((text, k) => write(list.children[k], text));
@@ -193,6 +253,9 @@ function show() {
   }
   buttons(faults, seen.faults, (name) => [WORDS.end(name), () => attempt(station.command('end_fault', { name }))]);
   if (seen.faults.length === 0) write(faults, WORDS.noFaults);
+  times.show(seen.fault_times, seen.time_s);
+  ends.hidden = !seen.exercise;
+  ends.disabled = !seen.exercise?.has_begun || seen.exercise.is_over;
   buttons(
     moments,
     seen.moments.map(({ name, time_s }) => `${name}|${time_s}`),
@@ -206,9 +269,9 @@ function show() {
   );
   rewrite(
     log,
-    seen.log.map(({ time_s, text, args }) => {
+    seen.log.map(({ time_s, clock, by, text: said, args }) => {
       const given = Object.keys(args).length ? ` ${JSON.stringify(args.args ?? args)}` : '';
-      return `${clockText(time_s, 1)} ${text}${given}`;
+      return `${clock.slice(11, 19)} (${clockText(time_s, 1)}) ${by}: ${said}${given}`;
     }),
   );
 }
@@ -234,8 +297,16 @@ async function showParameters() {
     write(slider.value, `${+Number(parameter.value).toFixed(3)} ${parameter.unit}`);
   }
   const { value, choices = [] } = described.get(WATER) ?? {};
-  if (water.options.length === 0) water.append(...choices.map((name) => el('option', { value: name }, name)));
+  if (water.options.length === 0)
+    water.append(
+      ...choices.map((name) => el('option', { value: name }, WORDS.sees(name, fixed(station.visibility_m[name], 1)))),
+    );
   if (value) water.value = value;
+  const [x, y] = CURRENT.map((name) => Number(described.get(name)?.value ?? 0));
+  if (document.activeElement !== towards && document.activeElement !== flows) {
+    flows.value = String(+Math.hypot(x, y).toFixed(3));
+    if (x || y) towards.value = String(Math.round((Math.atan2(x, y) / RAD + 360) % 360));
+  }
 }
 
 globalThis.instructor = { station, inspector }; // for the browser's console and tests

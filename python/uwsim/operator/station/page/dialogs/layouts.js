@@ -42,7 +42,7 @@ export function showLayouts(views) {
 const switchOf = (text, checked, change) =>
   el(
     'label',
-    { className: 'row' },
+    { className: 'switch' },
     el('input', { type: 'checkbox', checked, onchange: ({ target }) => change(target.checked) }),
     text,
   );

@@ -16,6 +16,7 @@ import { el, grouped, write } from '../dom.js';
 import { Marks, Vessel } from './actors.js';
 import { FrameGate } from './frame_gate.js';
 import { Quality } from './quality.js';
+import { crosses } from './sight.js';
 import { makeSurface, makeTerrain } from './terrain.js';
 import { sceneTools } from './tools.js';
 import { VoxelPoints } from './voxel_points.js';
@@ -26,6 +27,8 @@ const WORDS = STRINGS.scene;
 
 const SMALL_MS = 1000; // between two frames while the view is small
 const IDLE_MS = 250; // while it is large and does not turn
+const LOOK_MS = 300; // between two looks for what hides the vehicle
+const FADED = 0.2; // opacity of what hides it
 
 export class SceneView {
   name = 'scene';
@@ -41,6 +44,7 @@ export class SceneView {
   #layers = { terrain: true, map: true, track: true, fan: true, follows: true };
   #isDue = true;
   #drawnMs = -Infinity;
+  #lookedMs = -Infinity;
   #scenery = [];
   /** @type {ReturnType<typeof makeTerrain> | null} */
   #terrain = null;
@@ -105,7 +109,7 @@ export class SceneView {
     this.#addScenery(this.#terrain.mesh, makeSurface(found.terrain, found.surface_m ?? 0));
     const loader = new GLTFLoader();
     const glb = async (url) => (await loader.parseAsync(await (await load(url)).arrayBuffer(), '')).scene;
-    for (const { url, label } of found.meshes) this.#addScenery(dressed(await glb(url), label));
+    for (const { url, label, colour } of found.meshes) this.#addScenery(dressed(await glb(url), label, colour));
     for (const { name, url } of found.vehicles) this.vessels.get(name)?.setHull(await glb(url));
     const free = found.vehicles.find(({ name }) => name === this.#followed);
     this.#lookAngle = free?.look_rad ?? 0;
@@ -278,11 +282,29 @@ export class SceneView {
     this.camera.updateProjectionMatrix();
   }
 
+  // Fade the meshes that stand before the followed vehicle.
+  #fade() {
+    this.#lookedMs = performance.now();
+    const vessel = this.vessels.get(this.#followed);
+    if (!vessel) return;
+    const [from, to] = [this.camera.position.toArray(), vessel.group.position.toArray()];
+    for (const node of this.#scenery)
+      node.traverse((part) => {
+        if (!(part instanceof Mesh) || !(part.material instanceof MeshLambertMaterial)) return;
+        const { position } = part.geometry.attributes;
+        const hides = crosses(position.array, part.geometry.index?.array ?? null, from, to);
+        part.material.transparent = hides;
+        part.material.opacity = hides ? FADED : 1;
+        part.material.depthWrite = !hides;
+      });
+  }
+
   #draw() {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (width === 0 || height === 0) return;
     if (this.#isLarge) this.quality.adapt(this.gate.frame_ms);
     this.#fit(width, height);
+    if (performance.now() - this.#lookedMs > LOOK_MS) this.#fade();
     this.voxels.bias = this.quality.bias;
     this.#isDue = this.voxels.update(this.camera, this.canvas.height);
     this.gate.begin();
@@ -296,18 +318,15 @@ export class SceneView {
   }
 }
 
-// A fixed mesh, coloured by its kind.
-function dressed(node, label) {
-  const colour = /pipe/.test(label)
-    ? 0xb9a27a
-    : /station/.test(label)
-      ? 0xc8ced2
-      : /gate/.test(label)
-        ? 0xd98c5f
-        : 0x94a3ad;
-  const material = new MeshLambertMaterial({ color: colour });
+// A fixed mesh in its material's colour (albedo, linear), or else in that of its kind.
+function dressed(node, label, albedo) {
+  const colour = albedo
+    ? new Color().fromArray(albedo)
+    : new Color(
+        /pipe/.test(label) ? 0xb9a27a : /station/.test(label) ? 0xc8ced2 : /gate/.test(label) ? 0xd98c5f : 0x94a3ad,
+      );
   node.traverse((part) => {
-    if (part instanceof Mesh) part.material = material;
+    if (part instanceof Mesh) part.material = new MeshLambertMaterial({ color: colour });
   });
   return node;
 }

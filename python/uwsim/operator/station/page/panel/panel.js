@@ -148,7 +148,9 @@ export class Panel {
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
     this.exercise = new ExercisePanel(station);
+    this.instruction = el('p', { className: 'failsafe', id: 'instruction', role: 'status', hidden: true });
     container.append(
+      this.instruction,
       this.allStop.element,
       this.failsafe.element,
       this.exercise.element,
@@ -186,6 +188,12 @@ export class Panel {
         ),
       ),
     );
+  }
+
+  // text: the instructor's last message, or ''.
+  showInstruction(text) {
+    this.instruction.hidden = text === '';
+    write(this.instruction, STRINGS.instructor.says(text));
   }
 
   showMap({ count, resolution_m }) {

@@ -79,6 +79,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} notes
  * @property {string} flight
  * @property {string} flight_trouble
+ * @property {string} instruction
  */
 
 /** @typedef {object} Telemetry
@@ -423,15 +424,27 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string[]} cameras
  */
 
+/** When a fault began or begins. end_s: when it ended, or null. planned_end_s: when it is to end, null for never.
+ * @typedef {object} FaultTime
+ * @property {string} name
+ * @property {string} kind
+ * @property {string} size
+ * @property {number} begin_s
+ * @property {number | null} end_s
+ * @property {number | null} planned_end_s
+ */
+
 /** A moment to return to.
  * @typedef {object} SavedMoment
  * @property {string} name
  * @property {number} time_s
  */
 
-/** An entry of the instructor's log.
+/** An entry of the log of both sides. clock: wall-clock time, ISO 8601. by: "instructor", or the pilot's name.
  * @typedef {object} Instruction
  * @property {number} time_s
+ * @property {string} clock
+ * @property {string} by
  * @property {string} action
  * @property {Record<string, any>} args
  * @property {string} text
@@ -443,6 +456,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} time_s
  * @property {VehicleTruth[]} vehicles
  * @property {string[]} faults
+ * @property {FaultTime[]} fault_times
  * @property {Record<string, any> | null} exercise
  * @property {SavedMoment[]} moments
  * @property {Instruction[]} log
@@ -476,10 +490,11 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FaultKind[]} kinds
  */
 
-/** All parameters. descriptions_json: as returned by /simulation/describe_parameters.
+/** All parameters. descriptions_json: as returned by /simulation/describe_parameters. visibility_m: how far one sees horizontally in each type of water.
  * @typedef {object} ParameterList
  * @property {true} success
  * @property {string} descriptions_json
+ * @property {Record<string, number>} visibility_m
  */
 
 /** A request about a plan. action: report, save, fly or stop. points_m: x, y, z in odom. name: the file's name.

@@ -1,0 +1,68 @@
+"""How the station's screen is divided, in a real browser: the picture first, layouts by task, a view of its own."""
+
+import pytest
+
+from browser import judge, until, when
+
+PICTURE = """() => {
+  const canvas = document.querySelector('.view.is-large canvas');
+  const { width, height } = canvas.getBoundingClientRect();
+  const aspect = canvas.width / canvas.height;
+  return Math.min(width, height * aspect) * Math.min(height, width / aspect) / innerWidth / innerHeight;
+}"""
+
+
+def box(page, selector: str) -> dict[str, float]:
+    return page.locator(selector).bounding_box()
+
+
+@pytest.mark.parametrize(("width", "height", "least"), [(1920, 1080, 0.7), (2560, 1440, 0.7), (1280, 720, 0.55)])
+def test_the_picture_has_most_of_the_screen_and_the_bar_one_row(here, page, width: int, height: int, least: float):
+    page.set_viewport_size({"width": width, "height": height})
+    page.evaluate("station.views.enlarge('front')")
+    until(lambda: page.evaluate(PICTURE) >= least, "the picture")
+    bar, stop = box(page, ".topbar"), box(page, "#all-stop")
+    assert bar["height"] < 1.6 * stop["height"]
+    assert all(box(page, f".topbar {each}")["x"] > stop["x"] for each in ("#dock", "#lease", "#menu"))
+    assert box(page, "#menu")["x"] + box(page, "#menu")["width"] <= width
+    large, small = box(page, ".view.is-large"), box(page, ".view:not(.is-large) >> nth=0")
+    assert (
+        large["y"] + large["height"] <= small["y"] + 1 and large["x"] + large["width"] <= box(page, ".panel")["x"] + 1
+    )
+
+
+def test_type_follows_the_size_that_the_browser_wants(page):
+    before = box(page, "#all-stop")["height"]
+    page.evaluate("document.documentElement.style.fontSize = '24px'")
+    assert box(page, "#all-stop")["height"] == pytest.approx(1.5 * before, rel=0.05)
+    page.evaluate("document.documentElement.style.fontSize = ''")
+
+
+def test_a_layout_is_kept_by_name_and_a_view_opens_in_a_window_of_its_own(here, page):
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.click("#layouts")
+    judge(page, "layouts")
+    page.click("#layouts-dialog >> text=Transit")
+    assert page.is_visible("#lamp-proximity") and page.is_visible("#all-stop") and not page.is_visible(".downloads")
+    judge(page, "transit")
+    page.evaluate("station.views.enlarge('chart')")
+    page.click("#layouts")
+    page.fill("[aria-label='Name of the layout']", "mine")
+    page.click("#layouts-dialog >> text=Save")
+    page.click("#layouts-dialog >> text=Survey")
+    when(page, "station.views.large === 'scene'")
+    assert page.is_visible(".downloads")
+    page.click("#layouts")
+    page.click("#layouts-dialog >> text=mine")
+    when(page, "station.views.large === 'chart'")
+    page.click("#layouts")
+    with page.expect_popup() as opened:
+        page.click("text=in a window of its own")
+    alone = opened.value
+    alone.wait_for_selector("#station:not([hidden])")
+    when(alone, "station.views.large === 'chart'")
+    assert alone.is_visible("#all-stop") and not alone.is_visible(".panel") and not alone.is_visible("#dock")
+    assert box(alone, ".view.is-large")["width"] == alone.viewport_size["width"]
+    assert not alone.evaluate("station.station.isPilot") and page.evaluate("station.station.isPilot")
+    alone.close()
+    page.keyboard.press("Escape")
