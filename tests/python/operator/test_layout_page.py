@@ -1,6 +1,10 @@
 """How the station's screen is divided, in a real browser: the picture first, layouts by task, a view of its own."""
 
+import io
+
+import numpy as np
 import pytest
+from PIL import Image
 
 from browser import judge, until, when
 
@@ -66,3 +70,34 @@ def test_a_layout_is_kept_by_name_and_a_view_opens_in_a_window_of_its_own(here, 
     assert not alone.evaluate("station.station.isPilot") and page.evaluate("station.station.isPilot")
     alone.close()
     page.keyboard.press("Escape")
+
+
+def test_at_night_all_is_of_one_hue_and_all_stop_is_the_brightest(here, page):
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.evaluate("station.views.enlarge('front')")
+    page.evaluate("document.documentElement.dataset.theme = 'night', dispatchEvent(new Event('theme'))")
+    when(page, "station.views.largeView.picture?.drawn > 0 && station.scene.gate.frames > 1")
+    judge(page, "night")
+    pixels = np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB"), np.float64) / 255.0
+    red, green, blue = np.moveaxis(pixels, 2, 0)
+    assert np.mean((red + 0.02 >= green) & (red + 0.02 >= blue)) == 1.0
+    linear = np.where(pixels <= 0.04045, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]  # WCAG 2.1
+    stop = box(page, "#all-stop")
+    rows, columns = (slice(int(stop[a]), int(stop[a] + stop[b])) for a, b in (("y", "height"), ("x", "width")))
+    assert luminance[rows, columns].max() == luminance.max() < 0.6
+    page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")
+
+
+def test_on_a_phone_the_picture_fills_the_screen_and_only_the_pilot_has_sticks(here, page):
+    phone = here.fly(viewport={"width": 844, "height": 390}, has_touch=True, is_mobile=True)
+    when(phone, "station.views.largeView.picture?.drawn > 0")
+    assert box(phone, ".view.is-large")["height"] >= 330
+    assert phone.is_visible("#all-stop") and not phone.is_visible("#dock") and not phone.is_visible(".stick.left")
+    page.evaluate("id => station.station.handOver(id)", phone.evaluate("station.station.id"))
+    phone.wait_for_selector(".stick.left")
+    assert phone.is_visible(".stick.right")
+    judge(phone, "phone")
+    phone.click("#unfold")
+    assert phone.is_visible("#dock") and phone.is_visible("#menu")
+    phone.context.close()

@@ -56,7 +56,7 @@ def test_the_map_goes_home_in_every_format(tmp_path):
         ada.call("take_control")
         ada.call("control", action="pause")
         status, body, headers = get(server, "/map/rov.bt")
-        assert (status, headers["Content-Disposition"]) == (200, 'attachment; filename="rov.bt"')
+        assert (status, headers["Content-Disposition"]) == (200, 'attachment; filename="pool-rov.bt"')
         (tmp_path / "map.bt").write_bytes(body)
         voxels = OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()
         assert len(voxels) > 20

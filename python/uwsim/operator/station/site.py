@@ -111,7 +111,7 @@ class Site:
 
 
 def _named(running: Running, vehicle: str, suffix: str) -> str:
-    """Return the name of a map's file, which says of which world it is."""
+    """Return the name of a map's file, which names its world."""
     return f"{running.live.simulator.scenario.name}-{vehicle}.{suffix}"
 
 

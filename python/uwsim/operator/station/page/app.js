@@ -82,6 +82,10 @@ byId('help').addEventListener('click', () => openKeys());
 byId('menu').addEventListener('click', () => openMenu());
 byId('layouts').addEventListener('click', () => showLayouts(views));
 byId('station').classList.toggle('is-alone', IS_ALONE);
+byId('unfold').addEventListener('click', () => {
+  const isUnfolded = byId('station').classList.toggle('is-unfolded'); // on a phone, where the bar is folded
+  byId('unfold').setAttribute('aria-expanded', String(isUnfolded));
+});
 addEventListener('keydown', (event) => {
   if (
     targetOf(event).matches('input, select, textarea') ||
@@ -103,6 +107,7 @@ station.addEventListener('state', () => {
   const description = station.isRunning ? station.description : null;
   const isRunning = description !== null;
   byId('station').hidden = !isRunning;
+  byId('station').classList.toggle('is-pilot', station.isPilot);
   byId('start').hidden = isRunning || station.state.phase === '';
   if (station.state.phase === 'idle') start.show();
   document.title = description ? WORDS.titleOf(description.scenario) : WORDS.title;
@@ -250,7 +255,7 @@ let instruction = '';
 // The instructor's message stays at the top of the panel; a new one also appears over the picture.
 function showInstruction() {
   const text = station.state.instruction ?? '';
-  if (text !== instruction && text) toast(STRINGS.instructor.says(text));
+  if (text !== instruction && text) toast(STRINGS.instructor.from(text));
   instruction = text;
   panel.showInstruction(text);
 }

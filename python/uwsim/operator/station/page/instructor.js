@@ -209,10 +209,10 @@ async function look() {
   }
 }
 
-// Who has the controls, and buttons that give them to somebody else.
+// Show the pilot, and buttons that give the controls to another member.
 function showControls() {
   const { pilot, member_ids: ids } = station.state;
-  write(holder, pilot ? WORDS.holds(station.nameOf(pilot)) : WORDS.nobody);
+  write(holder, pilot ? WORDS.holds(station.nameOf(pilot)) : WORDS.noPilot);
   buttons(givers, [...ids.filter((id) => id !== pilot), ''], (id) => [
     id === station.id ? WORDS.take : id ? WORDS.giveTo(station.nameOf(id)) : WORDS.free,
     () => attempt(station.instruct('hand_over', { to: id })),

@@ -1,4 +1,4 @@
-// What the trainee has before the eyes, on the instructor's page: a camera's picture, the chart with the track, the link.
+// The trainee's view on the instructor's page: a camera's picture, the chart with the track, the link.
 import { el } from './dom.js';
 import { Link } from './panel/link.js';
 import { titled } from './said.js';

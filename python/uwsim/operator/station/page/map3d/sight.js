@@ -1,7 +1,7 @@
-// What stands between the camera of the 3D view and the vehicle.
+// Finds the meshes between the camera of the 3D view and the vehicle.
 const NEAR = 0.97; // of the way to the vehicle; what is nearer to it, such as its dock, does not hide it
 
-/** Whether a triangle mesh crosses the segment from one point to another, all in the same frame.
+/** Test if a triangle mesh crosses the segment from one point to another, all in the same frame.
  * @type {(positions: ArrayLike<number>, index: ArrayLike<number> | null, from: number[], to: number[]) => boolean}
  */
 export function crosses(positions, index, from, to) {
@@ -19,7 +19,7 @@ const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
-// Whether the triangle a, b, c meets the way (Moeller and Trumbore, 1997, doi:10.1080/10867651.1997.10487468).
+// Test if the triangle a, b, c meets the way (Moeller and Trumbore, 1997, doi:10.1080/10867651.1997.10487468).
 function meets(a, b, c, from, way) {
   const [ab, ac] = [minus(b, a), minus(c, a)];
   const p = cross(way, ac);

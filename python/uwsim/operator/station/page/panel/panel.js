@@ -193,7 +193,7 @@ export class Panel {
   // text: the instructor's last message, or ''.
   showInstruction(text) {
     this.instruction.hidden = text === '';
-    write(this.instruction, STRINGS.instructor.says(text));
+    write(this.instruction, STRINGS.instructor.from(text));
   }
 
   showMap({ count, resolution_m }) {

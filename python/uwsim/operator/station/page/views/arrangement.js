@@ -31,7 +31,7 @@ export function keep(name, arrangement) {
   localStorage.setItem(STORED, JSON.stringify(arrangement ? { ...others, [name]: arrangement } : others));
 }
 
-/** Whether a list of kinds or names has a view.
+/** Test if a list of kinds or names has a view.
  * @type {(list: string[] | null, view: { kind: string, name: string }) => boolean}
  */
 export const has = (list, { kind, name }) => list === null || list.includes(kind) || list.includes(name);

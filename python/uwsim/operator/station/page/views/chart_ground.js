@@ -1,5 +1,5 @@
 // The chart's ground in the theme's colours: the bed by depth with contours, and obstacles by name. It is kept as a
-// picture, which is drawn anew only if the frame, the theme or the bed has changed.
+// picture, which is drawn again only if the frame, the theme or the bed has changed.
 import { pen } from '../dom.js';
 import { inUnit } from '../units.js';
 import { label } from './chart_marks.js';

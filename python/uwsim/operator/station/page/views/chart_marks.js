@@ -38,7 +38,7 @@ function arrow(c, [x, y], heading_deg, colour, points) {
 export const drawVessel = (c, at, heading_deg, colour) =>
   arrow(c, at, heading_deg, colour, [[0, -11], [7, 8], [0, 4], [-7, 8]]); // prettier-ignore
 
-/** Where the edge of the chart shows the way to a place outside of it: a pixel, the direction [degrees from north], and
+/** Find where the edge of the chart shows the way to a place outside of it: a pixel, the direction [degrees from north], and
  * the distance from the middle of the chart [m]; null for a place on the chart.
  * @type {(frame: import('./chart_frame.js').ChartFrame, place: number[]) => { at: [number, number], bearing_deg: number, away_m: number } | null}
  */
