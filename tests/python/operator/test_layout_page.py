@@ -20,7 +20,7 @@ def box(page, selector: str) -> dict[str, float]:
     return page.locator(selector).bounding_box()
 
 
-@pytest.mark.parametrize(("width", "height", "least"), [(1920, 1080, 0.7), (2560, 1440, 0.7), (1280, 720, 0.55)])
+@pytest.mark.parametrize(("width", "height", "least"), [(1920, 1080, 0.7), (1280, 720, 0.55)])
 def test_the_picture_has_most_of_the_screen_and_the_bar_one_row(here, page, width: int, height: int, least: float):
     page.set_viewport_size({"width": width, "height": height})
     page.evaluate("station.views.enlarge('front')")
