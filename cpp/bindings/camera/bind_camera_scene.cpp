@@ -190,14 +190,15 @@ void bind_camera_scene(py::module_& m) {
           "add_vehicle",
           [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,
              const std::string& material_name, const py::object& colour, const py::object& image,
-             const py::object& corners) {
+             const py::object& corners, const std::string& surface_class) {
+            const auto kind = static_cast<SurfaceClass>(index_of("class", surface_class, kSurfaceClassNames));
             return scene.add_vehicle(
                 std::move(name), {as_points(vertices_body_m, "vertices_body_m"), as_triangles(triangles, "triangles")},
-                {as_material(material_name, colour), SurfaceClass::kVehicle, as_texture(image, corners)});
+                {as_material(material_name, colour), kind, as_texture(image, corners)});
           },
           py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
           py::arg("colour") = py::none(), py::arg("texture_image") = py::none(),
-          py::arg("texture_corners") = py::none(),
+          py::arg("texture_corners") = py::none(), py::arg("surface_class") = "vehicle",
           "Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. texture: as for\n"
           "set_appearance. Raises ValueError.")
       .def_property_readonly(

@@ -82,6 +82,7 @@ void bind_specs(py::module_& m) {
       .value("BOX", CollisionShape::kBox)
       .value("PIECES", CollisionShape::kPieces);
 
+  bind_object_spec(m);
   py::class_<VehicleSpec, std::shared_ptr<VehicleSpec>>(m, "VehicleSpec")
       .def(py::init<>())
       .def_readwrite("name", &VehicleSpec::name)
@@ -111,7 +112,8 @@ void bind_specs(py::module_& m) {
       .def_readwrite("docked", &VehicleSpec::docked)
       .def_readwrite("sensors", &VehicleSpec::sensors)
       .def_readwrite("sonars", &VehicleSpec::sonars)
-      .def_readwrite("battery", &VehicleSpec::battery, "None: the simulation's mission time");
+      .def_readwrite("battery", &VehicleSpec::battery, "None: the simulation's mission time")
+      .def_readwrite("wrenches", &VehicleSpec::wrenches, "what acts on it, by schedule; copied");
 }
 
 }  // namespace
@@ -132,6 +134,7 @@ void bind_sim(py::module_& m) {
       m, "Simulation", "A world with vehicles, which are identified by index, advanced by fixed steps.");
   bind_telemetry(m, simulation);
   bind_commands(simulation);
+  bind_forces(m, simulation);
   bind_pings(m, simulation);
   bind_link(m, simulation);
   bind_batch(m);
@@ -145,8 +148,11 @@ void bind_sim(py::module_& m) {
             return owned.add_vehicle(spec);
           },
           py::arg("spec"), "Add a vehicle and return its index.")
+      .def("add_object", &OwnedSimulation::add_object, py::arg("spec"),
+           "Add a loose body, after all vehicles, and return its index.")
       .def("restart", &OwnedSimulation::restart, py::arg("world"), py::arg("spec"),
-           "Restart with the same vehicles at their start states. world: as before, except for its water. Raises\n"
+           "Restart with the same vehicles and objects at their start states. world: as before, except for its water. "
+           "Raises\n"
            "ValueError without changing anything.")
       .def("change", &OwnedSimulation::change, py::arg("water"), py::arg("spec"), py::arg("vehicles"),
            "Replace all parameters; all state is kept. vehicles: one spec per vehicle, in order; their start\n"
@@ -216,8 +222,8 @@ void bind_sim(py::module_& m) {
             });
           },
           py::arg("vehicle") = py::none(),
-          "Return the world with all vehicles at their present poses, except the given one. A snapshot. Labels of\n"
-          "vehicles follow those of the world.")
+          "Return the world with all vehicles and objects at their present poses, except the given vehicle. A\n"
+          "snapshot. Labels of vehicles, then of objects, follow those of the world.")
       .def(
           "watch_sensor",
           [](OwnedSimulation& o, std::size_t v, std::size_t sensor, std::optional<std::uint64_t> from_ns) {

@@ -9,6 +9,10 @@ namespace uwsim::bindings {
 void bind_telemetry(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// Commands to a vehicle's actuators, and their state.
 void bind_commands(py::class_<OwnedSimulation>& simulation);
+/// Loose bodies, and wrenches that act on vehicles.
+void bind_object_spec(py::module_& m);
+/// The forces on vehicles and objects.
+void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// Sonar heads and their pings in both modes.
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// The link between station and vehicles.

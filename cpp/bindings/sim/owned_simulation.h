@@ -57,6 +57,16 @@ class OwnedSimulation {
     });
   }
 
+  /// Adds an object and returns its index.
+  std::size_t add_object(const ObjectSpec& spec) {
+    return with([&](Simulation& sim) {
+      objects_.reserve(objects_.size() + 1);
+      const std::size_t index = sim.add_object(spec);
+      objects_.push_back(spec);
+      return index;
+    });
+  }
+
   /// See Simulation::set_link.
   void set_link(const LinkSpec& spec) {
     with([&](Simulation& sim) {
@@ -72,6 +82,7 @@ class OwnedSimulation {
     with([&](Simulation& old) {
       auto fresh = std::make_shared<Simulation>(world, scene_, spec);
       for (const VehicleSpec& vehicle : vehicles_) fresh->add_vehicle(vehicle);
+      for (const ObjectSpec& object : objects_) fresh->add_object(object);
       if (link_) fresh->set_link(*link_);
       earlier_versions_ += old.version() + 1;
       previous_ = std::move(simulation_);
@@ -109,6 +120,7 @@ class OwnedSimulation {
   ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may also call
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
+  std::vector<ObjectSpec> objects_;
   std::optional<LinkSpec> link_;
   std::shared_ptr<Simulation> simulation_;
   // The simulation before the last restart, kept alive because a signal handler may restart the simulation during a

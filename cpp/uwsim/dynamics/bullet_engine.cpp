@@ -80,7 +80,10 @@ struct BulletBody {
     body.getBroadphaseProxy()->m_collisionFilterMask = from.held ? 0 : btBroadphaseProxy::AllFilter;
     body.clearForces();
     if (from.held) return;
-    const auto [load_body, submerged] = from.spec.craft->load(state, from.tau_body, water, time_s);
+    const Loads loads = from.loads(Vector6d::Zero(), 1);
+    Vector6d tau_body = loads.body;
+    if (!loads.world.isZero(0)) tau_body += in_body_axes(loads.world, pose.orientation);
+    const auto [load_body, submerged] = from.spec.craft->load(state, tau_body, water, time_s);
     body.setMassProps(mass.mass_kg(submerged), to_bullet(mass.moments_kg_m2(submerged)));
     body.updateInertiaTensor();
     const Vector6d applied = mass.applied_body(load_body, state.velocity_body, submerged);

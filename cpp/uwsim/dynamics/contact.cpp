@@ -14,6 +14,14 @@ constexpr double kLeastPush_m_s = 1e-12;  // rounding error in a body at rest
 
 }  // namespace
 
+Eigen::Matrix3d Contact::directions_world() const {
+  Eigen::Matrix3d directions;
+  directions.col(0) = normal_world;
+  directions.col(1) = normal_world.unitOrthogonal();
+  directions.col(2) = normal_world.cross(directions.col(1));
+  return directions;
+}
+
 double Contact::least_speed_m_s(double start_m_s, double end_m_s, double step_s) const {
   const double open_m = gap_m > kClosed_m ? gap_m : 0;
   const bool arrives = end_m_s * step_s + open_m < 0;

@@ -22,6 +22,8 @@ struct Contact {
   double friction = 0;
   double restitution = 0;
 
+  /// The normal and two tangents, as columns.
+  Eigen::Matrix3d directions_world() const;
   /// The minimum velocity along the normal that the contact requires: zero, the rebound velocity by Newton's
   /// restitution if the impact is faster than a threshold, or the (negative) velocity that just closes the gap in this
   /// step. `start_m_s` and `end_m_s` are the velocities at the start of the step and at its end without contacts.

@@ -28,12 +28,10 @@ void ContactSolver::make_end(std::span<const ContactBody> bodies, int body, cons
   const ContactBody& touched = bodies[static_cast<std::size_t>(body)];
   const Eigen::Matrix3d body_from_world = touched.world_from_body.rotation().transpose();
   const Eigen::Vector3d arm = body_from_world * (contact.point_world_m - touched.world_from_body.position_m);
-  const Eigen::Vector3d& n = contact.normal_world;
-  const Eigen::Vector3d t = n.unitOrthogonal();
-  const Eigen::Vector3d directions[] = {n, t, n.cross(t)};
+  const Eigen::Matrix3d directions = contact.directions_world();
   end.along.row(3).setZero();
   for (Eigen::Index k = 0; k < 3; ++k) {
-    const Eigen::Vector3d direction = sign * (body_from_world * directions[k]);
+    const Eigen::Vector3d direction = sign * (body_from_world * directions.col(k));
     Vector6d j;
     j << direction, arm.cross(direction);
     end.along.row(k) = j;
@@ -72,12 +70,12 @@ void ContactSolver::reserve(std::size_t bodies, std::size_t contacts) {
   islands_.reserve(bodies);
   island_.reserve(contacts);
   rows_.reserve(contacts);
-  normal_impulses_.reserve(contacts);
+  impulses_.reserve(contacts);
   newton_.reserve(bodies, contacts);
 }
 
 void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
-  normal_impulses_.assign(contacts.size(), 0);
+  impulses_.assign(contacts.size(), Eigen::Vector3d::Zero());
   islands_.separate(bodies.size());
   for (const Contact& contact : contacts) {
     if (contact.b != kFixedBody)
@@ -94,8 +92,12 @@ void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact
   }
 }
 
+Eigen::Vector3d ContactSolver::impulse_world(const Contact& contact, std::size_t index) const {
+  return contact.directions_world() * impulses_[index];
+}
+
 void ContactSolver::solve_island(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
-  if (newton_.solve(bodies, contacts, island_, step_s, normal_impulses_)) return;
+  if (newton_.solve(bodies, contacts, island_, step_s, impulses_)) return;
   rows_.clear();
   for (const std::uint32_t k : island_) {
     Rows& rows = rows_.emplace_back();
@@ -105,7 +107,7 @@ void ContactSolver::solve_island(std::span<ContactBody> bodies, std::span<const 
                                               velocity(bodies, rows, &ContactBody::velocity_body)[0], step_s);
   }
   solve_velocities(bodies);
-  for (const Rows& rows : rows_) normal_impulses_[rows.contact] = rows.impulse[0];
+  for (const Rows& rows : rows_) impulses_[rows.contact] = rows.impulse;
   solve_overlaps(bodies, contacts, step_s);
 }
 

@@ -25,8 +25,9 @@ class ContactSolver {
   void reserve(std::size_t bodies, std::size_t contacts);
   /// Changes velocity_body, impulse_body and push_body of `bodies`.
   void solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
-  /// The impulse along the normal of `contact` from the last solve() [N s].
-  double normal_impulse(std::size_t contact) const { return normal_impulses_[contact]; }
+  /// The impulse of contact `index` from the last solve(), along its normal [N s], and on its body a [N s].
+  double normal_impulse(std::size_t index) const { return impulses_[index][0]; }
+  Eigen::Vector3d impulse_world(const Contact& contact, std::size_t index) const;
 
  private:
   using Four = Eigen::Array4d;  // along the normal and two tangents; the fourth is unused
@@ -62,9 +63,9 @@ class ContactSolver {
 
   // Kept between steps to reuse memory.
   BodyGroups islands_;
-  std::vector<std::uint32_t> island_;  // indices of the contacts of the island being solved
-  std::vector<Rows> rows_;             // of the contacts solved by Gauss-Seidel
-  std::vector<double> normal_impulses_;
+  std::vector<std::uint32_t> island_;      // indices of the contacts of the island being solved
+  std::vector<Rows> rows_;                 // of the contacts solved by Gauss-Seidel
+  std::vector<Eigen::Vector3d> impulses_;  // of each contact, along the normal and the tangents
   IslandSolver newton_;
 };
 

@@ -3,12 +3,6 @@
 namespace uwsim {
 namespace {
 
-struct Rate {
-  Eigen::Vector3d position;
-  Eigen::Vector4d quaternion;  // x y z w
-  Vector6d velocity;
-};
-
 Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s) {
   const Eigen::Quaterniond& q = state.world_from_body.orientation;
   Vector6d tau_body = loads.body;
@@ -17,6 +11,10 @@ Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, con
   const Eigen::Vector3d w = state.angular_body_rad_s();
   const Eigen::Quaterniond spin = q * Eigen::Quaterniond(0, w.x(), w.y(), w.z());
   return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), craft.acceleration_body(state, tau_body, water, time_s)};
+}
+
+Stage stage_at(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s) {
+  return {state, time_s, rate_of(craft, state, loads, water, time_s)};
 }
 
 BodyState moved(const BodyState& state, const Rate& rate, double time_s) {
@@ -30,6 +28,12 @@ BodyState moved(const BodyState& state, const Rate& rate, double time_s) {
 
 }  // namespace
 
+Vector6d in_body_axes(const Vector6d& wrench_world, const Eigen::Quaterniond& world_from_body) {
+  Vector6d turned;
+  turned << world_from_body.conjugate() * wrench_world.head<3>(), world_from_body.conjugate() * wrench_world.tail<3>();
+  return turned;
+}
+
 Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_s) {
   const Eigen::Vector3d rotation = duration_s * velocity_body.tail<3>();
   const double angle = rotation.norm();
@@ -41,13 +45,21 @@ Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_
   return moved;
 }
 
+std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
+                            double time_s, double step_s) {
+  const double middle_s = time_s + step_s / 2;
+  std::array<Stage, 4> k;
+  k[0] = stage_at(craft, state, loads, water, time_s);
+  k[1] = stage_at(craft, moved(state, k[0].rate, step_s / 2), loads, water, middle_s);
+  k[2] = stage_at(craft, moved(state, k[1].rate, step_s / 2), loads, water, middle_s);
+  k[3] = stage_at(craft, moved(state, k[2].rate, step_s), loads, water, time_s + step_s);
+  return k;
+}
+
 BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
                   double time_s, double step_s) {
-  const double middle_s = time_s + step_s / 2;
-  const Rate k1 = rate_of(craft, state, loads, water, time_s);
-  const Rate k2 = rate_of(craft, moved(state, k1, step_s / 2), loads, water, middle_s);
-  const Rate k3 = rate_of(craft, moved(state, k2, step_s / 2), loads, water, middle_s);
-  const Rate k4 = rate_of(craft, moved(state, k3, step_s), loads, water, time_s + step_s);
+  const auto [one, two, three, four] = stages(craft, state, loads, water, time_s, step_s);
+  const Rate &k1 = one.rate, &k2 = two.rate, &k3 = three.rate, &k4 = four.rate;
   const Rate mean = {(k1.position + 2 * k2.position + 2 * k3.position + k4.position) / 6,
                      (k1.quaternion + 2 * k2.quaternion + 2 * k3.quaternion + k4.quaternion) / 6,
                      (k1.velocity + 2 * k2.velocity + 2 * k3.velocity + k4.velocity) / 6};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "uwsim/core/body_state.h"
 #include "uwsim/vehicle/hydrodynamics.h"
 
@@ -15,6 +17,30 @@ struct Loads {
   Vector6d body = Vector6d::Zero();   ///< constant in the body frame: its actuators
   Vector6d world = Vector6d::Zero();  ///< constant in the world frame: its contacts
 };
+
+/// A wrench with its axes turned from the world's to the body's.
+Vector6d in_body_axes(const Vector6d& wrench_world, const Eigen::Quaterniond& world_from_body);
+
+/// Rates of change of a state.
+struct Rate {
+  Eigen::Vector3d position;
+  Eigen::Vector4d quaternion;  ///< x y z w
+  Vector6d velocity;           ///< body frame
+};
+
+/// A stage of a Runge-Kutta step.
+struct Stage {
+  BodyState state;
+  double time_s;
+  Rate rate;
+};
+
+/// The weights of the four stages in the step.
+inline constexpr double kStageShares[] = {1.0 / 6, 2.0 / 6, 2.0 / 6, 1.0 / 6};
+
+/// The stages from which `advance` makes its step.
+std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
+                            double time_s, double step_s);
 
 /// The state after one step from `time_s`: classical fourth-order Runge-Kutta, with pose and velocity integrated
 /// together.

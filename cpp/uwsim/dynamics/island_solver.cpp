@@ -32,7 +32,7 @@ void IslandSolver::reserve(std::size_t bodies, std::size_t contacts) {
 }
 
 bool IslandSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts,
-                         std::span<const std::uint32_t> island, double step_s, std::span<double> normal_impulses) {
+                         std::span<const std::uint32_t> island, double step_s, std::span<Eigen::Vector3d> impulses) {
   members_.clear();
   points_.clear();
   reserve(bodies.size(), island.size());
@@ -42,7 +42,7 @@ bool IslandSolver::solve(std::span<ContactBody> bodies, std::span<const Contact>
   }
   if (std::ranges::none_of(kWeights, [&](double weight) { return find_impulses(weight); })) return false;
   for (const Point& point : points_) {  // any impulse that is left at an open contact is rounding error
-    normal_impulses[point.index] = point.slope(0, 0) > 0 ? point.impulse[0] : 0;
+    if (point.slope(0, 0) > 0) impulses[point.index] = point.impulse;
   }
   for (Member& member : members_) {
     member.body->velocity_body += member.factor * member.change;
@@ -101,13 +101,12 @@ void IslandSolver::add_point(std::span<ContactBody> bodies, const Contact& conta
 }
 
 void IslandSolver::add_tangents(Point& point) const {
-  const Eigen::Vector3d one = point.contact->normal_world.unitOrthogonal();
-  const Eigen::Vector3d two = point.contact->normal_world.cross(one);
+  const Eigen::Matrix3d directions = point.contact->directions_world();
   point.free_m_s.tail<2>().setZero();
   for (End& end : point.touched()) {
     const Member& member = members_[end.member];
     for (const Eigen::Index k : {1, 2}) {
-      const Vector6d tangent = row(end, *point.contact, k == 1 ? one : two);
+      const Vector6d tangent = row(end, *point.contact, directions.col(k));
       end.columns.col(k) = member.factor.transpose() * tangent;
       point.free_m_s[k] += tangent.dot(member.body->velocity_body);
     }

@@ -29,10 +29,10 @@ class IslandSolver {
 
   void reserve(std::size_t bodies, std::size_t contacts);
   /// `island`: indices of the island's contacts. Changes velocity_body, impulse_body, push_body and grip of its bodies,
-  /// and sets the impulses along the normals of its contacts [N s]. Returns false, changing nothing, if the method does
-  /// not converge or there are too many bodies.
+  /// and sets the impulses of its contacts along the normal and two tangents [N s]. Returns false, changing nothing, if
+  /// the method does not converge or there are too many bodies.
   bool solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, std::span<const std::uint32_t> island,
-             double step_s, std::span<double> normal_impulses);
+             double step_s, std::span<Eigen::Vector3d> impulses);
 
  private:
   using Columns = Eigen::Matrix<double, 6, 3>;

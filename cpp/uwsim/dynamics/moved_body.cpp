@@ -18,6 +18,19 @@ double pair_friction(const BodySpec& a, const BodySpec& b) { return std::sqrt(a.
 
 double pair_restitution(const BodySpec& a, const BodySpec& b) { return std::max(a.restitution, b.restitution); }
 
+/// What is zero is not added, so that zeros keep their signs.
+Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
+  Loads all{.body = tau_body, .world = impulse_world / step_s};
+  if (!applied.body.isZero(0)) all.body += applied.body;
+  if (!applied.world.isZero(0)) all.world += applied.world;
+  return all;
+}
+
+void MovedBody::forget_step() {
+  motions.clear();
+  touches.clear();
+}
+
 void MovedBody::require_plausible(const BodyState& next, double time_s, double step_s) const {
   const bool plausible = next.velocity_body.cwiseAbs().maxCoeff() < kDiverged &&
                          next.world_from_body.position_m.cwiseAbs().maxCoeff() < kDiverged &&

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "uwsim/dynamics/collision_shape.h"
+#include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/hydrodynamics.h"
 
 namespace uwsim {
@@ -29,14 +32,41 @@ struct BodySpec {
 double pair_friction(const BodySpec& a, const BodySpec& b);
 double pair_restitution(const BodySpec& a, const BodySpec& b);
 
+/// How a body was moved in a step or a part of one.
+struct Motion {
+  BodyState start;
+  Vector6d actuators_body = Vector6d::Zero();
+  Loads applied = {};
+  Loads all = {};  ///< with those of its contacts
+  double time_s = 0, step_s = 0;
+  bool stops = false;  ///< its contacts stopped it, or it stayed at rest (resting.h)
+};
+
+/// A point at which a body was pressed in a step.
+struct Touch {
+  std::uint64_t other = kNoBody;  ///< index of the other body; kNoBody: terrain or a solid
+  Eigen::Vector3d point_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_world_n = Eigen::Vector3d::Zero();  ///< on the body, mean over the step
+
+  static constexpr std::uint64_t kNoBody = std::numeric_limits<std::uint64_t>::max();
+};
+
 /// A body of a RigidBodyWorld.
 struct MovedBody {
   BodySpec spec;  ///< includes its collision pieces for every shape
   BodyState state;
-  Vector6d tau_body = Vector6d::Zero();
+  Vector6d tau_body = Vector6d::Zero();  ///< of the actuators
+  Loads applied = {};                    ///< by apply_wrench
   Vector6d acceleration_body = Vector6d::Zero();
   bool held = false;
   bool in_contact = false;
+  // The last step, from which the forces in it can be computed; empty if there is none.
+  std::vector<Motion> motions = {};
+  std::vector<Touch> touches = {};
+
+  /// The loads on the body, with an impulse of its contacts that is spread evenly over `step_s`.
+  Loads loads(const Vector6d& impulse_world, double step_s) const;
+  void forget_step();
 
   /// Throws InvalidValue, which names step and body, unless `next` is a plausible state for it.
   void require_plausible(const BodyState& next, double time_s, double step_s) const;

@@ -7,6 +7,8 @@
 namespace uwsim {
 namespace {
 
+constexpr std::size_t kMotions = 4, kTouches = 32;  // with more, a step allocates memory
+
 /// Returns the spec with its collision pieces filled in. Throws InvalidValue.
 BodySpec checked(BodySpec spec) {
   spec.check();
@@ -32,12 +34,16 @@ Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s)
 }  // namespace
 
 RigidBodyWorld::RigidBodyWorld(const World& world, double step_s, EngineKind engine)
-    : step_s_(step_s), engine_(make_engine(engine, world, step_s)) {}
+    : step_s_(step_s), kind_(engine), engine_(make_engine(engine, world, step_s)) {}
 
 std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   spec = checked(std::move(spec));
   engine_->add_body(spec);
-  bodies_.push_back({.spec = std::move(spec), .state = state});
+  MovedBody& body = bodies_.emplace_back();
+  body.spec = std::move(spec);
+  body.state = state;
+  body.motions.reserve(kMotions);
+  body.touches.reserve(kTouches);
   next_states_.push_back(state);
   return bodies_.size() - 1;
 }
@@ -48,6 +54,7 @@ void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     engine_->change_body(k, bodies_[k].spec, specs[k]);
     bodies_[k].spec = std::move(specs[k]);
+    bodies_[k].forget_step();
   }
 }
 
@@ -55,11 +62,13 @@ void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {
   bodies_.at(body).state = state;
   bodies_[body].acceleration_body.setZero();
   bodies_[body].in_contact = false;
+  bodies_[body].forget_step();
   engine_->forget(body);
 }
 
 void RigidBodyWorld::hold(std::size_t body, bool held) {
   bodies_.at(body).held = held;
+  bodies_[body].forget_step();
   engine_->forget(body);
 }
 
@@ -86,11 +95,56 @@ void RigidBodyWorld::exchange_state(StateArchive& archive) {
     body.require_plausible(body.state, 0, step_s_);
   }
   if (!archive.restoring()) return;
-  for (std::size_t k = 0; k < bodies_.size(); ++k) engine_->forget(k);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    bodies_[k].forget_step();
+    engine_->forget(k);
+  }
 }
 
 void RigidBodyWorld::exchange_contacts(StateArchive& archive) {
   if (!archive.at_end()) engine_->exchange_contacts(archive);
+}
+
+void RigidBodyWorld::exchange_last_step(StateArchive& archive) {
+  if (archive.at_end()) return;
+  for (MovedBody& body : bodies_) {
+    archive.list(body.motions, [&](Motion& motion) {
+      archive(motion.start);
+      archive(motion.actuators_body);
+      for (Loads* loads : {&motion.applied, &motion.all}) {
+        archive(loads->body);
+        archive(loads->world);
+      }
+      archive(motion.time_s);
+      archive(motion.step_s);
+      archive(motion.stops);
+      require(motion.step_s > 0 && motion.step_s <= step_s_, "state.motion.step_s", motion.step_s,
+              "must be a part of a step");
+    });
+    archive.list(body.touches, [&](Touch& touch) {
+      archive(touch.other);
+      for (Eigen::Vector3d* vector : {&touch.point_world_m, &touch.force_world_n}) {
+        for (double& value : *vector) archive(value);
+      }
+      require(touch.other < bodies_.size() || touch.other == Touch::kNoBody, "state.touch", touch.other,
+              "must be a body");
+    });
+  }
+}
+
+void RigidBodyWorld::require_forces() const {
+  require(kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet",
+          "must be uwsim for forces: Bullet folds added mass into mass and inertia, which is not in these terms");
+}
+
+Forces RigidBodyWorld::forces(std::size_t body, const WaterField& water, double time_s) const {
+  require_forces();
+  return forces_on(bodies_.at(body), water, time_s, step_s_);
+}
+
+const std::vector<Touch>& RigidBodyWorld::touches(std::size_t body) const {
+  require_forces();
+  return bodies_.at(body).touches;
 }
 
 }  // namespace uwsim

@@ -5,6 +5,7 @@
 
 #include "uwsim/core/state_archive.h"
 #include "uwsim/dynamics/dynamics_engine.h"
+#include "uwsim/dynamics/forces.h"
 #include "uwsim/dynamics/moved_body.h"
 #include "uwsim/world/world.h"
 
@@ -31,6 +32,15 @@ class RigidBodyWorld {
   bool held(std::size_t body) const { return bodies_.at(body).held; }
   /// Sets the actuators' wrench for the following steps, body frame, at the origin [N, N m].
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }
+  /// Sets what else acts on the body in the following steps, at its origin.
+  void apply(std::size_t body, const Loads& applied) { bodies_.at(body).applied = applied; }
+  std::size_t size() const { return bodies_.size(); }
+  const BodySpec& spec(std::size_t body) const { return bodies_.at(body).spec; }
+  /// See forces_on(). Throws InvalidValue for Bullet's engine, which folds added mass into its own.
+  Forces forces(std::size_t body, const WaterField& water, double time_s) const;
+  /// Where the body was pressed in the last step; contacts without a force are left out. Throws InvalidValue for
+  /// Bullet's engine.
+  const std::vector<Touch>& touches(std::size_t body) const;
   /// Whether the body touched anything in the last step.
   bool in_contact(std::size_t body) const { return bodies_.at(body).in_contact; }
   /// Mean nu' over the last step, including contacts, defined so that nu' + w x v is the mean acceleration along the
@@ -47,9 +57,14 @@ class RigidBodyWorld {
   /// Saves or restores the engine's contacts, after the bodies. A state that ends here has none: an earlier build saved
   /// it. Throws InvalidValue.
   void exchange_contacts(StateArchive& archive);
+  /// Saves or restores what moved the bodies in the last step. A state that ends here has nothing. Throws InvalidValue.
+  void exchange_last_step(StateArchive& archive);
 
  private:
+  void require_forces() const;
+
   double step_s_;
+  EngineKind kind_;
   std::unique_ptr<DynamicsEngine> engine_;
   std::vector<MovedBody> bodies_;
   std::vector<BodyState> next_states_;  // kept so that steps allocate nothing

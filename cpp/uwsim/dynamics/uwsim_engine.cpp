@@ -25,6 +25,7 @@ void UwsimEngine::add_body(const BodySpec& spec) {
   for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_}) flags->resize(count);
   for (std::vector<ContactBody>* bodies : {&contact_bodies_, &stopped_bodies_}) bodies->resize(count);
   for (std::vector<Contact>* contacts : {&contacts_, &stopped_contacts_}) contacts->reserve(kContactsPerBody * count);
+  impulses_world_.reserve(kContactsPerBody * count);
   free_velocities_body_.resize(count);
   parts_.resize(count);
   moving_.resize(count);
@@ -62,6 +63,7 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
 void UwsimEngine::begin_step(std::size_t body) {
   states_[body] = next_states_[body] = bodies_[body].state;
   bodies_[body].in_contact = false;
+  bodies_[body].motions.clear();
 }
 
 /// Determines, for each body, into how many parts its step must be divided because of its contacts.
@@ -102,6 +104,7 @@ void UwsimEngine::repeat_in_parts(std::size_t body, const Interval& whole) {
     if (takes_part_[k] == 0) continue;
     parts = std::max(parts, parts_[k]);
     parts_[k] = 1;
+    bodies_[k].touches.clear();
     begin_step(k);
   }
   const double part_s = whole.step_s / parts;

@@ -39,7 +39,7 @@ class UwsimEngine final : public DynamicsEngine {
   void find_parts();
   void repeat_in_parts(std::size_t body, const Interval& whole);
   void move(const Interval& now);
-  BodyState moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world, const Interval& now) const;
+  BodyState moved(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const;
   void find_rests(const Interval& now);
   void stop(std::size_t body);
   bool are_near(std::size_t a, std::size_t b, double step_s) const;
@@ -47,9 +47,11 @@ class UwsimEngine final : public DynamicsEngine {
   void find_contacts(const Interval& now);
   void combine_materials(Contact& contact) const;
   void solve_contacts(const Interval& now);
+  void record_touches();
   void stop_groups(const Interval& now);
   void stop_if_held(std::size_t group, const Interval& now);
-  void try_stopping(std::size_t group, const Interval& now);
+  bool try_stopping(std::size_t group, const Interval& now);
+  bool is_within(const Contact& contact, std::size_t group) const;
 
   double step_s_;
   ContactFinder finder_;
@@ -66,7 +68,8 @@ class UwsimEngine final : public DynamicsEngine {
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_, stopped_bodies_;
   std::vector<Contact> contacts_, stopped_contacts_;
-  BodyGroups groups_;  // bodies that press on each other
+  std::vector<Eigen::Vector3d> impulses_world_;  // of contacts_, on their bodies a [N s]
+  BodyGroups groups_;                            // bodies that press on each other
 };
 
 }  // namespace uwsim

@@ -19,19 +19,23 @@ constexpr double kLeastReach_m = 0.0015;  // more than kTouch_m
 void UwsimEngine::move(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (takes_part_[k] == 0) continue;
-    next_states_[k] = moved(k, states_[k], Vector6d::Zero(), now);
-    bodies_[k].require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
+    MovedBody& body = bodies_[k];
+    body.motions.push_back({.start = states_[k],
+                            .actuators_body = body.tau_body,
+                            .applied = body.applied,
+                            .all = body.loads(Vector6d::Zero(), now.step_s),
+                            .time_s = now.time_s,
+                            .step_s = now.step_s});
+    next_states_[k] = moved(k, states_[k], body.motions.back().all, now);
+    body.require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
   }
   find_rests(now);
   find_contacts(now);
   if (!contacts_.empty()) solve_contacts(now);
 }
 
-/// A body's state at the end of the interval, under its own loads and `impulse_world` at its origin, which is spread
-/// evenly over the interval.
-BodyState UwsimEngine::moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world,
-                             const Interval& now) const {
-  const Loads loads{.body = bodies_[body].tau_body, .world = impulse_world / now.step_s};
+/// A body's state at the end of the interval.
+BodyState UwsimEngine::moved(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const {
   return advance(*bodies_[body].spec.craft, state, loads, now.water, now.time_s, now.step_s);
 }
 
@@ -58,6 +62,7 @@ void UwsimEngine::find_rests(const Interval& now) {
       stop(k);
     } else {
       resting_[k].forget();
+      if (now.step_s == step_s_) bodies_[k].touches.clear();  // those of a body that rests stay as they are
     }
   }
 }
@@ -65,6 +70,7 @@ void UwsimEngine::find_rests(const Interval& now) {
 void UwsimEngine::stop(std::size_t body) {
   next_states_[body] = {states_[body].world_from_body, Vector6d::Zero()};
   bodies_[body].in_contact = true;
+  bodies_[body].motions.back().stops = true;
   rests_[body] = 1;
 }
 
@@ -127,15 +133,34 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     bodies_[static_cast<std::size_t>(contacts_[k].a)].in_contact = true;
     if (contacts_[k].b != kFixedBody) bodies_[static_cast<std::size_t>(contacts_[k].b)].in_contact = true;
   }
+  impulses_world_.clear();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    impulses_world_.push_back(solver_.impulse_world(contacts_[k], k));
+  }
   stop_groups(now);
+  record_touches();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const ContactBody& solved = contact_bodies_[k];
     if (rests_[k] != 0 || (solved.impulse_body.isZero(0) && solved.push_body.isZero(0))) continue;
     const Eigen::Quaterniond& q = solved.world_from_body.orientation;
     Vector6d impulse_world;
     impulse_world << q * solved.impulse_body.head<3>(), q * solved.impulse_body.tail<3>();
-    next_states_[k] = moved(k, states_[k], impulse_world, now);
+    Loads& all = bodies_[k].motions.back().all;
+    all = bodies_[k].loads(impulse_world, now.step_s);
+    next_states_[k] = moved(k, states_[k], all, now);
     next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
+  }
+}
+
+void UwsimEngine::record_touches() {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (impulses_world_[k].isZero(0)) continue;
+    const Contact& contact = contacts_[k];
+    const Eigen::Vector3d force_n = impulses_world_[k] / step_s_;
+    const auto other = contact.b == kFixedBody ? Touch::kNoBody : static_cast<std::uint64_t>(contact.b);
+    bodies_[static_cast<std::size_t>(contact.a)].touches.push_back({other, contact.point_world_m, force_n});
+    if (contact.b != kFixedBody)
+      bodies_[other].touches.push_back({static_cast<std::uint64_t>(contact.a), contact.point_world_m, -force_n});
   }
 }
 
@@ -165,7 +190,7 @@ void UwsimEngine::stop_groups(const Interval& now) {
 }
 
 void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
-  try_stopping(group, now);
+  const bool is_new = try_stopping(group, now);
   bool holds = true, is_firm = true, pushes = false;
   for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
@@ -174,7 +199,12 @@ void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
     is_firm = is_firm && hold.is_firm;
     pushes = pushes || hold.pushes;
   }
-  for (std::size_t k = group; holds && k < bodies_.size(); ++k) {
+  if (!holds) return;
+  for (std::size_t k = 0, stopped = 0; is_new && k < contacts_.size(); ++k) {
+    if (!is_within(contacts_[k], group)) continue;
+    impulses_world_[k] = solver_.impulse_world(contacts_[k], stopped++);
+  }
+  for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
     stop(k);
     if (pushes) {
@@ -185,10 +215,14 @@ void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
   }
 }
 
+bool UwsimEngine::is_within(const Contact& contact, std::size_t group) const {
+  const auto is_member = [&](int body) { return groups_.of(static_cast<std::size_t>(body)) == group; };
+  return is_member(contact.a) && (contact.b == kFixedBody || is_member(contact.b));
+}
+
 /// Computes how the bodies would move if they were stopped now: `stopped_bodies_` with contacts and
-/// `free_velocities_body_` without them.
-void UwsimEngine::try_stopping(std::size_t group, const Interval& now) {
-  const auto is_in_group = [&](int body) { return groups_.of(static_cast<std::size_t>(body)) == group; };
+/// `free_velocities_body_` without them. Returns false if they are still, so that this is what was solved last.
+bool UwsimEngine::try_stopping(std::size_t group, const Interval& now) {
   bool are_still = true;
   for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
@@ -196,21 +230,21 @@ void UwsimEngine::try_stopping(std::size_t group, const Interval& now) {
     stopped_bodies_[k] = contact_bodies_[k];
     free_velocities_body_[k] = next_states_[k].velocity_body;
   }
-  if (are_still) return;  // already solved in this state
+  if (are_still) return false;
   for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
     const BodyState stopped{.world_from_body = states_[k].world_from_body};
-    free_velocities_body_[k] = moved(k, stopped, Vector6d::Zero(), now).velocity_body;
+    free_velocities_body_[k] = moved(k, stopped, bodies_[k].motions.back().all, now).velocity_body;
     stopped_bodies_[k] = {.world_from_body = stopped.world_from_body,
                           .velocity_body = free_velocities_body_[k],
                           .inverse_mass = contact_bodies_[k].inverse_mass};
   }
   stopped_contacts_.clear();
   for (const Contact& contact : contacts_) {
-    if (is_in_group(contact.a) && (contact.b == kFixedBody || is_in_group(contact.b)))
-      stopped_contacts_.push_back(contact);
+    if (is_within(contact, group)) stopped_contacts_.push_back(contact);
   }
   solver_.solve(stopped_bodies_, stopped_contacts_, now.step_s);
+  return true;
 }
 
 }  // namespace uwsim

@@ -19,6 +19,7 @@ struct MemberSpec {
   SimulationSpec simulation;
   std::vector<std::shared_ptr<const VehicleSpec>> vehicles;
   std::optional<LinkSpec> link;
+  std::vector<std::shared_ptr<const ObjectSpec>> objects = {};
 };
 
 /// Destinations for the position and motion of one vehicle in each member. Each array has one row per member.

@@ -34,13 +34,15 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     exchange_vehicle(same, changed[k]);
     changed[k].actuators.renew_commands();
     changed[k].sensors.watch_like(vehicles_[k].sensors);
+    changed[k].commanded = vehicles_[k].commanded;
     same_hulls = same_hulls &&
                  vehicles[k].craft->hull().mesh_body().vertices_m == vehicles_[k].craft->hull().mesh_body().vertices_m;
   }
+  for (std::size_t k = 0; k < objects(); ++k) bodies.push_back(bodies_.spec(body_of(k)));
   std::shared_ptr<MovingBodies> hulls = hulls_;
   if (!same_hulls) {
     hulls = std::make_shared<MovingBodies>(hulls_->label(0));
-    for (const VehicleSpec& vehicle : vehicles) hulls->add(vehicle.craft->hull().mesh_body());
+    for (const BodySpec& body : bodies) hulls->add(body.craft->hull().mesh_body());
   }
   SoundSpeedProfile sound = sound_speed_profile(water);
   std::optional<LinkWater> heard_through;

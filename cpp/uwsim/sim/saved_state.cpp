@@ -65,6 +65,25 @@ void Simulation::exchange_state(StateArchive& archive) {
     for (PositionExchange& one : link_->exchanges) one.exchange_state(archive, link_->network, tick_);
   }
   bodies_.exchange_contacts(archive);
+  exchange_applied(archive);
+}
+
+/// The wrenches that act on the vehicles, and the last step, after all else: a state that ends before them was saved by
+/// an earlier build.
+void Simulation::exchange_applied(StateArchive& archive) {
+  const bool is_older = archive.at_end();
+  for (Vehicle& vehicle : vehicles_) {
+    AppliedWrench& commanded = vehicle.commanded;
+    if (is_older) {
+      commanded = {};
+      continue;
+    }
+    archive(commanded.wrench);
+    archive(commanded.in_world_axes);
+    archive(commanded.from_tick);
+    archive(commanded.until_tick);
+  }
+  bodies_.exchange_last_step(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

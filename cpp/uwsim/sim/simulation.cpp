@@ -51,6 +51,7 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
 }
 
 std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
+  require(objects() == 0, "vehicles", spec.name, "must be added before objects");
   for (const Vehicle& other : vehicles_) require(other.name != spec.name, "vehicles.name", spec.name, "must be unique");
   require_free("vehicle '" + spec.name + "' start", spec.start_world_from_body.position_m);
   Vehicle vehicle = equipped(spec, spec_, world_.water);
@@ -65,6 +66,16 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   return vehicles_.size() - 1;
 }
 
+std::size_t Simulation::add_object(const ObjectSpec& spec) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    require(body_name(k) != spec.body.name, "objects.name", spec.body.name, "must be unique");
+  require_free("object '" + spec.body.name + "' start", spec.start.world_from_body.position_m);
+  bodies_.add_body(spec.body, spec.start);
+  hulls_->add(spec.body.craft->hull().mesh_body());
+  hulls_version_ = kUnplaced;
+  return objects() - 1;
+}
+
 /// Creates a vehicle without a body.
 Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec, const Water& water) const {
   require_unique_names(from.sensors, "vehicle.sensors.name");
@@ -73,6 +84,7 @@ Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec
   vehicle.name = from.name;
   vehicle.craft = from.craft;
   vehicle.actuators = Actuators(from.actuators);
+  vehicle.scheduled = from.wrenches;
   vehicle.sensors = SensorRack(from.sensors, spec.seed, from.name, step_ns_);
   vehicle.sensors.use_link(link_ && link_->spec.modem.kind == LinkKind::kModem);
   for (const SonarSpec& sonar : from.sonars) {
@@ -126,6 +138,12 @@ void Simulation::drive(Vehicle& vehicle) {
                                ? vehicle.craft->submerged_fraction(state.world_from_body, world_.water, time_s())
                                : 1;
   bodies_.set_wrench(vehicle.body, actuators.wrench_body(state, world_.water, time_s(), submerged));
+  bodies_.apply(vehicle.body, applied(vehicle));
+}
+
+std::size_t Simulation::body_of(std::size_t object) const {
+  if (object < objects()) return vehicles_.size() + object;
+  throw std::out_of_range("object = " + std::to_string(object) + ": must be below " + std::to_string(objects()));
 }
 
 const Vehicle& Simulation::vehicle(std::size_t index) const { return item(vehicles_, index, "vehicle"); }
@@ -140,16 +158,14 @@ VehicleSnapshot Simulation::snapshot(const Vehicle& vehicle) const {
 
 const MovingBodies& Simulation::vehicles_for_rays() const {
   if (hulls_version_ != version_) {
-    for (std::size_t k = 0; k < vehicles_.size(); ++k) {
-      hulls_->place(k, bodies_.state(vehicles_[k].body).world_from_body);
-    }
+    for (std::size_t k = 0; k < bodies_.size(); ++k) hulls_->place(k, bodies_.state(k).world_from_body);
     hulls_version_ = version_;
   }
   return *hulls_;
 }
 
 RayScene Simulation::scene_around(const Vehicle& vehicle) const {
-  if (vehicles_.size() < 2) return *scene_;
+  if (bodies_.size() < 2) return *scene_;
   vehicles_for_rays();
   return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
 }

@@ -30,9 +30,10 @@ struct SimulationSpec {
   void check() const;
 };
 
-/// A world and its vehicles, advanced in fixed steps. In each step, sensors sample, actuators follow their commands
-/// while the battery lasts, bodies move, and sonar heads tilt. Reading sensors, pinging and reading telemetry do not
-/// advance time, and return the same result if repeated at the same time. Only one thread at a time may use it.
+/// A world, its vehicles and its loose bodies, advanced in fixed steps. In each step, sensors sample, actuators follow
+/// their commands while the battery lasts, bodies move, and sonar heads tilt. Reading sensors, pinging and reading
+/// telemetry do not advance time, and return the same result if repeated at the same time. Only one thread at a time
+/// may use it.
 class Simulation {
  public:
   Simulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec);
@@ -40,6 +41,13 @@ class Simulation {
   /// Adds a vehicle and returns its index. Throws InvalidValue if the spec is invalid or its start is below the ground
   /// or inside a closed solid.
   std::size_t add_vehicle(const VehicleSpec& spec);
+
+  /// Adds a loose body, after all vehicles, and returns its index. Throws InvalidValue like add_vehicle.
+  std::size_t add_object(const ObjectSpec& spec);
+  std::size_t objects() const { return bodies_.size() - vehicles_.size(); }
+  const BodyState& object_state(std::size_t object) const { return bodies_.state(body_of(object)); }
+  /// The name of a body by its index: vehicles come first, then objects.
+  const std::string& body_name(std::size_t body) const { return bodies_.spec(body).name; }
 
   /// Replaces the water, the simulation's spec and the vehicles' specs from the next step on. All state is kept:
   /// motion, commands and samples. `vehicles`: one spec per vehicle, in order, with the same names of parts; start
@@ -84,6 +92,16 @@ class Simulation {
   /// The number of times the vehicle has come into contact with anything.
   std::uint64_t collisions(std::size_t index) const { return vehicle(index).collisions; }
 
+  /// Exerts a wrench on a vehicle at its origin [N, N m], besides those by schedule, for a duration, rounded to steps,
+  /// or until the next call. Throws InvalidValue for more than 1e9 N or N m and a negative duration.
+  void apply_wrench(std::size_t vehicle, const Vector6d& wrench, bool in_world_axes,
+                    double duration_s = std::numeric_limits<double>::infinity());
+  /// See RigidBodyWorld::forces and RigidBodyWorld::touches.
+  Forces forces(std::size_t vehicle) const;
+  const std::vector<Touch>& touches(std::size_t vehicle) const;
+  Forces object_forces(std::size_t object) const;
+  const std::vector<Touch>& object_touches(std::size_t object) const;
+
   /// Throws std::out_of_range, as do all functions with an index.
   const Vehicle& vehicle(std::size_t index) const;
   Telemetry telemetry(std::size_t vehicle) const;
@@ -107,10 +125,10 @@ class Simulation {
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1, bool water_column = false) const;
   /// The surfaces of the world, without vehicles.
   const RayScene& scene() const { return *scene_; }
-  /// The surroundings of the vehicle's instruments: the world, and all other vehicles at their present poses. Valid
-  /// until time advances or a vehicle is moved.
+  /// The surroundings of the vehicle's instruments: the world, and all other vehicles and objects at their present
+  /// poses. Valid until time advances or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
-  /// All vehicles at their present poses, for RayScene::with; indices are vehicle indices.
+  /// All vehicles, then all objects, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
 
@@ -124,14 +142,17 @@ class Simulation {
 
  private:
   void exchange_state(StateArchive& archive);
+  void exchange_applied(StateArchive& archive);
   void exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const;
   Vehicle equipped(const VehicleSpec& vehicle, const SimulationSpec& spec, const Water& water) const;
   Vehicle& changeable(std::size_t index);
   VehicleSnapshot snapshot(const Vehicle& vehicle) const;
+  std::size_t body_of(std::size_t object) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   RayScene scene_around(const Vehicle& vehicle) const;
   void step_once();
   void drive(Vehicle& vehicle);
+  Loads applied(const Vehicle& vehicle) const;
   void transmit();
   void receive();
   void join_instruments();
@@ -149,7 +170,7 @@ class Simulation {
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
   std::optional<Link> link_;
-  std::shared_ptr<MovingBodies> hulls_;  // the vehicles as ray targets
+  std::shared_ptr<MovingBodies> hulls_;  // the bodies as ray targets
   mutable std::uint64_t hulls_version_;  // the version for which they were placed
 };
 

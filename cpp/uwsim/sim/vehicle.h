@@ -15,6 +15,13 @@
 
 namespace uwsim {
 
+/// A wrench that something else exerts on a body, at the body's origin, from one tick until before another.
+struct AppliedWrench {
+  Vector6d wrench = Vector6d::Zero();  ///< [N, N m]
+  bool in_world_axes = false;          ///< otherwise, axes turn with the body
+  std::uint64_t from_tick = 0, until_tick = 0;
+};
+
 /// The parameters from which a vehicle is built.
 struct VehicleSpec {
   std::string name;
@@ -28,9 +35,16 @@ struct VehicleSpec {
   bool docked = false;  ///< held at its start until it is released
   std::vector<SensorSpec> sensors;
   std::vector<SonarSpec> sonars;
-  std::optional<BatterySpec> battery;  ///< empty: the simulation's mission time
+  std::optional<BatterySpec> battery;   ///< empty: the simulation's mission time
+  std::vector<AppliedWrench> wrenches;  ///< that act on it, by schedule
 
   BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m}; }
+};
+
+/// A loose body: a vehicle's body without equipment.
+struct ObjectSpec {
+  BodySpec body;
+  BodyState start;
 };
 
 /// A vehicle in a simulation: its equipment and state, except for the state of its body.
@@ -44,6 +58,8 @@ struct Vehicle {
   Battery battery;
   bool touching = false;
   std::uint64_t collisions = 0;  ///< how often it has come into contact with anything
+  std::vector<AppliedWrench> scheduled;
+  AppliedWrench commanded;
 
   /// A mission starts when the vehicle leaves its dock.
   bool released() const { return battery.mission_started(); }

@@ -184,8 +184,9 @@ Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
   return force;
 }
 
-Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
-                        double time_s) const {
+/// `terms`: where to write them, without the part of nu'; may be null.
+Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
+                        Terms* terms) const {
   const Pose& pose = state.world_from_body;
   const Eigen::Matrix3d world_from_body = pose.rotation();
   Buoyancy buoyancy = hull_->buoyancy(pose.position_m, world_from_body, water, time_s);
@@ -202,11 +203,25 @@ Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const 
   tau.head<3>() += weight + buoyancy.force_body_n;
   tau.tail<3>() += parameters_.centre_of_mass_body_m.cross(weight) + buoyancy.moment_body_nm;
   tau -= coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
+  if (terms != nullptr) {
+    terms->weight << weight, parameters_.centre_of_mass_body_m.cross(weight);
+    terms->buoyancy << buoyancy.force_body_n, buoyancy.moment_body_nm;
+    terms->coriolis = -coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
+  }
   if (submerged > 0) {
     const double centre_z_m = pose.position_m.z() + world_from_body.row(2).dot(buoyancy.centre_body_m);
-    tau += flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged, water.density_at(centre_z_m));
+    tau +=
+        flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged, water.density_at(centre_z_m), terms);
   }
   return {tau, submerged};
+}
+
+Craft::Terms Craft::terms(const BodyState& state, const Vector6d& acceleration_body, const WaterField& water,
+                          double time_s) const {
+  Terms terms;
+  const double submerged = load(state, Vector6d::Zero(), water, time_s, &terms).submerged;
+  terms.added_mass -= submerged * (parameters_.added_mass * acceleration_body);
+  return terms;
 }
 
 Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
@@ -218,7 +233,7 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
 
 /// The forces that depend on the motion of the body through the water, and on the motion of the water.
 Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d& world_from_body,
-                                const Buoyancy& buoyancy, double submerged, double density_kg_m3) const {
+                                const Buoyancy& buoyancy, double submerged, double density_kg_m3, Terms* terms) const {
   const VolumeFlow& flow = buoyancy.flow;
   const Eigen::Vector3d& centre = buoyancy.centre_body_m;
   const Eigen::Vector3d turn = world_from_body.transpose() * flow.angular_velocity_rad_s;
@@ -238,6 +253,12 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
   const Eigen::Vector3d pressure_force = density_kg_m3 * buoyancy.volume_m3 * current_rate;
   force.head<3>() += pressure_force;
   force.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);
+  if (terms != nullptr) {
+    terms->drag = submerged * damping_body(relative);
+    terms->added_mass = submerged * (added * flow_rate - coriolis(coriolis_added_mass_ * relative, relative));
+    terms->buoyancy.head<3>() += pressure_force;
+    terms->buoyancy.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);
+  }
   return force;
 }
 

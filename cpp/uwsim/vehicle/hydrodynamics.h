@@ -82,7 +82,22 @@ class Craft {
     Vector6d wrench_body;
     double submerged;  ///< the submerged fraction
   };
-  Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s) const;
+  Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s) const {
+    return load(state, tau_body, water, time_s, nullptr);
+  }
+  /// The terms that move the rigid body, apart from actuators and contacts, body frame, at the origin [N, N m]. With
+  /// these, their sum is M_RB nu'.
+  struct Terms {
+    Vector6d weight = Vector6d::Zero();
+    Vector6d buoyancy = Vector6d::Zero();    ///< the pressure of the water around, with waves and F_c
+    Vector6d drag = Vector6d::Zero();        ///< -D(|nu_r|) nu_r
+    Vector6d added_mass = Vector6d::Zero();  ///< -M_A (nu' - nu_c') - C_A(nu_r) nu_r
+    Vector6d coriolis = Vector6d::Zero();    ///< -C_RB(nu) nu: the axes turn with the body
+  };
+  /// The terms for a body that accelerates at `acceleration_body`, nu'.
+  Terms terms(const BodyState& state, const Vector6d& acceleration_body, const WaterField& water, double time_s) const;
+  /// M_RB.
+  const Matrix6d& rigid_mass() const { return rigid_mass_; }
   /// nu' [m/s^2, rad/s^2] under the actuators' wrench `tau_body` (body frame, at the origin) in the water at `time_s`.
   Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
                              double time_s) const;
@@ -95,10 +110,12 @@ class Craft {
   double kinetic_energy_j(const BodyState& state) const;
 
  private:
+  Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
+            Terms* terms) const;
   double fraction(double wet_volume_m3) const;
   Vector6d damping_body(const Vector6d& relative_velocity) const;
   Vector6d flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d& world_from_body, const Buoyancy& buoyancy,
-                           double submerged, double density_kg_m3) const;
+                           double submerged, double density_kg_m3, Terms* terms) const;
   Vector6d inverse_mass_of_modes(double submerged) const;
   Matrix6d inverse_mass_at(double submerged) const;
 

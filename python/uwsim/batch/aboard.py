@@ -57,6 +57,9 @@ class MemberAboard(Simulator):
     def _added(self, index: int, entry: VehicleEntry) -> tuple[_core.VehicleSpec, ControlSettings]:
         return self._member.vehicles[index], self._control[index]
 
+    def _add_objects(self) -> None:
+        pass  # the batch has added them
+
     def _imaging_models(self, index: int, entry: VehicleEntry) -> Mapping[str, Acoustics]:
         if self._like is not None:
             other = self._like.parameters.scenario.vehicles[index]

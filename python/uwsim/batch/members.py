@@ -11,6 +11,7 @@ from uwsim.batch.arguments import Changes
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.link import link_spec
+from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.water import surface_density_kg_m3
@@ -64,6 +65,7 @@ class Members:
         self._world = world
         self._places: dict[tuple[str, ...], Sequence[Place]] = {}
         self.vehicles = [self._made(scenario, index) for index in range(len(scenario.vehicles))]
+        self._objects = object_specs(scenario)
         self._latest: tuple[Changes, Sequence[FaultModel], Scenario, list[_core.VehicleSpec]] = {}, (), scenario, []
 
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
@@ -82,7 +84,7 @@ class Members:
             if scenario.link is None
             else link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
         )
-        spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link)
+        spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link, self._objects)
         return Member(original, scenario, water, changes, vehicles, spec)
 
     @cached_property

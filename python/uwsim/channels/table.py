@@ -21,6 +21,7 @@ from uwsim.channels.families.cameras import station_cameras, vehicle_cameras
 from uwsim.channels.families.commands import command_channels
 from uwsim.channels.families.description import description_channel
 from uwsim.channels.families.estimate import estimate_channels, has_estimate
+from uwsim.channels.families.forces import force_channels
 from uwsim.channels.families.frames import Tf
 from uwsim.channels.families.imaging import imaging_channels
 from uwsim.channels.families.instruments import sensor_channels
@@ -145,6 +146,7 @@ class Table:
     def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
         found = frames.vehicle_channels(source, self.tf, truth=self.truth) + estimate_channels(source, self.tf)
         found.append(telemetry_channel(source, truth=self.truth))
+        found += force_channels(source, sim) if self.truth else []
         found += plain_link_channels(source, sim)
         found += sensor_channels(source, sim)
         found += vehicle_cameras(source, sim, self.pictures)

@@ -27,6 +27,7 @@ from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.scenario import Scenario, VehicleEntry, VehicleModel, build_world, load
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.hull import hull_radius_m
+from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.ping_chain import ping_chain
 from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
 from uwsim.scenario.build.simulation import simulation_spec
@@ -38,6 +39,7 @@ from uwsim.scenario.read.collected import Collected
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.lockstep import Lockstep
+from uwsim.simulator.loose_body import LooseBody
 from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
@@ -57,7 +59,8 @@ class Simulator(SimulatorProperties):
     by default one per core; results do not depend on it. Raises ScenarioError, with file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
-    Concurrent calls are serialised. cameras: the station's. events: faults, alarms and failsafe reactions so far.
+    Concurrent calls are serialised. cameras: the station's. objects: loose bodies. events: faults, alarms and failsafe
+    reactions so far.
     """
 
     _copied_by = "create another one from sim.scenario, and transfer the state with save_state() and restore_state()"
@@ -68,6 +71,7 @@ class Simulator(SimulatorProperties):
     journal: Journal
     lockstep: Lockstep
     cameras: Named[Camera]
+    objects: Named[LooseBody]
     events: EventLog
     faults: Faults
     _changed_by = MappingProxyType(
@@ -143,6 +147,9 @@ class Simulator(SimulatorProperties):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
         found.raise_any()
         self.vehicles = Named(vehicles, "vehicles")
+        self._add_objects()
+        bodies = {body.name: LooseBody(core, index, body.name) for index, body in enumerate(running.objects)}
+        self.objects = Named(bodies, "objects")
         for index, rov in enumerate(vehicles.values()):
             if (text := short_wave_warning(running, index, world.water, rov.control.net_buoyancy_n)) is not None:
                 warnings.warn(text, ShortWavesWarning, stacklevel=3)
@@ -211,6 +218,12 @@ class Simulator(SimulatorProperties):
         spec = vehicle_spec(self.scenario, entry)
         self._core.add_vehicle(spec)
         return spec, vehicle_control(self.scenario, entry.model, spec)
+
+    def _add_objects(self) -> None:
+        """Add the loose bodies to the native simulation. Raises ScenarioError."""
+        for index, spec in enumerate(object_specs(self.scenario)):
+            with self.scenario.source_file.errors_at("objects", index):
+                self._core.add_object(spec)
 
     def _made_dock(self) -> Dock:
         station = self.scenario.station

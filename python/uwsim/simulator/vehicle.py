@@ -23,6 +23,7 @@ from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.docking import Dock
+from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
 from uwsim.simulator.programs import FailsafeLike, HoldsLike
@@ -238,6 +239,28 @@ class Vehicle(CommandedVehicle):
         velocity = turn @ self.velocity.linear_body_m_s
         held = None if self.released else tuple(self.pose.orientation_xyzw.tolist())
         return Start(tuple(position.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S, held)
+
+    @property
+    def forces(self) -> Named[Wrench]:
+        """The wrenches on the vehicle's rigid body by name: means over the last step, body axes, about its origin.
+
+        weight; buoyancy: the pressure of the water around, waves included; drag; added_mass: the inertia of the water
+        that moves with the vehicle, -M_A (nu' - nu_c') - C_A nu_r; coriolis: -C_RB nu, since the axes turn; actuators:
+        thrusters and fins; applied: by apply_wrench and the scenario's `wrenches`; contact; dock: what holds a docked
+        vehicle; and total, their sum, which is M_RB times the change of velocity in the step, to rounding error. Before
+        the first step, and after a placement or a change of parameters, they are those at this instant, without
+        actuators and contacts. Computed when read. Raises ValueError with `dynamics: {engine: bullet}`.
+        """
+        return forces_by_name(self._simulation.forces(self._index), self.name)
+
+    @property
+    def contacts(self) -> list[_core.ContactForce]:
+        """The points at which the vehicle was pressed in the last step, with the forces on it.
+
+        While it stays at rest, they are those of the step in which they were last solved. Raises ValueError with
+        `dynamics: {engine: bullet}`.
+        """
+        return self._simulation.contacts(self._index)
 
     @property
     def collisions(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -20,6 +21,17 @@ from uwsim.simulator.helm import Helm, Reason, Source
 
 Vector = NDArray[np.float64]
 PLAIN = {float}
+AXES_OF_WRENCHES = ("body", "world")
+
+
+def six_numbers(**parts: tuple[Sequence[float] | Vector, str]) -> list[float]:
+    """Return the numbers of a force and a torque, each (3,) with its unit. Raises ValueError, naming the number."""
+    found: list[float] = []
+    for name, (part, unit) in parts.items():
+        if np.shape(part) != (3,):
+            raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
+        found += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
+    return found
 
 
 class CommandedVehicle(Attached, Placeable):
@@ -94,12 +106,7 @@ class CommandedVehicle(Attached, Placeable):
         Fins are not affected. A wrench beyond the thrusters' limits is scaled down, keeping its direction. Raises
         ValueError for wrong shapes and for values that are not finite.
         """
-        given = (("force_body_n", force_body_n, "N"), ("torque_body_nm", torque_body_nm, "N m"))
-        parts: list[float] = []
-        for name, part, unit in given:
-            if np.shape(part) != (3,):
-                raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
-            parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
+        parts = six_numbers(force_body_n=(force_body_n, "N"), torque_body_nm=(torque_body_nm, "N m"))
         self.helm.admit("set_wrench", moves=any(parts))
         self._simulation.set_wrench(self._index, np.array(parts))
         self.helm.settle(moves=any(parts))
@@ -207,6 +214,29 @@ class CommandedVehicle(Attached, Placeable):
             orientation_xyzw=orientation_xyzw,
             velocity_body=velocity_body,
         )
+
+    def apply_wrench(
+        self,
+        force_n: Sequence[float] | Vector,
+        torque_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        axes: str = "body",
+        duration_s: float | None = None,
+    ) -> None:
+        """Push the vehicle from outside with a force (3,) [N] and a torque (3,) [N m] at its origin.
+
+        It acts from the next step on, besides thrusters, water and the scenario's `wrenches`, for `duration_s`, rounded
+        to steps, or until the next call; (0, 0, 0) ends it. axes: "body", which turn with the vehicle, or "world". The
+        dock holds a docked vehicle against it. Raises ValueError, changing nothing.
+        """
+        parts = six_numbers(force_n=(force_n, "N"), torque_nm=(torque_nm, "N m"))
+        if axes not in AXES_OF_WRENCHES:
+            raise ValueError(f"axes = {axes!r}: must be one of {', '.join(AXES_OF_WRENCHES)}")
+        duration = math.inf if duration_s is None else number(duration_s, "duration_s", "s")
+        self._simulation.apply_wrench(self._index, np.array(parts), axes == "world", duration)
+        self._note(
+            "apply_wrench", force_n=parts[:3], torque_nm=parts[3:], axes=axes,
+            duration_s=None if duration_s is None else duration,
+        )  # fmt: skip
 
     def _put(self, state: _core.BodyState) -> None:
         self._simulation.set_state(self._index, state)

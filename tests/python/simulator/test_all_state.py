@@ -74,6 +74,7 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5, "yaw": 0.2}),
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5}),
     ("set_effort", {"vehicle": "rov", "sway": 0.3}),
+    ("apply_wrench", {"vehicle": "rov", "force_n": [40.0, 0.0, 10.0], "axes": "world", "duration_s": 0.3}),
 ]
 NO_STATE = {
     "Vehicle._last_motion": "a cache of the present version",

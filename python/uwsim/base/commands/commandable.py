@@ -79,7 +79,17 @@ class Commandable(Steerable, Protocol):
 
 
 class Placeable(Commandable, Protocol):
-    """A simulated vehicle, which can also be placed anywhere."""
+    """A simulated vehicle, which can also be placed anywhere, and pushed."""
+
+    def apply_wrench(
+        self,
+        force_n: Sequence[float] | Vector,
+        torque_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        axes: str = "body",
+        duration_s: float | None = None,
+    ) -> None:
+        """Push the vehicle from outside with a force (3,) [N] and a torque (3,) [N m] at its origin."""
+        self.command("apply_wrench", force_n=force_n, torque_nm=torque_nm, axes=axes, duration_s=duration_s)
 
     def place(
         self,

@@ -113,6 +113,16 @@ STEERING = [
         ),
         is_piloted=False, changes_world=True,
     ),
+    Command(
+        "apply_wrench", "push a vehicle from outside, at its origin, for a while or until the next such command",
+        (
+            Argument("force_n", "numbers", "N", length=3),
+            Argument("torque_nm", "numbers", "N m", length=3, default=(0.0, 0.0, 0.0)),
+            Argument("axes", "text", default="body"),
+            Argument("duration_s", unit="s", default=None),
+        ),
+        service="uwsim_msgs/srv/ApplyWrench", is_piloted=False, changes_world=True,
+    ),
 ]  # fmt: skip
 INSTRUMENTS = [
     Command("start_navigation", "start a vehicle's estimator, unless it is running", (), _start_navigation,

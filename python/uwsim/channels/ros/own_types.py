@@ -7,6 +7,7 @@ TELEMETRY = "uwsim_msgs/msg/Telemetry"
 MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
 STATION_STATE = "uwsim_msgs/msg/StationState"
 LINK = "uwsim_msgs/msg/Link"
+FORCES = "uwsim_msgs/msg/Forces"
 SONAR_PING = "uwsim_msgs/msg/SonarPing"
 PLACED_PING = "uwsim_msgs/msg/PlacedPing"
 NAMED_NUMBER = "uwsim_msgs/msg/NamedNumber"
@@ -80,6 +81,14 @@ uint32 lost
 uint32 late                    # not sent, because they expired or the queue was full
 uint64 bytes_delivered         # payload only
 float32 fault_loss             # fraction of packets that faults currently destroy; 1: a blackout
+""",
+    FORCES: """\
+std_msgs/Header header         # the body frame; true means over the last step, about its origin (docs/guides/forces.md)
+string[] names                 # weight, buoyancy, drag, added_mass, coriolis, actuators, applied, contact, dock, total
+geometry_msgs/Wrench[] wrenches # N and N m, of each
+geometry_msgs/Point[] contact_points
+geometry_msgs/Vector3[] contact_forces # N, on the vehicle, at each point
+string[] contact_others        # what it touches there; empty: terrain or an obstacle
 """,
     PLACED_PING: """\
 std_msgs/Header header         # a ping and its pose, for mapping elsewhere; the pose is in this frame

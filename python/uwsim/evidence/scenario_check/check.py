@@ -98,7 +98,7 @@ def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scena
     is_spoilt = {path[0] for path in left.left_out}
     kept: dict[str, Any] = {}
     order: dict[str, list[int]] = {}
-    for kind in ("obstacles", "vehicles"):
+    for kind in ("obstacles", "vehicles", "objects"):
         items = enumerate(getattr(scenario, kind))
         sound = [(left.in_file((kind, k))[1], item) for k, item in items if left.in_file((kind, k)) not in spoilt]
         if kind not in left.values:  # stand-ins only

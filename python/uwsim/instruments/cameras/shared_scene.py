@@ -25,8 +25,8 @@ Floats = NDArray[np.float64]
 class Snapshot:
     """The scene's variable state at one time.
 
-    positions_m (n, 3), orientations_xyzw (n, 4), velocities_body (n, 6): pose and velocity of each vehicle. lamps: the
-    lamps that are on. aims_rad: pan and tilt of each motorised camera, by name.
+    positions_m (n, 3), orientations_xyzw (n, 4), velocities_body (n, 6): pose and velocity of each vehicle,
+    then of each object. lamps: the lamps that are on. aims_rad: pan and tilt of each motorised camera, by name.
     """
 
     time_ns: int
@@ -136,6 +136,7 @@ class SharedScene:
         while True:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]
+            states += [self._simulation.object_state(k) for k in range(len(self._scenario.objects))]
             time_ns = self._simulation.time_ns
             if self._simulation.version == version:
                 break
@@ -143,7 +144,7 @@ class SharedScene:
         orientations = np.array([state.orientation_xyzw for state in states])
         lamps = [
             light
-            for position, orientation, switches in zip(positions, orientations, self.lamps, strict=True)
+            for position, orientation, switches in zip(positions, orientations, self.lamps, strict=False)
             for lamp in switches.values()
             if with_lamps and lamp.on
             for light in lamp.lights(position, orientation)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from uwsim import _core
 from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.read.textures import Texture, load_texture
 from uwsim.scenario.spec.material import Material
 from uwsim.scenario.spec.scenario import Scenario
@@ -11,7 +12,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
-    """Return a scene of the world with its materials and the vehicle hulls. Raises ScenarioError."""
+    """Return a scene of the world with its materials, the vehicle hulls and loose bodies. Raises ScenarioError."""
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
     scene.set_ground(ground.bed, ground.steep, ground.land)
@@ -27,6 +28,12 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
         texture = _hull_texture(vehicle.model, len(triangles))
         scene.add_vehicle(vehicle.name, vertices, triangles, material.kind, material.colour, *texture or ())
+    for body in scenario.objects:
+        shape = body.shape
+        scene.add_vehicle(
+            body.name, *object_mesh(scenario, body), shape.material.kind, shape.material.colour,
+            surface_class=shape.surface_class,
+        )  # fmt: skip
     return scene
 
 

@@ -11,9 +11,12 @@ from uwsim.scenario.spec.obstacle import Bed, ObstacleModel, Placed, Solid
 
 def obstacle_solid(obstacle: ObstacleModel, terrain: Bed) -> Solid:
     """Return the obstacle in the world frame. Raises ScenarioError."""
-    if isinstance(obstacle, Placed) and obstacle.on_bed:
-        obstacle = _lowered(obstacle, terrain)
-    return obstacle.solid(terrain)
+    return grounded(obstacle, terrain).solid(terrain)
+
+
+def grounded(obstacle: ObstacleModel, terrain: Bed) -> ObstacleModel:
+    """Return an obstacle that stands on the bed as one at the coordinates where it stands; any other as it is."""
+    return _lowered(obstacle, terrain) if isinstance(obstacle, Placed) and obstacle.on_bed else obstacle
 
 
 def _lowered(obstacle: Placed, terrain: Bed) -> Placed:

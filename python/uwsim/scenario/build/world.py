@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
+from uwsim.scenario.build.loose_bodies import object_position
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.scale import require_fits, require_solid_fits
 from uwsim.scenario.build.start_pose import start_pose
@@ -16,6 +17,7 @@ from uwsim.scenario.build.vehicle import vehicle_errors_at
 from uwsim.scenario.build.water import build_water
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
@@ -61,10 +63,22 @@ def build_world(scenario: Scenario) -> _core.World:
             with found.noted(), errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
                 at = ", ".join(f"{x:g}" for x in point_m)
                 raise ScenarioError(f"vehicle '{vehicle.name}' starts at ({at}) m: must be outside '{name}'")
+    for index, body in enumerate(scenario.objects):
+        with found.noted(), errors_at("objects", index):
+            _require_free(world, terrain, body)
     with found.noted():
         fill_with_water(world, scenario)
     found.raise_any()
     return world
+
+
+def _require_free(world: _core.World, terrain: Terrain, body: LooseBody) -> None:
+    """Raise ScenarioError for a loose body that cannot start where it is, or is no solid."""
+    x, y, z = object_position(body, terrain).tolist()
+    what = f"object '{body.name}' starts with its middle at"
+    _require_above(terrain, (x, y, z), what)
+    if (name := world.solid_around((x, y, z))) is not None:
+        raise ScenarioError(f"{what} ({x:g}, {y:g}, {z:g}) m: must be outside '{name}'")
 
 
 def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from uwsim.scenario.spec.earth import Earth
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.link import LinkSpec
+from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Ground
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
@@ -61,11 +62,12 @@ class Scenario(Model):
     unless the terrain has a coordinate system. water: its surface, currents and profile. optics: optical conditions
     for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. water_targets: fish
     and bubbles, which a multibeam in physics mode receives. station: the reference for distances; it has the dock.
-    vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
-    mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
-    flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
-    and when. wire: the topics that servers offer unless they are asked for others: `standard` (ROS's usual ones),
-    `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or `both`.
+    vehicles: at least one. objects: loose bodies. warnings: when the panel issues warnings. survey: the survey flown by
+    `uwsim survey`. mission_time_s: battery life after the release of a vehicle without a `battery`, and the default
+    time limit of a flight. link: the link between station and vehicles; None: messages are delivered immediately.
+    faults: what fails, and when. wire: the topics that servers offer unless they are asked for others: `standard`
+    (ROS's usual ones), `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or
+    `both`.
     """
 
     name: Name
@@ -83,6 +85,7 @@ class Scenario(Model):
     water_targets: Annotated[tuple[WaterTargetSpec, ...], Field(max_length=100)] = ()
     station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
+    objects: Annotated[tuple[LooseBody, ...], Field(max_length=200)] = ()
     warnings: WarningLimits = WarningLimits.model_construct()
     link: LinkSpec | None = None
     survey: Survey | None = None
@@ -105,10 +108,12 @@ class Scenario(Model):
             ("obstacles", self.obstacles),
             ("water_targets", self.water_targets),
             ("vehicles", self.vehicles),
+            ("objects", self.objects),
         ):
             for index, item in enumerate(items):
                 if item.name in taken:
-                    raise broken("is already in use", at=(kind, index, "name"), value=item.name)
+                    at = (kind, index, *(("shape",) if kind == "objects" else ()), "name")
+                    raise broken("is already in use", at=at, value=item.name)
                 taken.add(item.name)
         return self
 

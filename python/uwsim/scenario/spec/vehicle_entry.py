@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
@@ -14,6 +14,9 @@ from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel, VehicleName, load_vehicle
+
+Newtons = Annotated[float, InRange(-1e9, 1e9, "N")]
+NewtonMetres = Annotated[float, InRange(-1e9, 1e9, "N m")]
 
 
 class StartPose(Model):
@@ -24,6 +27,26 @@ class StartPose(Model):
 
     position_m: Point3
     yaw_deg: Degrees = 0.0
+
+
+class AppliedWrench(Model):
+    """A force and torque that act on the vehicle from outside, at its origin, in an interval of simulated time.
+
+    force_n, torque_nm: along the axes. axes: `body`, which turn with the vehicle, or `world`. until_s: by default the
+    end of the run.
+    """
+
+    force_n: tuple[Newtons, Newtons, Newtons] = (0.0, 0.0, 0.0)
+    torque_nm: tuple[NewtonMetres, NewtonMetres, NewtonMetres] = (0.0, 0.0, 0.0)
+    axes: Literal["body", "world"] = "body"
+    from_s: Annotated[float, InRange(0, 1e9, "s")] = 0.0
+    until_s: Annotated[float, InRange(0, 1e9, "s")] | None = None
+
+    @model_validator(mode="after")
+    def _ends_after_it_begins(self) -> AppliedWrench:
+        if self.until_s is not None and self.until_s <= self.from_s:
+            raise broken(f"must be after from_s, {self.from_s:g} s", at=("until_s",), value=self.until_s, unit="s")
+        return self
 
 
 def _start(value: object) -> object:
@@ -48,7 +71,7 @@ class VehicleEntry(Model):
     Python) or a free pose. battery: a battery of cells, which the thrusters drain; by default the scenario's
     mission_time_s. command_timeout_s: the simulated time after which it stops if a publisher of steering commands, such
     as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the published topic `key`
-    are held in any case.
+    are held in any case. wrenches: what pushes it from outside, by schedule.
     """
 
     name: Name
@@ -61,6 +84,7 @@ class VehicleEntry(Model):
     trim: Trim | None = None
     command_timeout_s: Annotated[float, InRange(0, 1e6, "s")] = 0.5
     battery: BatterySpec | None = None
+    wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] = ()
 
     @model_validator(mode="after")
     def _has_thrusters_for_its_battery(self) -> VehicleEntry:

@@ -1,0 +1,107 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings/core/record.h"
+#include "bindings/sim/binders.h"
+
+namespace uwsim::bindings {
+namespace {
+
+/// A Touch with the other body's name.
+struct ContactForce {
+  std::string other;
+  Eigen::Vector3d point_world_m;
+  Eigen::Vector3d force_world_n;
+};
+
+std::vector<ContactForce> named(const Simulation& simulation, const std::vector<Touch>& touches) {
+  std::vector<ContactForce> all;
+  for (const Touch& touch : touches) {
+    const bool is_body = touch.other != Touch::kNoBody;
+    all.push_back({is_body ? simulation.body_name(touch.other) : "", touch.point_world_m, touch.force_world_n});
+  }
+  return all;
+}
+
+std::vector<std::pair<std::string, Vector6d>> by_name(const Forces& forces) {
+  const Craft::Terms& craft = forces.craft;
+  return {{"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
+          {"added_mass", craft.added_mass}, {"coriolis", craft.coriolis}, {"actuators", forces.actuators},
+          {"applied", forces.applied},      {"contact", forces.contact},  {"dock", forces.dock}};
+}
+
+}  // namespace
+
+void bind_object_spec(py::module_& m) {
+  py::class_<AppliedWrench>(m, "AppliedWrench", "A wrench that something else exerts on a body, at its origin.")
+      .def(py::init([](const Vector6d& wrench, bool in_world_axes, std::uint64_t from_tick, std::uint64_t until_tick) {
+             return AppliedWrench{wrench, in_world_axes, from_tick, until_tick};
+           }),
+           py::arg("wrench"), py::arg("in_world_axes"), py::arg("from_tick"), py::arg("until_tick"),
+           "wrench: (6,) [N, N m], along the world's axes or the body's; it acts in the steps of these ticks, the\n"
+           "last excluded.");
+  py::class_<ObjectSpec, std::shared_ptr<ObjectSpec>>(m, "ObjectSpec", "A loose body.")
+      .def(py::init([](std::string name, std::shared_ptr<Craft> craft, CollisionShape shape, double friction,
+                       double restitution, const BodyState& start) {
+             auto spec = std::make_shared<ObjectSpec>();
+             spec->body = {std::move(name), std::move(craft), shape, friction, restitution};
+             spec->start = start;
+             return spec;
+           }),
+           py::arg("name"), py::arg("craft").none(false), py::arg("shape"), py::arg("friction"), py::arg("restitution"),
+           py::arg("start"));
+}
+
+void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
+  Record<ContactForce>(m, "ContactForce", "A point at which a body was pressed in the last step, and the force on it.")
+      .field("other", &ContactForce::other, "the other body's name; empty for terrain and obstacles")
+      .field("point_world_m", &ContactForce::point_world_m, "(3,)")
+      .field("force_world_n", &ContactForce::force_world_n, "(3,), on the body itself; mean over the step")
+      .done();
+  simulation
+      .def(
+          "apply_wrench",
+          [](OwnedSimulation& o, std::size_t v, const Vector6d& wrench, bool in_world_axes, double duration_s) {
+            o.with([&](Simulation& s) { s.apply_wrench(v, wrench, in_world_axes, duration_s); });
+          },
+          py::arg("vehicle"), py::arg("wrench"), py::arg("in_world_axes"), py::arg("duration_s"),
+          "Exert a wrench (6,) on a vehicle at its origin, besides those by schedule, for a duration, which may be\n"
+          "inf, or until the next call. Raises ValueError.")
+      .def(
+          "forces",
+          [](OwnedSimulation& o, std::size_t v) { return by_name(o.with([&](Simulation& s) { return s.forces(v); })); },
+          py::arg("vehicle"),
+          "Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises\n"
+          "ValueError with Bullet's engine.")
+      .def(
+          "object_forces",
+          [](OwnedSimulation& o, std::size_t k) {
+            return by_name(o.with([&](Simulation& s) { return s.object_forces(k); }));
+          },
+          py::arg("object"))
+      .def(
+          "contacts",
+          [](OwnedSimulation& o, std::size_t v) {
+            return o.with([&](Simulation& s) { return named(s, s.touches(v)); });
+          },
+          py::arg("vehicle"), "Return the points at which the vehicle was pressed in the last step. Raises ValueError.")
+      .def(
+          "object_contacts",
+          [](OwnedSimulation& o, std::size_t k) {
+            return o.with([&](Simulation& s) { return named(s, s.object_touches(k)); });
+          },
+          py::arg("object"))
+      .def(
+          "object_state",
+          [](OwnedSimulation& o, std::size_t k) {
+            return o.with_briefly([&](Simulation& s) { return s.object_state(k); });
+          },
+          py::arg("object"));
+}
+
+}  // namespace uwsim::bindings

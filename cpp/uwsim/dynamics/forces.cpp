@@ -1,0 +1,73 @@
+#include "uwsim/dynamics/forces.h"
+
+#include <array>
+
+namespace uwsim {
+namespace {
+
+constexpr std::array kTerms = {&Craft::Terms::weight, &Craft::Terms::buoyancy, &Craft::Terms::drag,
+                               &Craft::Terms::added_mass, &Craft::Terms::coriolis};
+
+void add(Forces& sum, double share, const Craft::Terms& terms) {
+  for (const auto term : kTerms) sum.craft.*term += share * terms.*term;
+}
+
+Forces at_instant(const MovedBody& body, const WaterField& water, double time_s) {
+  const Craft& craft = *body.spec.craft;
+  Forces forces;
+  const Vector6d rate =
+      body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, Vector6d::Zero(), water, time_s);
+  forces.craft = craft.terms(body.state, rate, water, time_s);
+  if (body.held) forces.dock = -forces.sum();
+  return forces;
+}
+
+Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& water) {
+  const BodyState still{.world_from_body = motion.start.world_from_body};
+  const Vector6d rate = -motion.start.velocity_body / motion.step_s;
+  Forces forces;
+  forces.craft = craft.terms(still, rate, water, motion.time_s);
+  forces.actuators = motion.actuators_body;
+  forces.applied = motion.applied.body + in_body_axes(motion.applied.world, still.world_from_body.orientation);
+  forces.contact = craft.rigid_mass() * rate - forces.sum();
+  return forces;
+}
+
+Forces that_move(const Craft& craft, const Motion& motion, const WaterField& water) {
+  Forces forces;
+  forces.actuators = motion.actuators_body;
+  const auto all = stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Stage& stage = all[k];
+    const Eigen::Quaterniond& q = stage.state.world_from_body.orientation;
+    add(forces, kStageShares[k], craft.terms(stage.state, stage.rate.velocity, water, stage.time_s));
+    forces.applied += kStageShares[k] * (motion.applied.body + in_body_axes(motion.applied.world, q));
+    forces.contact += kStageShares[k] * in_body_axes(motion.all.world - motion.applied.world, q);
+  }
+  return forces;
+}
+
+}  // namespace
+
+Vector6d Forces::sum() const {
+  Vector6d sum = actuators + applied + contact + dock;
+  for (const auto term : kTerms) sum += craft.*term;
+  return sum;
+}
+
+Forces forces_on(const MovedBody& body, const WaterField& water, double time_s, double step_s) {
+  if (body.held || body.motions.empty()) return at_instant(body, water, time_s);
+  const Craft& craft = *body.spec.craft;
+  Forces mean;
+  for (const Motion& motion : body.motions) {
+    const Forces part = motion.stops ? that_stop(craft, motion, water) : that_move(craft, motion, water);
+    const double share = motion.step_s / step_s;
+    add(mean, share, part.craft);
+    mean.actuators += share * part.actuators;
+    mean.applied += share * part.applied;
+    mean.contact += share * part.contact;
+  }
+  return mean;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,131 @@
+"""A scenario's loose bodies as the core's ObjectSpecs: mass, added mass and drag from their shapes.
+
+Added mass is that of ideal flow (_core.added_mass). Drag is quadratic: each element of the convex hull's surface takes
+part with half of the coefficient times its area across its own motion, so that translation has the coefficient of the
+projected area (Cauchy: half of the surface's projections), and turning that of the paddles that the surface makes.
+Surfaces along their own motion, such as those of a turning sphere, have skin friction.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
+from uwsim.scenario.build.obstacles import grounded
+from uwsim.scenario.build.terrain import build_terrain
+from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.read.disk_cache import cached_arrays
+from uwsim.scenario.read.mesh_file import Triangles, Vertices
+from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.scenario.spec.loose_body import LooseBody
+from uwsim.scenario.spec.obstacle import LEVEL, Bed, ObstacleModel
+from uwsim.scenario.spec.scenario import Scenario
+
+PANELS = 800
+"""Panels for added mass: that of a sphere is then 0.7 % below the closed form."""
+ELEMENTS = 2000
+SKIN_FRICTION = 0.005
+"""Of a turbulent boundary layer at a Reynolds number of 7e5, 0.074 Re^(-1/5) (Schlichting 1979, "Boundary-Layer
+Theory", ch. 21)."""
+
+Floats = NDArray[np.float64]
+
+
+class _Shape(NamedTuple):
+    """A closed shape in the body's frame: its origin is the middle of its volume, its axes those of its kind.
+
+    position_m (3,), orientation_xyzw (4,): where it starts.
+    """
+
+    vertices: Vertices
+    triangles: Triangles
+    solid: _core.SolidProperties
+    position_m: Floats
+    orientation_xyzw: Floats
+
+
+def object_specs(scenario: Scenario) -> list[_core.ObjectSpec]:
+    """Return the core's specs of all loose bodies, in order. Raises ScenarioError."""
+    specs = []
+    for index, body in enumerate(scenario.objects):
+        with scenario.source_file.errors_at("objects", index):
+            specs.append(_spec(body, build_terrain(scenario.terrain), surface_density_kg_m3(scenario.water)))
+    return specs
+
+
+def object_mesh(scenario: Scenario, body: LooseBody) -> tuple[Vertices, Triangles]:
+    """Return a body's surface in its frame: vertices (n, 3) [m] and triangles (m, 3)."""
+    shape = _placed(body.shape, build_terrain(scenario.terrain))
+    return shape.vertices, shape.triangles
+
+
+def object_position(body: LooseBody, terrain: Bed) -> Floats:
+    """Return where the middle of a body starts, (3,). Raises ScenarioError."""
+    return _placed(body.shape, terrain).position_m
+
+
+def _spec(body: LooseBody, terrain: Bed, water_kg_m3: float) -> _core.ObjectSpec:
+    shape = _placed(body.shape, terrain)
+    volume_m3 = shape.solid.volume_m3
+    density = body.density_kg_m3 if body.density_kg_m3 is not None else (body.mass_kg or 0.0) / volume_m3
+    added, areas, paddles, rubbing = _flow(shape.vertices, shape.triangles)
+    parameters = _core.CraftParameters()
+    parameters.mass_kg = density * volume_m3
+    parameters.inertia_kg_m2 = density * shape.solid.inertia_per_density_m5
+    parameters.added_mass = water_kg_m3 * added
+    drag = body.drag_coefficient
+    turning = drag * paddles + SKIN_FRICTION * rubbing
+    parameters.quadratic_damping = np.diag(0.5 * water_kg_m3 * np.concatenate([drag * areas, turning]))
+    inverse = shape.orientation_xyzw * [-1.0, -1.0, -1.0, 1.0]
+    velocity = np.concatenate([turned(inverse, body.velocity_m_s), np.zeros(3)])
+    return _core.ObjectSpec(
+        body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
+        body.restitution, _core.BodyState(shape.position_m, shape.orientation_xyzw, velocity),
+    )  # fmt: skip
+
+
+def _placed(obstacle: ObstacleModel, terrain: Bed) -> _Shape:
+    afloat = grounded(obstacle, terrain)
+    angles_deg = getattr(afloat, "yaw_pitch_roll_deg", LEVEL)
+    level = {"yaw_pitch_roll_deg": LEVEL} if "yaw_pitch_roll_deg" in type(afloat).model_fields else {}
+    own = afloat.model_copy(update={"position_m": LEVEL, **level}).solid(terrain)
+    vertices, triangles = cached_arrays(
+        lambda: closed_mesh(own.vertices, own.triangles, name=obstacle.name), "hull", own.vertices, own.triangles
+    )
+    solid = _core.solid_properties(vertices, triangles)
+    turn = of_yaw_pitch_roll_deg(angles_deg)
+    position = np.asarray(afloat.position_m) + turned(turn, solid.centroid_m)  # type: ignore[attr-defined]
+    centred = np.ascontiguousarray(vertices - solid.centroid_m)
+    return _Shape(centred, np.asarray(triangles, np.uint32), solid, position, turn)
+
+
+def _flow(vertices: Vertices, triangles: Triangles) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return what the flow around a shape depends on, for water of density 1 and a drag coefficient of 1.
+
+    Added mass (6, 6); projected areas (3,) [m2]; and the third moments (3,) [m5] of the areas across the motion, and of
+    all areas, by which drag and friction brake turns about each axis.
+    """
+
+    def make() -> tuple[Floats, ...]:
+        import trimesh
+
+        added = _core.added_mass(vertices, triangles, 1.0, PANELS)
+        hull = trimesh.convex.convex_hull(vertices)
+        areas = 0.5 * np.abs(hull.face_normals).T @ hull.area_faces
+        while len(hull.faces) < ELEMENTS:
+            hull = hull.subdivide()
+        across, rubbing = np.zeros(3), np.zeros(3)
+        for axis in range(3):
+            motion = np.cross(np.eye(3)[axis], hull.triangles_center)
+            speed = np.linalg.norm(motion, axis=1)
+            facing = np.abs(np.sum(hull.face_normals * motion, axis=1))
+            across[axis] = 0.5 * np.sum(facing * speed**2 * hull.area_faces)
+            rubbing[axis] = np.sum(speed**3 * hull.area_faces)
+        return 0.5 * (added + added.T), areas, across, rubbing
+
+    added, areas, across, rubbing = cached_arrays(make, "flow", vertices, triangles)
+    return added, areas, across, rubbing

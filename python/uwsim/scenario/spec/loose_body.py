@@ -1,0 +1,45 @@
+"""An entry under `objects:` in a scenario: a loose body, which floats, sinks, rests and is pushed."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import model_validator
+
+from uwsim.scenario.spec.fields import InRange, Model, broken
+from uwsim.scenario.spec.obstacle import ObstacleSpec
+
+LOOSE_KINDS = ("box", "cylinder", "mesh", "sphere")
+Speed = Annotated[float, InRange(-100, 100, "m/s")]
+
+
+class LooseBody(Model):
+    """A loose body of uniform density. It starts where its shape is, at `velocity_m_s`.
+
+    shape: a box, sphere, cylinder or mesh as under `obstacles`, with its name, place and material. density_kg_m3,
+    mass_kg: one of them; the mass fills the shape, so that the centre of mass is that of its volume. drag_coefficient:
+    of the area that faces the flow: 0.47 for a sphere, 1.05 for a cube, 1.2 for a plate (Hoerner 1965, "Fluid-Dynamic
+    Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). friction, restitution: as for vehicles. velocity_m_s: along the
+    world's axes.
+    """
+
+    shape: ObstacleSpec
+    density_kg_m3: Annotated[float, InRange(1, 25_000, "kg/m3")] | None = None
+    mass_kg: Annotated[float, InRange(1e-3, 1e7, "kg")] | None = None
+    drag_coefficient: Annotated[float, InRange(0, 10)] = 1.0
+    friction: Annotated[float, InRange(0, 10)] = 0.5
+    restitution: Annotated[float, InRange(0, 1)] = 0.1
+    velocity_m_s: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
+
+    @property
+    def name(self) -> str:
+        """The name of its shape."""
+        return self.shape.name
+
+    @model_validator(mode="after")
+    def _has_one_mass(self) -> LooseBody:
+        if self.shape.kind not in LOOSE_KINDS:
+            raise broken(f"must be one of {', '.join(LOOSE_KINDS)}", at=("shape", "kind"), value=self.shape.kind)
+        if (self.density_kg_m3 is None) == (self.mass_kg is None):
+            raise broken("give one of density_kg_m3 and mass_kg", at=("density_kg_m3",), value=self.density_kg_m3)
+        return self

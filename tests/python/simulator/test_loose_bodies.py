@@ -1,0 +1,177 @@
+"""Loose bodies: laws of what floats, sinks, rests and is pushed; instruments perceive them; all state is kept."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+import uwsim
+from uwsim import Simulator
+from uwsim.scenario import Scenario, ScenarioError
+
+WATER_KG_M3, BED_M = 1000.0, -10.0
+SITE = {
+    "name": "site",
+    "water": {"density_kg_m3": WATER_KG_M3},
+    "terrain": {"source": "noise", "size_m": [60, 60], "spacing_m": 1, "bed_depth_m": -BED_M, "hill_height_m": 0},
+    "vehicles": [{"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [-8, 0, -5]}}],
+}
+
+
+def body(kind: str, name: str, position_m: list[float], *, on_bed: bool = False, **values: object) -> dict:
+    sizes = {"box": {"size_m": values.pop("size_m", [1.0, 0.8, 0.6])}, "sphere": {"radius_m": 0.2}}[kind]
+    shape = {"kind": kind, "name": name, "position_m": position_m, "on_bed": on_bed, **sizes}
+    return {"shape": shape, **values}
+
+
+def site(*objects: dict, **changes: object) -> Simulator:
+    return Simulator(Scenario.model_validate(SITE | {"objects": list(objects)} | changes))
+
+
+def gravity(sim: Simulator) -> float:
+    return sim.world.water.gravity_m_s2
+
+
+def test_a_floating_box_has_the_draft_and_the_period_of_the_closed_form() -> None:
+    """Archimedes; and T = 2 pi sqrt((m + s a33) / (rho g A)), where the added mass counts by the submerged share s."""
+    share, up_m = 0.5, 0.01
+    draft_m = share * 0.6
+    sim = site(body("box", "raft", [0, 0, 0.3 - draft_m + up_m], density_kg_m3=500.0, drag_coefficient=0.0))
+    heights = []
+    for _ in range(1200):
+        sim.step()
+        heights.append(float(sim.objects["raft"].pose.position_world_m[2]) - (0.3 - draft_m))
+    z = np.array(heights)
+    rising = np.flatnonzero((z[:-1] < 0) & (z[1:] >= 0))
+    crossings = rising + z[rising] / (z[rising] - z[rising + 1])
+    period_s = np.diff(crossings).mean() * sim.step_s
+    still = sim.objects["raft"].forces
+    mass_kg = still["weight"].force_body_n[2] / -gravity(sim)
+    assert mass_kg == pytest.approx(500.0 * 0.48, rel=1e-6)
+    assert abs(z.mean()) < 0.1 * up_m
+    added_kg = added_heave_kg((1.0, 0.8, 0.6))
+    expected_s = 2 * pi * sqrt((mass_kg + share * added_kg) / (WATER_KG_M3 * gravity(sim) * 0.8))
+    assert period_s == pytest.approx(expected_s, rel=2e-3)
+
+
+def added_heave_kg(size_m: tuple[float, float, float]) -> float:
+    import trimesh
+
+    mesh = trimesh.creation.box(size_m)
+    return float(uwsim._core.added_mass(mesh.vertices, mesh.faces, WATER_KG_M3, 800)[2, 2])
+
+
+def test_a_sphere_sinks_at_its_terminal_velocity() -> None:
+    """Weight less buoyancy equals drag: v = sqrt(8 (s - 1) g r / (3 C)), of the facets' volume and area."""
+    sim = site(body("sphere", "ball", [0, 0, -1], density_kg_m3=1500.0, drag_coefficient=0.47))
+    sim.advance(2.5)
+    expected_m_s = sqrt(8 * 0.5 * gravity(sim) * 0.2 / (3 * 0.47))
+    assert sim.objects["ball"].velocity.linear_body_m_s[2] == pytest.approx(-expected_m_s, rel=3e-3)
+
+
+def test_added_mass_of_a_sphere_is_half_of_the_water_it_displaces() -> None:
+    sim = site(body("sphere", "ball", [0, 0, -5], density_kg_m3=1500.0))
+    forces = sim.objects["ball"].forces  # from rest: (m + a) nu' = (m - rho V) g
+    volume_m3 = 4 / 3 * pi * 0.2**3
+    fall_m_s2 = -forces["total"].force_body_n[2] / (1500.0 * volume_m3)
+    assert fall_m_s2 == pytest.approx(gravity(sim) * 0.5 / (1.5 + 0.5), rel=0.01)
+
+
+def test_boxes_that_rest_on_each_other_stay() -> None:
+    crates = [
+        body("box", f"crate{k}", [0.1 * k, 0.05 * k, BED_M + 0.31 + 0.605 * k], density_kg_m3=1800.0) for k in range(3)
+    ]
+    sim = site(*crates)
+    sim.advance(15.0)
+    before = [crate.pose.position_world_m for crate in sim.objects.values()]
+    assert [point[2] for point in before] == pytest.approx([BED_M + 0.3 + 0.6 * k for k in range(3)], abs=0.01)
+    sim.advance(15.0)
+    for crate, then in zip(sim.objects.values(), before, strict=True):
+        assert np.abs(crate.pose.position_world_m - then).max() < 3e-5
+    under = sum(contact.force_world_n[2] for contact in sim.objects["crate0"].contacts if contact.other == "")
+    assert under == pytest.approx(3 * 800.0 * 0.48 * gravity(sim), rel=0.02), "the bed carries all three"
+
+
+def test_a_push_conserves_momentum() -> None:
+    """Of bodies and the water they carry along: (m + a) v, along the line through both middles."""
+    sim = site(
+        body("box", "hammer", [0, 0, -5], density_kg_m3=1000.0, drag_coefficient=0.0, velocity_m_s=[0.5, 0, 0]),
+        body("box", "nail", [1.5, 0, -5], density_kg_m3=1000.0, drag_coefficient=0.0, size_m=[0.6, 0.8, 0.6]),
+    )
+    pair = sim.objects["hammer"], sim.objects["nail"]
+    masses_kg = [480.0 + added_surge_kg((1.0, 0.8, 0.6)), 288.0 + added_surge_kg((0.6, 0.8, 0.6))]
+    before = 0.5 * masses_kg[0]
+    sim.advance(3.0)
+    speeds = [each.velocity.linear_body_m_s[0] for each in pair]
+    assert speeds[1] > 0.1, "it was hit"
+    assert np.dot(masses_kg, speeds) == pytest.approx(before, rel=1e-3)
+
+
+def added_surge_kg(size_m: tuple[float, float, float]) -> float:
+    import trimesh
+
+    mesh = trimesh.creation.box(size_m)
+    return float(uwsim._core.added_mass(mesh.vertices, mesh.faces, WATER_KG_M3, 800)[0, 0])
+
+
+def test_instruments_perceive_loose_bodies_where_they_are() -> None:
+    sim = site(
+        body("box", "wall", [-5, 0, -5], density_kg_m3=1000.0, size_m=[1, 4, 4], drag_coefficient=10.0),
+        vehicles=[{"name": "rov", "model": "rov", "start": {"position_m": [-10, 0, -5]}}],
+    )
+    ping = sim.rov.sonar.ping()
+    label = sim.label_names.index("wall")
+    assert label in ping.labels[ping.valid]
+    hits = ping.points_sonar_m[ping.labels == label].astype(float)
+    on_wall = hits @ ping.world_from_sonar[:3, :3].T + ping.world_from_sonar[:3, 3]
+    assert on_wall[:, 0] == pytest.approx(-5.5, abs=0.001), "its face"
+    frame = sim.rov.cameras["front"].capture()
+    assert "wall" in {frame.label_names[k] for k in np.unique(frame.labels)}
+    assert "wall" in sim.strengths_db and "wall" in sim.materials
+
+
+def test_state_is_saved_restored_reset_and_batched() -> None:
+    bodies = [
+        body("box", "crate", [0, 0, -9.0], density_kg_m3=1800.0),
+        body("sphere", "ball", [0.1, 0, -8.2], density_kg_m3=1300.0),
+    ]
+    sim, other = site(*bodies), site(*bodies)
+    start = poses(sim)
+    sim.advance(1.0)
+    other.restore_state(sim.save_state())
+    assert poses(other) == poses(sim) != start
+    sim.advance(1.0)
+    other.advance(1.0)
+    assert poses(other) == poses(sim)
+    sim.reset()
+    assert poses(sim) == start
+    batch = uwsim.Batch(sim.scenario, n=2, threads=1)
+    batch.step(400)
+    sim.advance(2.0)
+    assert poses(batch.aboard(1)) == poses(sim)
+    assert batch.capture("front", size=(24, 32)).shape == (2, 24, 32, 3)
+
+
+def poses(sim: Simulator) -> list[list[float]]:
+    return [
+        [*each.pose.position_world_m.tolist(), *each.pose.orientation_xyzw.tolist()] for each in sim.objects.values()
+    ]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "rule"),
+    [
+        (body("box", "rov", [0, 0, -2], density_kg_m3=1.0), r"objects\[0\].shape.name = 'rov': is already in use"),
+        (body("box", "crate", [0, 0, -2]), "give one of density_kg_m3 and mass_kg"),
+        (body("box", "crate", [0, 0, -2], density_kg_m3=900.0, mass_kg=3.0), "give one of density_kg_m3 and mass_kg"),
+        (body("box", "crate", [0, 0, -20], mass_kg=3.0), "must be above the bed"),
+        (
+            {"shape": {"kind": "ring", "name": "o", "position_m": [0, 0, -2], "major_radius_m": 1, "minor_radius_m": 0.1},
+             "mass_kg": 3.0},
+            "must be one of box, cylinder, mesh, sphere",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_with_the_reason(wrong: dict, rule: str) -> None:
+    with pytest.raises(ScenarioError, match=rule):
+        site(wrong)
