@@ -18,7 +18,7 @@ double pair_friction(const BodySpec& a, const BodySpec& b) { return std::sqrt(a.
 
 double pair_restitution(const BodySpec& a, const BodySpec& b) { return std::max(a.restitution, b.restitution); }
 
-/// What is zero is not added, so that zeros keep their signs.
+/// Skips applied loads of zero, so that zeros keep their signs.
 Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
   Loads all{.body = tau_body, .world = impulse_world / step_s};
   if (!applied.body.isZero(0)) all.body += applied.body;

@@ -19,8 +19,8 @@ from uwsim.evidence.identification.calibrated_file import write_calibrated
 from uwsim.evidence.identification.unknowns import unknowns
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.vehicle.draft import drafted, written
-from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid
 from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid
 from uwsim.scenario.read.errors import ScenarioError
 from vehicle_files import box_mesh, scenario_file
 

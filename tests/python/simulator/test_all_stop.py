@@ -39,7 +39,8 @@ IN_DOCK = ("release", "undock")
 """Commands that release a vehicle from its dock; tested separately below."""
 FREE = {
     "dock", "override_failsafe", "all_stop", "aim", "set_lamp", "aim_camera",  # only into the dock
-    "place", "apply_wrench", "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",  # world
+    "place", "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",  # world
+    "apply_wrench",
     "start_navigation", "link_send", "note",
 }  # fmt: skip
 """Commands that all stop does not affect. Commands sent over a link are checked on arrival."""

@@ -93,7 +93,7 @@ def test_boxes_that_rest_on_each_other_stay() -> None:
 
 
 def test_a_push_conserves_momentum() -> None:
-    """Of bodies and the water they carry along: (m + a) v, along the line through both middles."""
+    """The momentum is (m + a) v, of a body and the water it carries along, on the line through both middles."""
     sim = site(
         body("box", "hammer", [0, 0, -5], density_kg_m3=1000.0, drag_coefficient=0.0, velocity_m_s=[0.5, 0, 0]),
         body("box", "nail", [1.5, 0, -5], density_kg_m3=1000.0, drag_coefficient=0.0, size_m=[0.6, 0.8, 0.6]),
@@ -166,8 +166,7 @@ def poses(sim: Simulator) -> list[list[float]]:
         (body("box", "crate", [0, 0, -2], density_kg_m3=900.0, mass_kg=3.0), "give one of density_kg_m3 and mass_kg"),
         (body("box", "crate", [0, 0, -20], mass_kg=3.0), "must be above the bed"),
         (
-            {"shape": {"kind": "ring", "name": "o", "position_m": [0, 0, -2], "major_radius_m": 1, "minor_radius_m": 0.1},
-             "mass_kg": 3.0},
+            {"shape": {"kind": "pipeline", "name": "pipe", "points_m": [[0, 0], [5, 0]], "radius_m": 1}, "mass_kg": 3},
             "must be one of box, cylinder, mesh, sphere",
         ),
     ],

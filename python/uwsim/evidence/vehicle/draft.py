@@ -16,7 +16,7 @@ from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.draft_actuators import ACCELERATION_M_S2, Body, Thrust, proposed_fins, proposed_thrusters
 from uwsim.evidence.vehicle.estimates import hull_drag
-from uwsim.evidence.vehicle.potential_flow import COARSE, GIVEN_MAX, added_mass_of_mesh
+from uwsim.scenario.build.potential_flow import COARSE, GIVEN_MAX, added_mass_of_mesh
 from uwsim.scenario.build.scale import METRES, likely_units, size_text
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_file import Forward, load_mesh, turned_to_x

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.evidence.vehicle.mounts import hull_scene
-from uwsim.evidence.vehicle.potential_flow import added_mass_of_ellipsoid, added_mass_of_mesh
+from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid, added_mass_of_mesh
 
 Floats = NDArray[np.float64]
 VISCOSITY_M2_S = 1.139e-6

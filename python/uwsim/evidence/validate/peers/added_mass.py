@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from uwsim.base.axes import AXES
 from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate.check import Check, relative
-from uwsim.evidence.vehicle.potential_flow import added_mass_of_mesh
+from uwsim.scenario.build.potential_flow import added_mass_of_mesh
 
 Floats = NDArray[np.float64]
 Mesh = tuple[Floats, NDArray[np.integer]]

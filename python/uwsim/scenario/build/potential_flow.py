@@ -30,8 +30,10 @@ def added_mass_of_mesh(vertices_m: Floats, triangles: NDArray[np.integer], densi
         raise ScenarioError(f"added mass: {error}") from None
 
 
-def simplified(vertices_m: Floats, triangles: NDArray[np.integer]) -> tuple[Floats, NDArray[np.integer]]:
-    """Return points (n, 3) and at most GIVEN_MAX triangles (m, 3): a solid of the same middle and extent.
+def simplified(
+    vertices_m: Floats, triangles: NDArray[np.integer], most: int = GIVEN_MAX
+) -> tuple[Floats, NDArray[np.integer]]:
+    """Return points (n, 3) and at most `most` triangles (m, 3): a solid of the same middle and extent.
 
     Simplifying cuts corners, so the result is stretched along each axis until its radii of gyration are those given.
 
@@ -49,7 +51,7 @@ def simplified(vertices_m: Floats, triangles: NDArray[np.integer]) -> tuple[Floa
         )
     moved_m = FINEST * float(np.ptp(vertices_m, axis=0).max())
     solid = given.simplify(moved_m)
-    while solid.num_tri() > GIVEN_MAX:
+    while solid.num_tri() > most:
         moved_m *= 1.2
         solid = solid.simplify(moved_m)
     mesh = solid.to_mesh64()
