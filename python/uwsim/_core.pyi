@@ -13,6 +13,7 @@ __all__: list[str] = [
     "AcousticMultibeam",
     "AcousticSpec",
     "ActuatorsSpec",
+    "AppliedWrench",
     "Arrival",
     "Autopilot",
     "AutopilotGains",
@@ -28,6 +29,7 @@ __all__: list[str] = [
     "Camera",
     "CameraScene",
     "CollisionShape",
+    "ContactForce",
     "ControlGains",
     "ControlModel",
     "Craft",
@@ -63,6 +65,7 @@ __all__: list[str] = [
     "MultibeamModel",
     "NavigationFilter",
     "NoiseSpec",
+    "ObjectSpec",
     "OccupancyMap",
     "Optics",
     "Parameter",
@@ -2497,6 +2500,7 @@ class CameraScene:
         colour: typing.Any = None,
         texture_image: typing.Any = None,
         texture_corners: typing.Any = None,
+        surface_class: str = "vehicle",
     ) -> int:
         """
         Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. texture: as for
@@ -3182,6 +3186,36 @@ class CollisionShape:
     @property
     def value(self) -> int: ...
 
+class AppliedWrench:
+    """
+    A wrench that something else exerts on a body, at its origin.
+    """
+    def __init__(
+        self,
+        wrench: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        in_world_axes: bool,
+        from_tick: typing.SupportsInt | typing.SupportsIndex,
+        until_tick: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        wrench: (6,) [N, N m], along the world's axes or the body's; it acts in the steps of these ticks, the
+        last excluded.
+        """
+
+class ObjectSpec:
+    """
+    A loose body.
+    """
+    def __init__(
+        self,
+        name: str,
+        craft: Craft,
+        shape: CollisionShape,
+        friction: typing.SupportsFloat | typing.SupportsIndex,
+        restitution: typing.SupportsFloat | typing.SupportsIndex,
+        start: BodyState,
+    ) -> None: ...
+
 class VehicleSpec:
     actuators: ActuatorsSpec
     craft: Craft
@@ -3217,6 +3251,13 @@ class VehicleSpec:
     def sonars(self) -> list[SonarSpec]: ...
     @sonars.setter
     def sonars(self, arg0: collections.abc.Sequence[SonarSpec]) -> None: ...
+    @property
+    def wrenches(self) -> list[AppliedWrench]:
+        """
+        what acts on it, by schedule; copied
+        """
+    @wrenches.setter
+    def wrenches(self, arg0: collections.abc.Sequence[AppliedWrench]) -> None: ...
 
 class Simulation:
     """
@@ -3233,6 +3274,10 @@ class Simulation:
         """
         Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.
         """
+    def add_object(self, spec: ObjectSpec) -> int:
+        """
+        Add a loose body, after all vehicles, and return its index.
+        """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
         Add a vehicle and return its index.
@@ -3246,6 +3291,17 @@ class Simulation:
         """
         Set the elevation to which the head turns over time; positive is up. Raises ValueError.
         """
+    def apply_wrench(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        wrench: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        in_world_axes: bool,
+        duration_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Exert a wrench (6,) on a vehicle at its origin, besides those by schedule, for a duration, which may be
+        inf, or until the next call. Raises ValueError.
+        """
     def battery(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BatteryState: ...
     def change(self, water: Water, spec: SimulationSpec, vehicles: collections.abc.Sequence[VehicleSpec]) -> None:
         """
@@ -3255,6 +3311,10 @@ class Simulation:
     def collisions(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> int:
         """
         Return the number of times the vehicle has come into contact with anything.
+        """
+    def contacts(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[ContactForce]:
+        """
+        Return the points at which the vehicle was pressed in the last step. Raises ValueError.
         """
     def controllable(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
@@ -3282,6 +3342,13 @@ class Simulation:
     def fin_angles_rad(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
         Return (name, present deflection [rad]) pairs of the fins that can be deflected.
+        """
+    def forces(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> list[tuple[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]]]:
+        """
+        Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises
+        ValueError with Bullet's engine.
         """
     def full_wrench_body(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
@@ -3367,6 +3434,11 @@ class Simulation:
         Return the state as read-only arrays: position_world_m (3,), orientation_xyzw (4,), world_from_body
         (4, 4), linear_body_m_s (3,) and angular_body_rad_s (3,).
         """
+    def object_contacts(self, object: typing.SupportsInt | typing.SupportsIndex) -> list[ContactForce]: ...
+    def object_forces(
+        self, object: typing.SupportsInt | typing.SupportsIndex
+    ) -> list[tuple[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]]]: ...
+    def object_state(self, object: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping:
@@ -3399,7 +3471,7 @@ class Simulation:
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
     def restart(self, world: World, spec: SimulationSpec) -> None:
         """
-        Restart with the same vehicles at their start states. world: as before, except for its water. Raises
+        Restart with the same vehicles and objects at their start states. world: as before, except for its water. Raises
         ValueError without changing anything.
         """
     def restore_state(self, state: bytes, scenario: str, build: str) -> str:
@@ -3414,8 +3486,8 @@ class Simulation:
         """
     def scene_around(self, vehicle: typing.SupportsInt | typing.SupportsIndex | None = None) -> RayScene:
         """
-        Return the world with all vehicles at their present poses, except the given one. A snapshot. Labels of
-        vehicles follow those of the world.
+        Return the world with all vehicles and objects at their present poses, except the given vehicle. A
+        snapshot. Labels of vehicles, then of objects, follow those of the world.
         """
     def set_effort(
         self,
@@ -3626,6 +3698,35 @@ class BatteryState:
     def voltage_v(self) -> float:
         """
         at the terminals
+        """
+
+class ContactForce:
+    """
+    A point at which a body was pressed in the last step, and the force on it.
+    """
+    def __copy__(self) -> typing.Any: ...
+    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
+    def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
+    def to_dict(self) -> dict[str, typing.Any]:
+        """
+        Return the fields by name; arrays are not copied.
+        """
+    @property
+    def force_world_n(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,), on the body itself; mean over the step
+        """
+    @property
+    def other(self) -> str:
+        """
+        the other body's name; empty for terrain and obstacles
+        """
+    @property
+    def point_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,)
         """
 
 class Ping:
@@ -4163,9 +4264,10 @@ class MemberSpec:
         simulation: SimulationSpec,
         vehicles: collections.abc.Sequence[VehicleSpec],
         link: LinkSpec | None = None,
+        objects: collections.abc.Sequence[ObjectSpec] = [],
     ) -> None:
         """
-        vehicles: shared, not copied; they must not be changed afterwards.
+        vehicles, objects: shared, not copied; they must not be changed afterwards.
         """
 
 class Batch:

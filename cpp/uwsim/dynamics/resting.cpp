@@ -32,6 +32,15 @@ void Resting::begin(const Pose& world_from_body, const Vector6d& free_velocity_b
   free_velocity_body_ = free_velocity_body;
 }
 
+void Resting::exchange_state(StateArchive& archive) {
+  BodyState kept{world_from_body_, free_velocity_body_};
+  archive(is_known_);
+  archive(is_firm_);
+  archive(kept);
+  world_from_body_ = kept.world_from_body;
+  free_velocity_body_ = kept.velocity_body;
+}
+
 bool Resting::lasts(const BodyState& state, const Vector6d& free_velocity_body) const {
   return is_known_ && state.velocity_body.isZero(0) &&
          state.world_from_body.position_m == world_from_body_.position_m &&

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/core/state_archive.h"
 #include "uwsim/dynamics/contact.h"
 
 namespace uwsim {
@@ -31,14 +32,16 @@ struct Hold {
 };
 
 /// Remembers a body at rest. While its loads and the bodies near it stay the same, so do its contacts, and they need
-/// not be found again. This is only a cache and changes no result: a body that has just been restored continues in the
-/// same way.
+/// not be found again. This is only a cache and changes no motion; it is saved because the forces of contacts that are
+/// found again differ by rounding.
 class Resting {
  public:
   void begin(const Pose& world_from_body, const Vector6d& free_velocity_body, bool is_firm);
   /// Returns true if the body is known to stay in this state; without contacts it would move at this velocity.
   bool lasts(const BodyState& state, const Vector6d& free_velocity_body) const;
-  void forget() { is_known_ = false; }
+  void forget() { *this = {}; }
+  /// Throws InvalidValue.
+  void exchange_state(StateArchive& archive);
 
  private:
   bool is_known_ = false, is_firm_ = false;

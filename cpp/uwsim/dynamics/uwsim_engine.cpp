@@ -44,6 +44,10 @@ void UwsimEngine::forget(std::size_t) {
   for (Resting& resting : resting_) resting.forget();
 }
 
+void UwsimEngine::exchange_contacts(StateArchive& archive) {
+  for (Resting& resting : resting_) resting.exchange_state(archive);
+}
+
 void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_states, const WaterField& water,
                        double time_s) {
   bodies_ = bodies;

@@ -25,6 +25,7 @@ class UwsimEngine final : public DynamicsEngine {
   void add_body(const BodySpec& spec) override;
   void change_body(std::size_t body, const BodySpec& from, const BodySpec& to) override;
   void forget(std::size_t body) override;
+  void exchange_contacts(StateArchive& archive) override;
   void step(std::span<MovedBody> bodies, std::span<BodyState> next_states, const WaterField& water,
             double time_s) override;
 
