@@ -8,7 +8,7 @@ Surfaces along their own motion, such as those of a turning sphere, have skin fr
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +99,7 @@ def _placed(obstacle: ObstacleModel, terrain: Bed) -> _Shape:
     solid = _core.solid_properties(vertices, triangles)
     turn = of_yaw_pitch_roll_deg(angles_deg)
     position = np.asarray(afloat.position_m) + turned(turn, solid.centroid_m)  # type: ignore[attr-defined]
-    centred = np.ascontiguousarray(vertices - solid.centroid_m)
+    centred = np.ascontiguousarray(np.asarray(vertices, np.float64) - solid.centroid_m)
     return _Shape(centred, np.asarray(triangles, np.uint32), solid, position, turn)
 
 
@@ -130,4 +130,4 @@ def _flow(vertices: Vertices, triangles: Triangles) -> tuple[Floats, Floats, Flo
         return 0.5 * (added + added.T), areas, across, rubbing
 
     added, areas, across, rubbing = cached_arrays(make, "flow", vertices, triangles)
-    return added, areas, across, rubbing
+    return cast("tuple[Floats, Floats, Floats, Floats]", (added, areas, across, rubbing))
