@@ -3,34 +3,38 @@
 from __future__ import annotations
 
 import logging
-import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 from types import TracebackType
 from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.bridges.admission import warn_beyond_loopback
 from uwsim.bridges.rare_log import RareLog
+from uwsim.bridges.servo_auxiliary import Auxiliary
 from uwsim.bridges.servo_frames import frame_of, servo_motors, thrusters_of, unpacked
 from uwsim.live import LiveSimulator
 from uwsim.scenario import Scenario
 from uwsim.simulator.helm import Clock, Lease, Source, Timeout
 from uwsim.simulator.lockstep import FRAME_BYTES
 from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 PORT = 9002
 RATE_HZ = 400
 """ArduSub's loop (SCHED_LOOP_RATE); physics with a longer step would slow it down."""
-VEHICLE = "bluerov2_heavy"
-"""The model that replaces the first vehicle if it has no thrusters."""
+VEHICLE = "bluerov2_heavy_outfit"
+"""The model that replaces the first vehicle if it has no thrusters; it reaches the speed that its maker states."""
+NET_BUOYANCY_N = 2.0
+"""Blue Robotics, BlueROV2, specifications: 0.2 kg with ballast."""
 LIVE_PATIENCE_S = 0.05  # longest time for which a live simulator's thread waits for a frame
 SILENT_S = 1.0  # silence after which the world counts as paused
 STEPS_AT_ONCE = 2000
-LIGHTS_OFF_US, CENTRE_US, SPAN_US = 1100, 1500, 400
-TILT_AT_SPAN_RAD = math.radians(45)
-"""ArduSub's camera mount: MNT1_PITCH_MIN and MAX are -45 and 45 degrees, at 1100 and 1900 us; positive is up."""
 
 logger = logging.getLogger("uwsim.bridges.ardusub")
 
@@ -39,14 +43,20 @@ class SilentAutopilotError(TimeoutError):
     """Raised by Simulator.step if no frame arrives from the autopilot."""
 
 
-def prepared(scenario: Scenario) -> Scenario:
+def prepared(scenario: Scenario, vehicle: str | Path | None = None) -> Scenario:
     """Return a variant of a scenario that ArduSub can fly: steps of at most 1/400 s, a first vehicle with thrusters.
 
-    A vehicle without thrusters is replaced by a BlueROV2 Heavy. Raises ScenarioError.
+    vehicle: the model that replaces the first vehicle, as a packaged name or a path; by default, a vehicle without
+    thrusters is replaced by bluerov2_heavy_outfit. Without `trim`, the new vehicle is trimmed to a net buoyancy of 2 N.
+    Raises ScenarioError.
     """
-    from uwsim.scenario.spec.vehicle import load_vehicle
+    from uwsim.scenario.spec.vehicle import Trim, load_vehicle
 
-    model = None if scenario.vehicles[0].model.thrusters else load_vehicle(VEHICLE)
+    model = None
+    if vehicle is not None or not scenario.vehicles[0].model.thrusters:
+        model = load_vehicle(VEHICLE if vehicle is None else vehicle)
+        if model.trim is None:
+            model = model.model_copy(update={"trim": Trim(net_buoyancy_n=NET_BUOYANCY_N)})
     return scenario.with_changes(step_s=min(scenario.step_s, 1 / RATE_HZ), vehicle_model=model)
 
 
@@ -65,9 +75,12 @@ class ArduSub:
     a frame; or a LiveSimulator, which pauses while the firmware is silent. vehicle: its name; by default the first.
     frame: "vectored" or "vectored_6dof"; by default the frame that fits the thrusters. port: 0 for any free port. host:
     the address to listen on. with_noise: whether the IMU and the altimeter are read with their errors, in addition to
-    those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that switch the lamps and
-    tilt the cameras. The attributes port and address are those in use. Raises ValueError, or OSError if the port is not
+    those that the firmware simulates. lights, tilt: numbers of the servo outputs, from 1, that dim the lamps and tilt
+    the cameras. The attributes port and address are those in use. Raises ValueError, or OSError if the port is not
     available.
+
+    require_alive: called while no frame arrives; raises an OSError if none can arrive any more, since the program has
+    ended, and `step` passes it on.
     """
 
     def __init__(
@@ -91,15 +104,15 @@ class ArduSub:
         if sim.step_s > 1 / RATE_HZ + 1e-12:
             rule = f"must be at most {1 / RATE_HZ:g} s for ArduSub: take scenario.with_changes(step_s={1 / RATE_HZ:g})"
             raise ValueError(f"step_s = {sim.step_s:g} s: {rule}")
-        for name, output in (("lights", lights), ("tilt", tilt)):
-            if output is not None and not 1 <= output <= 32:
-                raise ValueError(f"{name} = {output}: must be the number of a servo output, in [1, 32]")
         thrusters = thrusters_of(sim, self.vehicle)
         self.frame = frame or frame_of(thrusters, self.vehicle)
         self.with_noise = with_noise
+        self.lights, self.tilt = lights, tilt
+        self.require_alive: Callable[[], object] = lambda: None
         self._patience_s = patience_s
-        self._lights, self._tilt = lights, tilt
         self._rov = rov = sim.vehicles[self.vehicle]
+        self._log = RareLog(logger)
+        self._auxiliary = Auxiliary(rov, lights, tilt, self._command, self._set_parameter, self._log)
         kinds = [sensor.kind for sensor in rov.sensors.values()]
         if "imu" not in kinds:
             raise ValueError(f"vehicle '{self.vehicle}': has no IMU, which ArduSub needs")
@@ -111,21 +124,34 @@ class ArduSub:
             imu=kinds.index("imu"),
             altimeter=kinds.index("altitude") if "altitude" in kinds else None,
             with_noise=with_noise,
-            watched=[output - 1 for output in (lights, tilt) if output is not None],
+            watched=self._auxiliary.watched,
             host=host,
             port=port,
         )
         warn_beyond_loopback(host, None, tls=False)
         self.port: int = self._exchange.port
         self.address = f"{host}:{self.port}"
-        self._log = RareLog(logger)
         self._reported = self._exchange.counts
-        self._set: dict[str, int] = {}
-        self._auxiliary: dict[str, int] = {}
+        self._last_frame = bytes(FRAME_BYTES)
         self._lease: Lease | None = None
         limit_s = patience_s if self._live is None else SILENT_S
         self._silence = Timeout(Clock.LOCKSTEP, lambda: max(limit_s, 1e-9), heard_ns=time.monotonic_ns())
         self._is_silent = False
+
+    @property
+    def simulator(self) -> Simulator:
+        """The simulator whose steps the firmware makes."""
+        return self._sim
+
+    @property
+    def flown(self) -> Vehicle:
+        """The vehicle that the firmware flies."""
+        return self._rov
+
+    @property
+    def outputs_us(self) -> NDArray[np.uint16]:
+        """The pulse widths of the last frame, (32,) [us]; 0 for outputs that do not exist, and before the first."""
+        return unpacked(self._last_frame).reshape(-1)
 
     @property
     def counts(self) -> _core.ServoCounts:
@@ -145,6 +171,10 @@ class ArduSub:
         """
         if self._exchange is None or not self._exchange.wait(self._patience_s):
             raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
+
+    def is_waiting(self, patience_s: float = LIVE_PATIENCE_S) -> bool:
+        """Return whether the firmware waits for a step, after waiting up to patience_s for its frame."""
+        return self._exchange is not None and self._exchange.wait(patience_s)
 
     def start(self) -> Self:
         """Take over the simulator's steps; return self. Raises ValueError."""
@@ -196,11 +226,20 @@ class ArduSub:
         else:
             self._live.command_now(name, vehicle=self.vehicle, **arguments)
 
+    def _set_parameter(self, name: str, value: float) -> None:
+        """Set a parameter between two steps."""
+        if self._live is None:
+            self._sim.parameters[name] = value
+        else:
+            self._live.command_now("set_parameter", name=name, value=value)
+
     def _advance(self, steps: int) -> None:
         """Make one step for each frame. In a live simulator, this ends early if the firmware is silent."""
         while steps:
             made = self._run(steps)
             steps -= made
+            if not made:
+                self.require_alive()
             is_silent = not made and not self._silence.left_ns(time.monotonic_ns())
             if not made and self._live is not None:
                 if is_silent:
@@ -212,7 +251,7 @@ class ArduSub:
 
     def _run(self, steps: int) -> int:
         """Return the number of steps made."""
-        self._set_auxiliary()
+        self._auxiliary.apply()
         tick, helm = self._sim.tick, self._rov.helm
         patience_s = min(LIVE_PATIENCE_S, self._patience_s)
         assert self._exchange is not None
@@ -221,36 +260,14 @@ class ArduSub:
         if not frames:
             return 0
         helm.note_command()
+        self._last_frame = frames[-FRAME_BYTES:]
         self._sim.journal.note(SERVO_FRAMES, vehicle=self.vehicle, frame=self.frame, from_tick=tick, frames=frames)
         if changed:
-            last = unpacked(frames)[-1]
-            outputs = {"lights": self._lights, "tilt": self._tilt}
-            self._auxiliary = {name: int(last[output - 1]) for name, output in outputs.items() if output is not None}
+            self._auxiliary.ask(self.outputs_us)
         if self._is_silent:
             logger.warning("ArduSub: frames arrive again: the world continues")
         self._silence.heard_ns, self._is_silent = time.monotonic_ns(), False
         return len(frames) // FRAME_BYTES
-
-    def _set_auxiliary(self) -> None:
-        """Switch lamps and tilt cameras according to the last outputs, with effect from the next step."""
-        for name, pulse_us in self._auxiliary.items():
-            if not pulse_us or self._set.get(name) == pulse_us:
-                continue
-            self._set[name] = pulse_us
-            if name == "lights":
-                for lamp in self._rov.lamps:
-                    self._command("set_lamp", lamp=lamp, on=pulse_us > LIGHTS_OFF_US)
-            else:
-                tilt_rad = -TILT_AT_SPAN_RAD * max(-1.0, min((pulse_us - CENTRE_US) / SPAN_US, 1.0))
-                for camera in self._rov.cameras:
-                    self._tilt_camera(camera, tilt_rad)
-        self._auxiliary = {}
-
-    def _tilt_camera(self, camera: str, tilt_rad: float) -> None:
-        try:
-            self._command("aim_camera", camera=camera, tilt_rad=tilt_rad)
-        except ValueError as error:
-            self._log.warning(f"ArduSub: {error}")
 
     def _note_silence(self) -> None:
         if not self._is_silent:

@@ -16,15 +16,18 @@ SLIP_S = 0.5  # wall time slipped within LOOK_S that is worth reporting
 SWITCH_S = 0.0005
 
 
-def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
+def run_until_interrupted(live: LiveSimulator, greeting: str, *, ends_with_error: bool = False) -> None:
     """Print the greeting; return on Ctrl-C or SIGTERM.
 
-    Meanwhile, report on stderr when the simulation slips or fails.
+    Meanwhile, report on stderr when the simulation slips or fails. ends_with_error: raise the error of a simulation
+    that fails instead.
     """
     interrupted = _interrupt()
     typer.echo(f"{greeting}: {_how_it_runs(live)}; Ctrl-C ends it")
     slipped_s, error = live.slipped_s, None
     while not interrupted.wait(LOOK_S):
+        if ends_with_error and live.error is not None:
+            raise live.error
         if live.error is not None and live.error is not error:
             typer.echo(f"uwsim: error: the simulation stopped: {live.error}", err=True)
         error = live.error

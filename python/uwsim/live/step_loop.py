@@ -282,7 +282,8 @@ class StepLoop:
         try:
             self.sim.step(steps)
         except Exception as error:
-            logger.exception("the simulation stopped near tick %d", self._tick)
+            what = "the simulation stopped near tick %d: %s"
+            logger.error(what, self._tick, error, exc_info=not isinstance(error, OSError))  # OSError: not our mistake
             self._halt(error)
             return
         self._tick = self.sim.tick

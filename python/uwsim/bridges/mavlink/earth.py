@@ -53,6 +53,10 @@ class Home(NamedTuple):
         return np.array([(lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north, altitude_m])
 
 
+HOME = Home(33.810313, -118.393867)
+"""The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
+
+
 def euler_rad(world_from_body: Vector) -> tuple[float, float, float]:
     """Return roll, pitch and yaw (clockwise from north) of a pose's matrix."""
     r = NED_FROM_ENU @ world_from_body[:3, :3] * FRD

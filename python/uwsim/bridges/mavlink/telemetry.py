@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Place, euler_rad
+from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Place, Vector, euler_rad
 from uwsim.bridges.mavlink.state import CONTROLS, POSITION, PREARM, State
 
 UNKNOWN_U16, UNKNOWN_I16 = 0xFFFF, 0x7FFF
@@ -134,12 +134,18 @@ def _fix(mav: Any, f: Figures) -> Iterable[Any]:
     ]  # fmt: skip
 
 
-def _odometry(mav: Any, f: Figures) -> Iterable[Any]:
-    turn = Rotation.from_matrix(NED_FROM_ENU @ f.state.world_from_body[:3, :3] * FRD)
+def odometry(mav: Any, us: int, frame: int, world_from_body: Vector, velocity_body: Vector) -> Any:
+    """Return ODOMETRY for a pose (4, 4) and velocities (6,) in body axes. frame: MAV_FRAME of the pose."""
+    turn = Rotation.from_matrix(NED_FROM_ENU @ world_from_body[:3, :3] * FRD)
     q = turn.as_quat(scalar_first=True).tolist()
-    motion = [*(f.state.velocity_body[:3] * FRD), *f.rates_rad_s]
+    motion = [*(velocity_body[:3] * FRD), *(velocity_body[3:] * FRD)]
     unknown = [math.nan] * 21
-    return [mav.odometry_encode(f.us, LOCAL_NED, BODY_FRD, *f.position_ned_m, q, *motion, unknown, unknown)]
+    position = NED_FROM_ENU @ world_from_body[:3, 3]
+    return mav.odometry_encode(us, frame, BODY_FRD, *position, q, *motion, unknown, unknown)
+
+
+def _odometry(mav: Any, f: Figures) -> Iterable[Any]:
+    return [odometry(mav, f.us, LOCAL_NED, f.state.world_from_body, f.state.velocity_body)]
 
 
 def _pressure(mav: Any, f: Figures) -> Iterable[Any]:

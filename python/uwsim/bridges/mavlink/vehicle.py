@@ -29,7 +29,7 @@ from uwsim.bridges.mavlink.component import (
     Given,
 )
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import Home, Place
+from uwsim.bridges.mavlink.earth import HOME, Place
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
@@ -53,8 +53,6 @@ from uwsim.channels.delivery.feed import Readings
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 
 AUTOPILOT = 1
-HOME = Home(33.810313, -118.393867)
-"""The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
 HEARTBEAT_S = 1.0
 WAIT_S = 0.02
 SLICE_S = 0.02  # time for messages that are not urgent, after which the network is looked at again
