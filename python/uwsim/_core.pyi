@@ -486,6 +486,35 @@ class World:
     water: Water
     def __init__(self) -> None: ...
     def __repr__(self) -> str: ...
+    def add_cover(
+        self,
+        name: str,
+        meshes: collections.abc.Sequence[tuple[typing.Any, typing.Any]],
+        stance: str = "upright",
+        sunk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        density_per_m2: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        size_m: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] = (
+            0.1,
+            0.1,
+        ),
+        size_exponent: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        depth_m: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] = ...,
+        slope_rad: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = ...,
+        from_solids_m: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = ...,
+        patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        seed: typing.SupportsInt | typing.SupportsIndex = 0,
+    ) -> int:
+        """
+        Add a layer of pieces on the terrain and return its label; solids must be added before. meshes: pairs
+        (vertices (n, 3), triangles (m, 3)) with the origin on the bed and the largest extent 1. stance:
+        upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises
+        ValueError.
+        """
     def add_solid(
         self,
         name: str,
@@ -537,7 +566,7 @@ class World:
     @property
     def label_names(self) -> list[str]:
         """
-        Names by label: nothing, terrain, then the names of the solids.
+        Names by label: nothing, terrain, then the names of the solids and the layers of cover.
         """
     @property
     def lowest_m(self) -> float:
@@ -573,6 +602,10 @@ class FixedWorld(World):
     """
     def __init__(self, world: World) -> None: ...
     def __setattr__(self, name: str, value: typing.Any) -> None: ...
+    def add_cover(self, *args, **kwargs) -> None:
+        """
+        Raise AttributeError.
+        """
     def add_solid(
         self,
         name: str,
@@ -680,6 +713,20 @@ class RayScene:
         Cast rays. origins_m: (n, 3) or (1, 3); directions: (n, 3), of any nonzero length. exact: False for
         pictures: in float and faster, with errors in distance of about 1e-4 m. Returns RayHits. Raises
         ValueError.
+        """
+    def cover_in(
+        self,
+        low_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[2, 1]"],
+        high_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[2, 1]"],
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.uint16],
+        numpy.typing.NDArray[numpy.uint32],
+    ]:
+        """
+        Return the pieces of cover whose origins lie between two corners (2,) of an area: positions_world_m
+        (n, 3), sizes_m (n,), labels (n,) and numbers (n,), as in Picture.pieces. Releases the GIL.
         """
     def distance_m(self, points_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2438,7 +2485,7 @@ class Picture:
     @property
     def classes(self) -> numpy.ndarray:
         """
-        (H, W) uint8, see surface_class_names()
+        (H, W) uint8, see CameraScene.class_names
         """
     @property
     def depth_m(self) -> numpy.ndarray:
@@ -2464,6 +2511,11 @@ class Picture:
     def packets(self) -> bytes:
         """
         The ray packets cast, in the format of tools/bench/native/embree_bare_rays, if recorded
+        """
+    @property
+    def pieces(self) -> numpy.ndarray:
+        """
+        (H, W) uint32, the number of the piece of cover, else 0; (0, W) in a world without cover
         """
     @property
     def radiance(self) -> numpy.ndarray:
@@ -2546,6 +2598,19 @@ class CameraScene:
         Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners:
         (triangles, 3, 2), from the lower left. Raises ValueError.
         """
+    def set_cover_appearance(
+        self,
+        label: typing.SupportsInt | typing.SupportsIndex,
+        material: str,
+        surface_class: str,
+        colour: typing.Any = None,
+        texture_image: typing.Any = None,
+        texture_corners: typing.Any = None,
+    ) -> None:
+        """
+        Set the appearance of a layer of cover, as set_appearance; a new surface_class is added to class_names.
+        Raises ValueError.
+        """
     def set_ground(self, bed: str, steep: str, land: str) -> None:
         """
         Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.
@@ -2555,9 +2620,14 @@ class CameraScene:
         Return a scene with the same surfaces in different water, with a different seed.
         """
     @property
+    def class_names(self) -> list[str]:
+        """
+        surface_class_names(), followed by the classes of cover.
+        """
+    @property
     def classes_by_label(self) -> list[int]:
         """
-        The class of each label, as an index into surface_class_names().
+        The class of each label, as an index into class_names.
         """
     @property
     def label_names(self) -> list[str]:

@@ -180,6 +180,17 @@ void bind_camera_scene(py::module_& m) {
           "Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners:\n"
           "(triangles, 3, 2), from the lower left. Raises ValueError.")
       .def(
+          "set_cover_appearance",
+          [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
+             const py::object& colour, const py::object& image, const py::object& corners) {
+            scene.set_cover_appearance(label, as_material(material_name, colour), surface_class,
+                                       as_texture(image, corners));
+          },
+          py::arg("label"), py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
+          py::arg("texture_image") = py::none(), py::arg("texture_corners") = py::none(),
+          "Set the appearance of a layer of cover, as set_appearance; a new surface_class is added to class_names.\n"
+          "Raises ValueError.")
+      .def(
           "set_ground",
           [](CameraScene& scene, const std::string& bed, const std::string& steep, const std::string& land) {
             scene.set_ground(material(bed), material(steep), material(land));
@@ -207,7 +218,9 @@ void bind_camera_scene(py::module_& m) {
             const std::vector<std::uint8_t> classes = scene.classes_by_label();
             return std::vector<int>(classes.begin(), classes.end());
           },
-          "The class of each label, as an index into surface_class_names().")
+          "The class of each label, as an index into class_names.")
+      .def_property_readonly("class_names", &CameraScene::class_names,
+                             "surface_class_names(), followed by the classes of cover.")
       .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, followed by the vehicles.")
       .def("render", &render_picture, py::arg("camera"), py::arg("optics"), py::arg("position_m"),
            py::arg("orientation_xyzw"), py::arg("time_s"), py::arg("tick"), py::arg("effects"),

@@ -38,6 +38,7 @@ PictureArrays::PictureArrays(Picture&& picture, const RenderCost& render_cost, c
     : gain(picture.gain), cost(render_cost) {
   const py::ssize_t height = picture.height, width = picture.width;
   const py::ssize_t rgb_height = picture.rgb.empty() ? 0 : height;
+  const py::ssize_t pieces_height = picture.pieces.empty() ? 0 : height;
   const py::ssize_t radiance_height = picture.radiance.empty() ? 0 : height;
   rgb = read_only(move_out(std::move(picture.rgb), {rgb_height, width, 3}));
   radiance = read_only(move_out(std::move(picture.radiance), {radiance_height, width, 3}));
@@ -45,6 +46,7 @@ PictureArrays::PictureArrays(Picture&& picture, const RenderCost& render_cost, c
   normals_world = read_only(move_out(std::move(picture.normals_world), {height, width, 3}));
   labels = read_only(move_out(std::move(picture.labels), {height, width}));
   classes = read_only(move_out(std::move(picture.classes), {height, width}));
+  pieces = read_only(move_out(std::move(picture.pieces), {pieces_height, width}));
   static_assert(sizeof(RayRecord::Packet) == 580);
   packets = py::bytes(reinterpret_cast<const char*>(record.packets.data()),
                       record.packets.size() * sizeof(RayRecord::Packet));
@@ -58,7 +60,9 @@ void bind_picture(py::module_& m) {
       .def_readonly("depth_m", &PictureArrays::depth_m, "(H, W) float32 along the optical axis, inf if nothing is hit")
       .def_readonly("normals_world", &PictureArrays::normals_world, "(H, W, 3) float32, 0 if nothing is hit")
       .def_readonly("labels", &PictureArrays::labels, "(H, W) uint16, see CameraScene.label_names")
-      .def_readonly("classes", &PictureArrays::classes, "(H, W) uint8, see surface_class_names()")
+      .def_readonly("classes", &PictureArrays::classes, "(H, W) uint8, see CameraScene.class_names")
+      .def_readonly("pieces", &PictureArrays::pieces,
+                    "(H, W) uint32, the number of the piece of cover, else 0; (0, W) in a world without cover")
       .def_readonly("gain", &PictureArrays::gain, "factor from radiance to exposed signal")
       .def_property_readonly("rays", &ray_counts, "The number of rays cast, by kind.")
       .def_readonly("packets", &PictureArrays::packets,

@@ -11,7 +11,7 @@ namespace uwsim::bindings {
 struct PictureArrays {
   PictureArrays(Picture&& picture, const RenderCost& cost, const RayRecord& record);
 
-  py::array rgb, radiance, depth_m, normals_world, labels, classes;
+  py::array rgb, radiance, depth_m, normals_world, labels, classes, pieces;
   double gain;
   RenderCost cost;
   py::bytes packets;

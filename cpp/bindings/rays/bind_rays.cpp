@@ -1,3 +1,6 @@
+#include <pybind11/eigen.h>
+#include <pybind11/typing.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -166,6 +169,24 @@ py::array_t<double> distance(const RayScene& scene, const py::object& points_m) 
   return move_out(std::move(distances));
 }
 
+using CoverArrays =
+    py::typing::Tuple<py::array_t<double>, py::array_t<double>, py::array_t<Label>, py::array_t<std::uint32_t>>;
+
+CoverArrays cover_in(const RayScene& scene, const Eigen::Vector2d& low_m, const Eigen::Vector2d& high_m) {
+  const std::vector<PlacedPiece> pieces = without_gil([&] { return scene.cover_in({low_m, high_m}); });
+  std::vector<double> positions, sizes;
+  std::vector<Label> labels;
+  std::vector<std::uint32_t> numbers;
+  for (const PlacedPiece& piece : pieces) {
+    positions.insert(positions.end(), piece.position_world_m.begin(), piece.position_world_m.end());
+    sizes.push_back(piece.size_m);
+    labels.push_back(piece.label);
+    numbers.push_back(piece.number);
+  }
+  return py::make_tuple(move_out(std::move(positions), {static_cast<py::ssize_t>(pieces.size()), 3}),
+                        move_out(std::move(sizes)), move_out(std::move(labels)), move_out(std::move(numbers)));
+}
+
 std::unique_ptr<SurfaceVoxels> make_surface_voxels(const RayScene& scene, double resolution_m) {
   require(resolution_m > 0 && std::isfinite(resolution_m), "resolution_m", resolution_m, "must be finite and positive");
   return std::make_unique<SurfaceVoxels>(scene, resolution_m);
@@ -260,6 +281,9 @@ void bind_rays(py::module_& m) {
            [](const RayScene& scene) {
              return std::string("<RayScene: surfaces ") + (scene.terrain() ? "with" : "without") + " terrain>";
            })
+      .def("cover_in", &cover_in, py::arg("low_m"), py::arg("high_m"),
+           "Return the pieces of cover whose origins lie between two corners (2,) of an area: positions_world_m\n"
+           "(n, 3), sizes_m (n,), labels (n,) and numbers (n,), as in Picture.pieces. Releases the GIL.")
       .def("distance_m", &distance, py::arg("points_m"),
            "Return the distances (n,) float64 from points (n, 3) to the nearest triangle, exact to double rounding.");
 

@@ -71,6 +71,9 @@ void bind_fixed_world(py::module_& m) {
           "set_terrain", [](FixedWorld&, const py::object&, double, const py::object&) { refuse("world.set_terrain"); },
           py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"), "Raise AttributeError.")
       .def(
+          "add_cover", [](FixedWorld&, const py::args&, const py::kwargs&) { refuse("world.add_cover"); },
+          "Raise AttributeError.")
+      .def(
           "add_solid",
           [](FixedWorld&, std::string, const py::object&, const py::object&, std::vector<RoundShape>) -> Label {
             refuse("world.add_solid");

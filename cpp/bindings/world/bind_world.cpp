@@ -2,15 +2,20 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "bindings/world/binders.h"
+#include "uwsim/core/names.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim::bindings {
@@ -33,6 +38,35 @@ py::array_t<double> height_at(const World& world, const py::object& xy_m) {
     }
   }
   return move_out(std::move(heights));
+}
+
+CoverRange as_range(const std::pair<double, double>& range) { return {range.first, range.second}; }
+
+constexpr std::array<std::string_view, 3> kStanceNames = {"upright", "on_bed", "tumbled"};
+
+using Pair = std::pair<double, double>;
+
+Label add_cover(World& world, std::string name, const std::vector<std::pair<py::object, py::object>>& meshes,
+                const std::string& stance, double sunk, double density_per_m2, const Pair& size_m, double size_exponent,
+                const Pair& depth_m, const Pair& slope_rad, const Pair& from_solids_m, double patch_m,
+                double patch_share, std::uint64_t seed) {
+  CoverLayer layer;
+  layer.name = std::move(name);
+  for (const auto& [vertices, triangles] : meshes) {
+    layer.meshes.push_back({as_points(vertices, "vertices_m"), as_triangles(triangles, "triangles")});
+  }
+  layer.stance = static_cast<CoverStance>(index_of("stance", stance, kStanceNames));
+  layer.sunk = sunk;
+  layer.density_per_m2 = density_per_m2;
+  layer.size_m = as_range(size_m);
+  layer.size_exponent = size_exponent;
+  layer.depth_m = as_range(depth_m);
+  layer.slope_rad = as_range(slope_rad);
+  layer.from_solids_m = as_range(from_solids_m);
+  layer.patch_m = patch_m;
+  layer.patch_share = patch_share;
+  layer.seed = seed;
+  return world.add_cover(std::move(layer));
 }
 
 using SurfaceMesh = py::typing::Tuple<py::array_t<double>, py::array_t<std::uint32_t>, py::array_t<Label>>;
@@ -137,8 +171,17 @@ void bind_world(py::module_& m) {
           "Add a solid and return its label. vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes:\n"
           "rays hit these instead of the mesh, which is then used for contacts and as the reference surface.\n"
           "Raises ValueError.")
+      .def("add_cover", &add_cover, py::arg("name"), py::arg("meshes"), py::arg("stance") = "upright",
+           py::arg("sunk") = 0.0, py::arg("density_per_m2") = 1.0, py::arg("size_m") = Pair(0.1, 0.1),
+           py::arg("size_exponent") = 0.0, py::arg("depth_m") = Pair(-HUGE_VAL, HUGE_VAL),
+           py::arg("slope_rad") = Pair(-HUGE_VAL, HUGE_VAL), py::arg("from_solids_m") = Pair(-HUGE_VAL, HUGE_VAL),
+           py::arg("patch_m") = 0.0, py::arg("patch_share") = 1.0, py::arg("seed") = 0,
+           "Add a layer of pieces on the terrain and return its label; solids must be added before. meshes: pairs\n"
+           "(vertices (n, 3), triangles (m, 3)) with the origin on the bed and the largest extent 1. stance:\n"
+           "upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises\n"
+           "ValueError.")
       .def_property_readonly("label_names", &World::label_names,
-                             "Names by label: nothing, terrain, then the names of the solids.")
+                             "Names by label: nothing, terrain, then the names of the solids and the layers of cover.")
       .def(
           "solid_around",
           [](const World& world, const Eigen::Vector3d& point_world_m) -> std::optional<std::string> {

@@ -18,10 +18,7 @@ void require_fits(const Texture* texture, const TriangleMesh& mesh) {
 }  // namespace
 
 CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed)
-    : world_(world),
-      rays_(std::move(rays)),
-      seed_(seed),
-      hulls_(static_cast<Label>(kTerrain + 1 + world.solids().size())) {
+    : world_(world), rays_(std::move(rays)), seed_(seed), hulls_(world.labels_end()) {
   require(rays_ != nullptr, "scene", "none", "must be a RayScene");
   materials_ = {material("sand"), material("rock"), material("land")};
   classes_ = {static_cast<std::uint8_t>(SurfaceClass::kNothing), static_cast<std::uint8_t>(SurfaceClass::kTerrain)};
@@ -29,6 +26,11 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
     materials_.push_back(material("steel"));
     classes_.push_back(static_cast<std::uint8_t>(SurfaceClass::kStructure));
   }
+  for (std::size_t k = 0; k < world_.cover().size(); ++k) {
+    materials_.push_back(material("rock"));
+    classes_.push_back(static_cast<std::uint8_t>(SurfaceClass::kStructure));
+  }
+  class_names_.assign(kSurfaceClassNames.begin(), kSurfaceClassNames.end());
   textures_.resize(classes_.size());
 }
 
@@ -38,6 +40,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       seed_(seed),
       materials_(like.materials_),
       classes_(like.classes_),
+      class_names_(like.class_names_),
       textures_(like.textures_),
       has_textures_(like.has_textures_),
       vehicle_names_(like.vehicle_names_),
@@ -46,12 +49,27 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
 }
 
 void CameraScene::set_appearance(Label label, const SurfaceAppearance& appearance) {
-  require(label > kTerrain && label < world_.solids().size() + kTerrain + 1, "label", label, "must be a solid's label");
+  require(label > kTerrain && label < world_.first_cover(), "label", label, "must be a solid's label");
   require_fits(appearance.texture.get(), world_.solids()[label - kTerrain - 1]->mesh_world);
   materials_[static_cast<std::size_t>(material_of(label))] = appearance.material;
   classes_[label] = static_cast<std::uint8_t>(appearance.kind);
   textures_[label] = appearance.texture;
   has_textures_ = has_textures_ || appearance.texture;
+}
+
+void CameraScene::set_cover_appearance(Label label, const camera::Material& material, const std::string& surface_class,
+                                       std::shared_ptr<const Texture> texture) {
+  require(label >= world_.first_cover() && label < world_.labels_end(), "label", label, "must be a cover's label");
+  const std::vector<TriangleMesh>& meshes = world_.cover()[label - world_.first_cover()]->meshes;
+  require(texture == nullptr || meshes.size() == 1, "texture", meshes.size(), "needs a layer with one mesh");
+  require_fits(texture.get(), meshes.front());
+  materials_[static_cast<std::size_t>(material_of(label))] = material;
+  auto found = std::ranges::find(class_names_, surface_class);
+  if (found == class_names_.end()) found = class_names_.insert(found, surface_class);
+  classes_[label] = static_cast<std::uint8_t>(found - class_names_.begin());
+  require(classes_[label] < 255, "class", surface_class, "too many classes");
+  has_textures_ = has_textures_ || texture;
+  textures_[label] = std::move(texture);
 }
 
 void CameraScene::set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land) {

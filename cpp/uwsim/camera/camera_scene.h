@@ -21,7 +21,7 @@
 
 namespace uwsim {
 
-/// The kind of object that a label denotes: the classes of labelled pictures.
+/// The kind of object that a label denotes: the classes of labelled pictures, which the classes of cover follow.
 enum class SurfaceClass : std::uint8_t { kNothing, kTerrain, kStructure, kPipeline, kGate, kStation, kVehicle };
 inline constexpr std::array<std::string_view, 7> kSurfaceClassNames = {"nothing", "terrain", "structure", "pipeline",
                                                                        "gate",    "station", "vehicle"};
@@ -45,6 +45,10 @@ class CameraScene {
   /// Sets the material, class and texture of a solid; the defaults are steel, structure and no texture. Throws
   /// InvalidValue for an unknown label.
   void set_appearance(Label label, const SurfaceAppearance& appearance);
+  /// Sets the material and the class of a layer of cover; a new name adds a class. Throws InvalidValue for an unknown
+  /// label, or a texture where the layer has more than one mesh.
+  void set_cover_appearance(Label label, const camera::Material& material, const std::string& surface_class,
+                            std::shared_ptr<const Texture> texture = nullptr);
   /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
   /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft. Throws InvalidValue for a texture made for a
@@ -59,6 +63,8 @@ class CameraScene {
   RayScene rays_among(std::span<const Pose> world_from_vehicles, std::optional<std::size_t> hidden) const;
   std::vector<std::string> label_names() const;
   std::vector<std::uint8_t> classes_by_label() const;
+  /// kSurfaceClassNames, then the classes of cover.
+  const std::vector<std::string>& class_names() const { return class_names_; }
   /// The bed, steep ground and dry ground, followed by one material for each label from 2 on.
   const std::vector<camera::Material>& materials() const { return materials_; }
   static int material_of(std::uint32_t label) { return label <= kTerrain ? 0 : static_cast<int>(label) + 1; }
@@ -81,6 +87,7 @@ class CameraScene {
   std::uint64_t seed_;
   std::vector<camera::Material> materials_;
   std::vector<std::uint8_t> classes_;
+  std::vector<std::string> class_names_;
   std::vector<std::shared_ptr<const Texture>> textures_;
   bool has_textures_ = false;
   std::vector<std::string> vehicle_names_;

@@ -14,7 +14,7 @@ struct NamedMaterial {
   camera::Material material;  // base, other, contrast, fine_per_m, bump, ripple_m, ripple_tilt
 };
 
-constexpr std::array<NamedMaterial, 9> kMaterials = {{
+constexpr std::array<NamedMaterial, 11> kMaterials = {{
     {"plain", {{.50f, .50f, .50f}, {.50f, .50f, .50f}, 0, 1, 0, 0, 0}},
     {"sand", {{.40f, .35f, .25f}, {.22f, .18f, .12f}, 1.1f, 7, .35f, .28f, .45f}},
     {"gravel", {{.30f, .29f, .27f}, {.14f, .13f, .12f}, 1.6f, 12, .9f, 0, 0}},
@@ -23,6 +23,8 @@ constexpr std::array<NamedMaterial, 9> kMaterials = {{
     {"steel", {{.34f, .34f, .34f}, {.30f, .17f, .09f}, .9f, 6, .06f, 0, 0}},
     {"concrete", {{.46f, .45f, .42f}, {.31f, .31f, .27f}, .7f, 9, .15f, 0, 0}},
     {"paint", {{.78f, .58f, .08f}, {.66f, .47f, .06f}, .3f, 8, .03f, 0, 0}},
+    {"coral", {{.52f, .36f, .24f}, {.26f, .16f, .12f}, 1.3f, 22, .5f, 0, 0}},
+    {"leaf", {{.16f, .20f, .06f}, {.07f, .10f, .03f}, 1.0f, 14, .12f, 0, 0}},
     {"land", {{.13f, .17f, .06f}, {.26f, .24f, .13f}, 1.2f, 2, .6f, 0, 0}},
 }};
 

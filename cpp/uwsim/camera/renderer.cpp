@@ -104,6 +104,7 @@ class Rendering {
       picture_.normals_world.resize(3 * pixels);
       picture_.labels.resize(pixels);
       picture_.classes.resize(pixels);
+      if (!scene_.world().cover().empty()) picture_.pieces.resize(pixels);
     }
     if (request_.geometry_only) return;
     scatters_ = on(Effect::kForwardScatter) && optics_.forward_scatter_rad > 0 && view_.camera_in_water &&
@@ -151,6 +152,7 @@ class Rendering {
       timer.add(kPrimaryRays);
       tracer_.locate_hits(view_, kernels_, hits, block);
       if (keeps_geometry_ && is_middle_) kernels_.write_geometry(view_, left, top, block, geometry);
+      if (!picture_.pieces.empty() && is_middle_) picture_.keep_pieces(left, top, hits);
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;

@@ -10,6 +10,7 @@
 #include "uwsim/core/infinity.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/core/recently_made.h"
+#include "uwsim/rays/cover_trees.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_tile.h"
@@ -58,6 +59,11 @@ struct RayScene::Fixed {
 
   const std::vector<RayTile>& tiles() const {
     return trees_.get([this] { return Trees(surfaces); }).tiles;
+  }
+
+  /// The cover; null if there is none.
+  const CoverTrees* cover() const {
+    return surfaces.cover().empty() ? nullptr : trees_.get([this] { return Trees(surfaces); }).cover.get();
   }
 
   /// The usual case: a single tile, and rays that need no shift to its box.
@@ -139,11 +145,13 @@ struct RayScene::Fixed {
   struct Trees {
     RayDevice device = make_ray_device();
     std::vector<RayTile> tiles;
+    std::unique_ptr<const CoverTrees> cover;
 
     explicit Trees(const World& surfaces) {
       for (TileContents& contents : cut_into_tiles(surfaces)) {
         tiles.emplace_back(device.get(), surfaces, std::move(contents));
       }
+      if (!surfaces.cover().empty()) cover = std::make_unique<const CoverTrees>(device.get(), surfaces);
     }
   };
 
@@ -173,6 +181,7 @@ bool RayScene::bodies_in(const RayCone& cone) const { return bodies_ && bodies_-
 
 void RayScene::cast_packets(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
   fixed_->cast(rays, hits);
+  if (const CoverTrees* cover = fixed_->cover()) cover->cast(rays, hits);
   if (bodies_) bodies_->cast(rays, hidden_, hits);
 }
 
@@ -214,12 +223,14 @@ void RayScene::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) 
 void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
                     RayOrder order) const {
   fixed_->cast(anchor_world_m, rays, hits, order);
+  if (const CoverTrees* cover = fixed_->cover()) cover->cast(anchor_world_m, rays, order, hits);
   if (bodies_) bodies_->cast(anchor_world_m, rays, order, hidden_, hits);
 }
 
 void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                         RayOrder order) const {
   fixed_->occluded(anchor_world_m, rays, blocked, order);
+  if (const CoverTrees* cover = fixed_->cover()) cover->occlude(anchor_world_m, rays, order, blocked);
   if (bodies_) bodies_->occlude(anchor_world_m, rays, order, hidden_, blocked);
 }
 
@@ -227,6 +238,27 @@ const Heightfield* RayScene::terrain() const { return fixed_->surfaces.terrain()
 
 bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
   return terrain() && point_world_m.z() <= terrain()->height_at(point_world_m.x(), point_world_m.y());
+}
+
+std::vector<PlacedPiece> RayScene::cover_in(const Eigen::AlignedBox2d& area_world_m) const {
+  std::vector<PlacedPiece> found;
+  const CoverTrees* cover = fixed_->cover();
+  if (cover == nullptr) return found;
+  const CoverPlan& plan = cover->plan();
+  for (std::uint32_t row = 0; row < plan.rows(); ++row) {
+    for (std::uint32_t column = 0; column < plan.columns(); ++column) {
+      const Eigen::Vector2d low = plan.origin_m() + plan.tile_m() * Eigen::Vector2d(column, row);
+      if (!area_world_m.intersects({low, low + Eigen::Vector2d::Constant(plan.tile_m())})) continue;
+      const CoverTilePlan tile = plan.pieces(column, row);
+      for (const CoverPiece& piece : tile.pieces) {
+        const Eigen::Vector3d at = tile.middle_m + piece.at_m.cast<double>();
+        if (!area_world_m.contains(at.head<2>())) continue;
+        found.push_back(
+            {at, piece.size_m, static_cast<Label>(fixed_->surfaces.first_cover() + piece.layer), piece.number});
+      }
+    }
+  }
+  return found;
 }
 
 bool RayScene::within_round(const Eigen::Vector3d& point_world_m, double depth_m) const {
@@ -247,7 +279,8 @@ void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::sp
   parallel_ranges(points_world_m.size(), threads, [&](std::size_t first, std::size_t last) {
     double nearest_m = kInfinity;
     for (std::size_t k = first; k < last; ++k) {
-      const double fixed_m = fixed_->distance_to(points_world_m[k], nearest_m);
+      double fixed_m = fixed_->distance_to(points_world_m[k], nearest_m);
+      if (const CoverTrees* cover = fixed_->cover()) fixed_m = cover->distance(points_world_m[k], fixed_m);
       distances_m[k] = bodies_ ? bodies_->distance(points_world_m[k], fixed_m, hidden_) : fixed_m;
       // Neighbours in the list are usually neighbours in space. The next point's distance to the nearest surface
       // exceeds this one's by at most the distance between the two points.

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "uwsim/rays/moving_bodies.h"
 #include "uwsim/rays/ray_packet.h"
@@ -20,6 +21,14 @@ struct RayHit {
   double distance_m;             ///< infinity if nothing is hit within range
   Eigen::Vector3f normal_world;  ///< unit, on the side from which the triangle's corners run counter-clockwise
   Label label;
+};
+
+/// A piece of cover.
+struct PlacedPiece {
+  Eigen::Vector3d position_world_m;  ///< of its mesh's origin
+  double size_m;
+  Label label;           ///< of its layer
+  std::uint32_t number;  ///< as in HitPacket::piece
 };
 
 /// The world's fixed surfaces, prepared for ray casting, and optionally bodies that move among them. Embree searches
@@ -67,6 +76,9 @@ class RayScene {
   const Heightfield* terrain() const;
   /// Whether the point lies on or below the terrain; false outside its extent.
   bool under_ground(const Eigen::Vector3d& point_world_m) const;
+
+  /// The pieces of cover whose origins lie in an area.
+  std::vector<PlacedPiece> cover_in(const Eigen::AlignedBox2d& area_world_m) const;
 
   /// Whether the point lies in a round shape, deeper than `depth_m`. Since shapes are closed, no ray from outside comes
   /// closer to such a point than `depth_m`.

@@ -45,7 +45,7 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
       spec_((spec.check(), spec)),
       step_ns_(static_cast<std::uint64_t>(std::llround(spec.step_s * 1e9))),
       bodies_(world, spec.step_s, spec.engine),
-      hulls_(std::make_shared<MovingBodies>(static_cast<Label>(kTerrain + 1 + world.solids().size()))),
+      hulls_(std::make_shared<MovingBodies>(world.labels_end())),
       hulls_version_(kUnplaced) {
   require(scene_ != nullptr, "scene", "none", "must be a RayScene");
 }

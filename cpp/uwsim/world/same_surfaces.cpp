@@ -25,6 +25,20 @@ bool are_same(const Solid& one, const Solid& other) {
          std::ranges::equal(one.shapes, other.shapes, same_shapes);
 }
 
+bool are_same(const CoverRange& one, const CoverRange& other) { return one.low == other.low && one.high == other.high; }
+
+bool are_same(const CoverLayer& one, const CoverLayer& other) {
+  const auto same_meshes = [](const TriangleMesh& a, const TriangleMesh& b) {
+    return a.vertices_m == b.vertices_m && a.triangles == b.triangles;
+  };
+  return std::ranges::equal(one.meshes, other.meshes, same_meshes) && one.name == other.name &&
+         one.stance == other.stance && one.sunk == other.sunk && one.density_per_m2 == other.density_per_m2 &&
+         are_same(one.size_m, other.size_m) && one.size_exponent == other.size_exponent &&
+         are_same(one.depth_m, other.depth_m) && are_same(one.slope_rad, other.slope_rad) &&
+         are_same(one.from_solids_m, other.from_solids_m) && one.patch_m == other.patch_m &&
+         one.patch_share == other.patch_share && one.seed == other.seed;
+}
+
 /// Whether both are null, or point to the same surface.
 template <typename Surface>
 bool point_to_same(const std::shared_ptr<const Surface>& one, const std::shared_ptr<const Surface>& other) {
@@ -34,8 +48,9 @@ bool point_to_same(const std::shared_ptr<const Surface>& one, const std::shared_
 }  // namespace
 
 bool have_same_surfaces(const World& one, const World& other) {
-  const auto same_solids = [](const auto& a, const auto& b) { return point_to_same(a, b); };
-  return point_to_same(one.terrain(), other.terrain()) && std::ranges::equal(one.solids(), other.solids(), same_solids);
+  const auto same = [](const auto& a, const auto& b) { return point_to_same(a, b); };
+  return point_to_same(one.terrain(), other.terrain()) && std::ranges::equal(one.solids(), other.solids(), same) &&
+         std::ranges::equal(one.cover(), other.cover(), same);
 }
 
 }  // namespace uwsim

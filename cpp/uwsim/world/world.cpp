@@ -13,7 +13,8 @@ void World::set_terrain(Heightfield terrain) { terrain_ = std::make_shared<const
 Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<RoundShape> shapes) {
   require_well_formed(mesh_world, "solid '" + name + "'");
   require(!name.empty(), "solid.name", "''", "must not be empty");
-  require(solids_.size() + kTerrain + 1 < std::numeric_limits<Label>::max(), "solids", solids_.size(), "too many");
+  require(labels_end() < std::numeric_limits<Label>::max(), "solids", solids_.size(), "too many");
+  require(cover_.empty(), "solid '" + name + "'", "after cover", "must be added before cover");
   for (const std::string& known : label_names()) require(known != name, "solid.name", name, "must be unique");
   Eigen::Vector3d low = mesh_world.vertices_m[mesh_world.triangles[0][0]], high = low;
   for (const Triangle& t : mesh_world.triangles) {
@@ -25,6 +26,16 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
   solids_.push_back(
       std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world), std::move(shapes), low, high}));
   return static_cast<Label>(kTerrain + solids_.size());
+}
+
+Label World::add_cover(CoverLayer layer) {
+  layer.check();
+  require(terrain_ != nullptr, "cover '" + layer.name + "'", "no terrain", "must have terrain to lie on");
+  require(labels_end() < std::numeric_limits<Label>::max(), "cover", cover_.size(), "too many layers");
+  for (const std::string& known : label_names())
+    require(known != layer.name, "cover.name", layer.name, "must be unique");
+  cover_.push_back(std::make_shared<const CoverLayer>(std::move(layer)));
+  return static_cast<Label>(labels_end() - 1);
 }
 
 const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
@@ -41,6 +52,7 @@ const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
 std::vector<std::string> World::label_names() const {
   std::vector<std::string> names = {"nothing", "terrain"};
   for (const auto& solid : solids_) names.push_back(solid->name);
+  for (const auto& layer : cover_) names.push_back(layer->name);
   return names;
 }
 

@@ -19,6 +19,7 @@ from uwsim.scenario.spec.actuator import ThrusterType
 from uwsim.scenario.spec.battery import BatteryType
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.cover import CoverSpec
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
@@ -52,6 +53,7 @@ PARTS: dict[str, Any] = {
     "imaging_sonar": ImagingMount,
     "camera": CameraMount,
     "control": Control,
+    "cover": CoverSpec,
     "failsafe": Failsafe,
     "fault": FaultSpec,
     "link": LinkSetup,

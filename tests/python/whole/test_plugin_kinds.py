@@ -23,8 +23,10 @@ faults:
   - {kind: kelp, times: 4, at_s: 1, for_s: 2}
 obstacles:
   - {kind: pyramid, name: cairn, position_m: [20, 5, 0], on_bed: true, width_m: 2, height_m: 3}
+cover:
+  - {kind: cone, name: cones, density_per_m2: 0.01, size_m: [0.2, 0.3], depth_m: [22, 30]}
 """
-UNKNOWN = ["'slope'", "'pyramid'", "'light'", "'clipped'", "'kelp'"]
+UNKNOWN = ["'slope'", "'pyramid'", "'cone'", "'light'", "'clipped'", "'kelp'"]
 SONAR = "eye: {kind: clipped, position_m: [0.2, 0, 0], margin_db: 20, beams: 64, range_bins: 200}"
 LIGHT = "light: {kind: light, rate_hz: 2, latency_s: 0.1, attenuation_1_m: 0.2, noise: {std: 1.5, turn_on_std: 0.5}}"
 
@@ -55,7 +57,7 @@ def run(script: str, plugins: Path, *arguments: Path) -> Any:
 
 def test_kinds_are_in_help_schemas_and_on_the_instructors_page(plugins: Path) -> None:
     environment = with_plugins(plugins)
-    parts = ("fault", "sensor", "imaging_sonar", "exercise", "terrain", "obstacle")
+    parts = ("fault", "sensor", "imaging_sonar", "exercise", "terrain", "obstacle", "cover")
     commands = [["compare", "--help"], *(["scenario", "schema", part] for part in parts)]
     compare, *shown = uwsim_in_another_process(*commands, env=environment)
     assert "reach_dock, square" in " ".join(compare.stdout.split())
@@ -68,6 +70,7 @@ def test_kinds_are_in_help_schemas_and_on_the_instructors_page(plugins: Path) ->
     assert {"margin_db", "beams", "field_of_view_deg"} < set(clipped["properties"])
     assert schemas["terrain"]["definitions"]["Slope"]["properties"]["slope_deg"]["x-unit"] == "deg"
     assert "width_m" in schemas["obstacle"]["definitions"]["Pyramid"]["required"]
+    assert schemas["cover"]["definitions"]["Cone"]["properties"]["density_per_m2"]["x-unit"] == "1/m2"
     assert schemas["exercise"]["definitions"]["Spin"]["description"] == "Turn round on the spot."
     page = "import json; from uwsim.operator.station.fault_kinds import fault_kinds; print(json.dumps(fault_kinds()))"
     (kelp,) = [kind for kind in run(page, plugins) if kind["kind"] == "kelp"]
@@ -169,6 +172,8 @@ print(json.dumps({
     "bed": sim.world.height_at([[0.0, 0.0], [7.0, 6.0]]).tolist(),
     "above": sim.scene.distance_m([[20.0, 5.0, -10.0]]).tolist(),
     "same": [each == scenario for each in (again, pickle.loads(pickle.dumps(scenario)))],
+    "labels": sim.label_names,
+    "cones": len(sim.around().scene.cover_in([-30, -30], [30, 30])[0]),
     "fingerprints": [scenario_fingerprint(scenario), scenario_fingerprint(again)],
 }))
 """
@@ -177,6 +182,7 @@ print(json.dumps({
     assert found["bed"] == pytest.approx([-20, -20 + 6 * rise], abs=1e-4)
     # It stands on the northern edge of its base, at y = 6.
     assert found["above"] == pytest.approx([10 - 6 * rise - 3], abs=1e-4)
+    assert found["labels"][3] == "cones" and 2 < found["cones"] < 40
     assert all(found["same"]) and len(set(found["fingerprints"])) == 1
 
 

@@ -118,7 +118,8 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
     label_range = studio.label_range_m
     record["label_range_m"] = float(label_range) if np.isfinite(label_range) else None
     if spec.writes("boxes", "yolo"):
-        things = annotations_of(labels, studio.class_of_label, studio.label_names, distances, spec.min_pixels)
+        pieces = frame.pieces if len(frame.pieces) else None
+        things = annotations_of(labels, studio.class_of_label, studio.label_names, distances, spec.min_pixels, pieces)
         if spec.writes("boxes"):
             record["annotations"] = things
         if spec.writes("yolo"):

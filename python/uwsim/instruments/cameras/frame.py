@@ -43,7 +43,8 @@ class Frame:
     rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a geometry-only frame. depth_m: (H, W) float32 along the optical axis, inf
     if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangle winding, 0 if nothing is hit.
     labels: (H, W) uint16, indices into label_names. classes: (H, W) uint8, indices into class_names. class_of_label:
-    the class of each label. Depth, normals, labels and classes describe the first solid on the straight ray through
+    the class of each label. pieces: (H, W) uint32, the number of each piece of cover, else 0; (0, W) in a world without
+    cover. Depth, normals, labels and classes describe the first solid on the straight ray through
     each pixel, as if the water and its surface were clear; colour follows the light through the surface. radiance: (H,
     W, 3) float32 before exposure, if requested, in units in which the sun's irradiance outside the atmosphere is 1.
     gain: factor from radiance to the exposed signal. rays: number of rays cast, by kind. task_s: processor seconds by
@@ -55,6 +56,7 @@ class Frame:
     normals_world: NDArray[np.float32]
     labels: NDArray[np.uint16]
     classes: NDArray[np.uint8]
+    pieces: NDArray[np.uint32]
     radiance: NDArray[np.float32]
     gain: float
     label_names: tuple[str, ...]
@@ -107,7 +109,7 @@ class Frame:
 
     def _arrays(self) -> dict[str, Any]:
         names = {"label_names": np.array(self.label_names), "class_names": np.array(self.class_names)}
-        skipped = ("info", "rays", "task_s", *names)
+        skipped = ("info", "rays", "task_s", *names, *(() if len(self.pieces) else ("pieces",)))
         plain = {name: np.asarray(value) for name, value in self.to_dict().items() if name not in skipped}
         return {**plain, **names, "k": self.info.k, "d": self.info.d}
 

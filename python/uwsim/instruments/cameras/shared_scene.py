@@ -94,6 +94,11 @@ class SharedScene:
         """
         return self._native.core
 
+    @property
+    def has_cover(self) -> bool:
+        """True if the scenario has cover, so that frames have pieces."""
+        return bool(self._scenario.cover)
+
     def kept(self) -> SharedScene:
         """Return a copy that keeps the current materials, hulls and water, regardless of later changes."""
         return copy(self)

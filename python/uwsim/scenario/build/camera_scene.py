@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from uwsim import _core
+from uwsim.scenario.build.cover import set_cover_appearance
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.read.textures import Texture, load_texture
@@ -24,6 +25,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         station = scenario.station
         texture = load_texture(station.mesh) if station.mesh is not None and station.material.colour is None else None
         _set_appearance(scene, label_of["station"], "station", station.material, texture)
+    for layer in scenario.cover:
+        set_cover_appearance(scene, label_of[layer.name], layer)
     for vehicle in scenario.vehicles:
         material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
         texture = _hull_texture(vehicle.model, len(triangles))

@@ -9,9 +9,9 @@ from uwsim.scenario.spec.scenario import Scenario
 def label_names(scenario: Scenario) -> list[str]:
     """Return the names by label: those from `build_world` (World.label_names), then vehicles, then objects."""
     station = ["station"] if scenario.station.mesh is not None else []
-    parts = (scenario.obstacles, scenario.vehicles, scenario.objects)
-    obstacles, vehicles, objects = ([named.name for named in part] for part in parts)
-    return ["nothing", "terrain", *obstacles, *station, *vehicles, *objects]
+    parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects)
+    obstacles, cover, vehicles, objects = ([named.name for named in part] for part in parts)
+    return ["nothing", "terrain", *obstacles, *station, *cover, *vehicles, *objects]
 
 
 def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
@@ -19,5 +19,6 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     station = [scenario.station.material] if scenario.station.mesh is not None else []
     vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
     vehicles += [body.shape.material for body in scenario.objects]
-    solids = [obstacle.material for obstacle in scenario.obstacles] + station + vehicles
-    return [ROCK, scenario.ground.backscatter, *(material.backscatter for material in solids)]
+    obstacles, cover = ([thing.material for thing in part] for part in (scenario.obstacles, scenario.cover))
+    solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
+    return [ROCK, scenario.ground.backscatter, *solids]

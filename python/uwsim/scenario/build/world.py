@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.build.cover import add_cover
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.loose_bodies import object_position
 from uwsim.scenario.build.obstacles import obstacle_solid
@@ -32,7 +33,7 @@ def beyond_terrain(world: _core.World, scenario: Scenario, x_m: float, y_m: floa
 
 
 def build_world(scenario: Scenario) -> _core.World:
-    """Return the world of a scenario: terrain, obstacles, the station (named "station") and water.
+    """Return the world of a scenario: terrain, obstacles, the station (named "station"), cover and water.
 
     Raises a ScenarioError that lists all mistakes.
     """
@@ -55,6 +56,9 @@ def build_world(scenario: Scenario) -> _core.World:
             vertices, triangles = station_mesh(scenario.station)
             require_solid_fits("station", vertices, terrain)
             world.add_solid("station", vertices, triangles)
+    for index, layer in enumerate(scenario.cover):
+        with found.noted(), errors_at("cover", index):
+            add_cover(world, layer)
     for index, vehicle in enumerate(scenario.vehicles):
         with found.noted(), vehicle_errors_at(scenario, index):
             require_fits(vehicle.model.name, _hull(vehicle), terrain, vehicle.model.mesh_scale)

@@ -46,6 +46,8 @@ BACKSCATTER = {
     "mud": Backscatter.model_construct(strength_db=-44.0, relief=0.01, fluid=SEABEDS["sandy_mud"]),
     "concrete": Backscatter.model_construct(strength_db=-30.0),
     "steel": Backscatter.model_construct(strength_db=-26.0, fluid=STEEL),
+    "coral": Backscatter.model_construct(strength_db=-28.0, relief=0.2),
+    "leaf": Backscatter.model_construct(strength_db=-40.0, relief=0.2, fluid=SEABEDS["sandy_mud"]),
     "paint": Backscatter.model_construct(strength_db=-26.0, fluid=STEEL),
     "land": ROCK,
     "plain": ROCK,

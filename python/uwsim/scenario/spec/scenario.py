@@ -12,6 +12,7 @@ from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.cover import Cover
 from uwsim.scenario.spec.earth import Earth
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
@@ -60,14 +61,14 @@ class Scenario(Model):
     name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
     simulation. dynamics: what moves the vehicles. earth: where on Earth the world's origin is; by default unknown,
     unless the terrain has a coordinate system. water: its surface, currents and profile. optics: optical conditions
-    for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. water_targets: fish
-    and bubbles, which a multibeam in physics mode receives. station: the reference for distances; it has the dock.
-    vehicles: at least one. objects: loose bodies. warnings: when the panel issues warnings. survey: the survey flown by
-    `uwsim survey`. mission_time_s: battery life after the release of a vehicle without a `battery`, and the default
-    time limit of a flight. link: the link between station and vehicles; None: messages are delivered immediately.
-    faults: what fails, and when. wire: the topics that servers offer unless they are asked for others: `standard`
-    (ROS's usual ones), `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or
-    `both`.
+    for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. cover: layers of
+    stones, plants and animals on the bed, which vehicles pass through. water_targets: fish and bubbles, which a
+    multibeam in physics mode receives. station: the reference for distances; it has the dock. vehicles: at least one.
+    objects: loose bodies. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
+    mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
+    flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
+    and when. wire: the topics that servers offer unless they are asked for others: `standard` (ROS's usual ones),
+    `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or `both`.
     """
 
     name: Name
@@ -82,6 +83,7 @@ class Scenario(Model):
     terrain: TerrainSpec
     ground: Ground = Ground.model_construct()
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
+    cover: Cover = ()
     water_targets: Annotated[tuple[WaterTargetSpec, ...], Field(max_length=100)] = ()
     station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
@@ -106,6 +108,7 @@ class Scenario(Model):
         taken = set(RESERVED_NAMES)
         for kind, items in (
             ("obstacles", self.obstacles),
+            ("cover", self.cover),
             ("water_targets", self.water_targets),
             ("vehicles", self.vehicles),
             ("objects", self.objects),

@@ -45,6 +45,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "terrain",
             "ground",
             "obstacles",
+            "cover",
             "water_targets",
             "link",
             "survey",

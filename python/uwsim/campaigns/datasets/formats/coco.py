@@ -16,33 +16,37 @@ STUFF = ("nothing", "terrain")
 
 def annotations_of(
     labels: NDArray[np.uint16], class_of_label: Sequence[int], names: Sequence[str], distances_m: NDArray[np.float32],
-    min_pixels: int,
+    min_pixels: int, pieces: NDArray[np.uint32] | None = None,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Return the annotations for the objects in a picture, without ids.
 
     labels: (H, W). class_of_label: the class index of each label. names: the name of each label. distances_m: (H, W),
     the distance of each pixel. min_pixels: objects with fewer pixels are omitted. In addition to the COCO fields, an
-    annotation has the object's name, its label and the median distance of its pixels.
+    annotation has the object's name, its label and the median distance of its pixels. pieces: (H, W), the number of
+    each piece of cover, else 0; each is an object of its own, with its number.
     """
     found = []
     for label in np.flatnonzero(np.bincount(labels.ravel())).tolist():
         if class_of_label[label] < len(STUFF):
             continue
-        mask = labels == label
-        area = int(mask.sum())
-        if area >= min_pixels:
-            found.append(
-                {
-                    "category_id": class_of_label[label],
-                    "segmentation": run_lengths(mask),
-                    "area": area,
-                    "bbox": bounds(mask),
-                    "iscrowd": 0,
-                    "name": names[label],
-                    "instance": label,
-                    "distance_m": round(float(np.median(distances_m[mask])), 3),
-                }
-            )
+        alike = labels == label
+        for piece in [0] if pieces is None else np.unique(pieces[alike]).tolist():
+            mask = alike if pieces is None else alike & (pieces == piece)
+            area = int(mask.sum())
+            if area >= min_pixels:
+                found.append(
+                    {
+                        "category_id": class_of_label[label],
+                        "segmentation": run_lengths(mask),
+                        "area": area,
+                        "bbox": bounds(mask),
+                        "iscrowd": 0,
+                        "name": names[label],
+                        "instance": label,
+                        **({"piece": piece} if piece else {}),
+                        "distance_m": round(float(np.median(distances_m[mask])), 3),
+                    }
+                )
     return found
 
 

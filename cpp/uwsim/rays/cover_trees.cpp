@@ -1,0 +1,494 @@
+#include "uwsim/rays/cover_trees.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "uwsim/core/check.h"
+#include "uwsim/rays/embree.h"
+#include "uwsim/rays/embree_cast.h"
+#include "uwsim/rays/ray_lanes.h"
+#include "uwsim/rays/tolerances.h"
+#include "uwsim/rays/triangle_hit.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// A mesh in an Embree tree of its own. Vertices are padded by one float, as Embree may read four.
+RayTree mesh_tree(RTCDeviceTy* device, const std::vector<Eigen::Vector3f>& vertices,
+                  const std::vector<Triangle>& triangles) {
+  GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+  void* vertex = rtcSetNewGeometryBuffer(owner.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                         sizeof(Eigen::Vector3f), vertices.size());
+  void* index = rtcSetNewGeometryBuffer(owner.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle),
+                                        triangles.size());
+  require(vertex != nullptr && index != nullptr, "cover.triangles", triangles.size(), "not enough memory for them");
+  std::memcpy(vertex, vertices.data(), vertices.size() * sizeof(Eigen::Vector3f));
+  std::memcpy(index, triangles.data(), triangles.size() * sizeof(Triangle));
+  RayTree tree = make_ray_tree(device, true);
+  attach(tree.get(), owner, 0);
+  commit(device, tree.get(), triangles.size());
+  return tree;
+}
+
+}  // namespace
+
+struct CoverTrees::Tile {
+  Eigen::Vector3d middle_m;
+  Eigen::AlignedBox3d box;
+  std::vector<CoverPiece> pieces;
+  RayTree tree;
+  mutable std::atomic<std::uint32_t> used = 0;  ///< when it was last used
+};
+
+/// Sixteen rays on their way through the tiles: lanes end at their nearest hit so far.
+struct CoverTrees::Walk {
+  using Lanes = std::array<double, kPacketRays>;
+  Lanes origin[3], direction[3], inverse[3], near_m, far_m;
+  std::array<std::int32_t, kPacketRays> active;
+
+  template <typename Rays, typename Far>
+  Walk(const Eigen::Vector3d& anchor_world_m, const Rays& rays, const Far& end_m) {
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const Eigen::Vector3d from = anchor_world_m + origin_of(rays, k).template cast<double>();
+      const Eigen::Vector3d along = direction_of(rays, k).template cast<double>();
+      const bool idle = rays.active[k] == 0 || !from.allFinite() || !along.allFinite();
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        origin[a][k] = idle ? 0 : from(axis);
+        direction[a][k] = idle ? (axis == 2 ? 1 : 0) : along(axis);
+        inverse[a][k] = 1 / direction[a][k];
+      }
+      near_m[k] = 0;
+      far_m[k] = std::min<double>(rays.far_m[k], end_m[k]);
+      active[k] = idle ? 0 : -1;
+    }
+  }
+
+  /// Where the lane enters a box before its end; infinity if it does not.
+  double entry(std::size_t k, const Eigen::AlignedBox3d& box) const {
+    double first = near_m[k], last = far_m[k];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double one = (box.min()(axis) - origin[a][k]) * inverse[a][k];
+      const double two = (box.max()(axis) - origin[a][k]) * inverse[a][k];
+      // A ray in the plane of a side divides zero by zero: the comparisons below then leave the limits alone.
+      first = std::max(first, std::min(one, two));
+      last = std::min(last, std::max(one, two));
+    }
+    return active[k] != 0 && first <= last ? first : kInfinite;
+  }
+
+  /// Where a lane that enters a box leaves it, or ends.
+  double exit(std::size_t k, const Eigen::AlignedBox3d& box) const {
+    double last = far_m[k];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double one = (box.min()(axis) - origin[a][k]) * inverse[a][k];
+      const double two = (box.max()(axis) - origin[a][k]) * inverse[a][k];
+      last = std::min(last, std::max(one, two));
+    }
+    return last;
+  }
+};
+
+/// Keeps the tiles in memory while it lives: each thread has a stripe, which is free except while tiles are released.
+class CoverTrees::InUse {
+ public:
+  explicit InUse(const CoverTrees& trees)
+      : trees_(trees), lock_(trees.stripes_[own_number() % trees.stripes_.size()].mutex) {}
+  ~InUse() {
+    lock_.unlock();
+    if (trees_.pieces_in_memory_ > trees_.most_pieces_) trees_.release_oldest();
+  }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
+
+ private:
+  static unsigned own_number() {
+    static std::atomic<unsigned> threads = 0;
+    thread_local const unsigned number = threads++;
+    return number;
+  }
+
+  const CoverTrees& trees_;
+  std::unique_lock<ForkSafeMutex<std::mutex>> lock_;
+};
+
+CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces)
+    : device_(device),
+      plan_(surfaces),
+      first_label_(surfaces.first_cover()),
+      most_pieces_(most_pieces),
+      lowest_m_(surfaces.terrain()->lowest_m()),
+      highest_m_(surfaces.terrain()->highest_m()),
+      heights_(std::size_t{plan_.columns()} * plan_.rows()),
+      tiles_(heights_.size()) {
+  for (const auto& layer : surfaces.cover()) {
+    for (const TriangleMesh& mesh : layer->meshes) {
+      Mesh made;
+      for (const Eigen::Vector3d& v : mesh.vertices_m) made.vertices.push_back(v.cast<float>());
+      made.triangles = mesh.triangles;
+      made.tree = mesh_tree(device, made.vertices, made.triangles);
+      meshes_.push_back(std::move(made));
+    }
+  }
+  const Heightfield& terrain = *surfaces.terrain();
+  for (std::size_t j = 0; j < terrain.ny(); ++j) {
+    for (std::size_t i = 0; i < terrain.nx(); ++i) {
+      const auto tile_at = [&](std::size_t at, std::uint32_t count) {
+        return std::min(static_cast<std::size_t>(static_cast<double>(at) * terrain.spacing_m() / plan_.tile_m()),
+                        std::size_t{count - 1});
+      };
+      // A height belongs to the cells around it, which may lie in the next tile.
+      for (const std::size_t dj : {std::size_t{0}, std::size_t{2}}) {
+        for (const std::size_t di : {std::size_t{0}, std::size_t{2}}) {
+          const std::size_t n = tile_at(std::max(j + dj, std::size_t{1}) - 1, plan_.rows()) * plan_.columns() +
+                                tile_at(std::max(i + di, std::size_t{1}) - 1, plan_.columns());
+          heights_[n].extend(Eigen::Matrix<double, 1, 1>(terrain.heights_m()[j * terrain.nx() + i]));
+        }
+      }
+    }
+  }
+}
+
+CoverTrees::~CoverTrees() {
+  for (const std::atomic<const Tile*>& tile : tiles_) delete tile.load();
+}
+
+const CoverTrees::Tile& CoverTrees::tile(std::uint32_t column, std::uint32_t row) const {
+  std::atomic<const Tile*>& slot = tiles_[std::size_t{row} * plan_.columns() + column];
+  const Tile* found = slot.load(std::memory_order_acquire);
+  if (found == nullptr) {
+    std::unique_ptr<const Tile> made = make_tile(column, row);
+    made->used = ++clock_;
+    // If another thread was faster, its tile, which is equal, is used.
+    if (slot.compare_exchange_strong(found, made.get(), std::memory_order_acq_rel)) {
+      pieces_in_memory_ += made->pieces.size();
+      found = made.release();
+    }
+  }
+  const std::uint32_t now = clock_.load(std::memory_order_relaxed);
+  if (found->used.load(std::memory_order_relaxed) != now) found->used.store(now, std::memory_order_relaxed);
+  return *found;
+}
+
+std::unique_ptr<const CoverTrees::Tile> CoverTrees::make_tile(std::uint32_t column, std::uint32_t row) const {
+  auto made = std::make_unique<Tile>();
+  CoverTilePlan plan = plan_.pieces(column, row);
+  made->middle_m = plan.middle_m;
+  made->pieces = std::move(plan.pieces);
+  made->tree = make_ray_tree(device_, true);
+  for (std::uint32_t k = 0; k < made->pieces.size(); ++k) {
+    const CoverPiece& piece = made->pieces[k];
+    GeometryOwner owner(rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(owner.get(), meshes_[piece.mesh].tree.get());
+    std::array<float, 12> place;  // columns of the rotation, then the translation
+    std::copy_n(piece.turn.data(), 9, place.begin());
+    std::copy_n(piece.at_m.data(), 3, place.begin() + 9);
+    rtcSetGeometryTransform(owner.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, place.data());
+    attach(made->tree.get(), owner, k);
+  }
+  commit(device_, made->tree.get(), made->pieces.size());
+  if (made->pieces.empty()) return made;  // its box is empty, so that no ray enters it
+  RTCBounds bounds;
+  rtcGetSceneBounds(made->tree.get(), &bounds);
+  constexpr double kMargin_m = 1e-3;
+  made->box = {made->middle_m + Eigen::Vector3d(bounds.lower_x, bounds.lower_y, bounds.lower_z) -
+                   Eigen::Vector3d::Constant(kMargin_m),
+               made->middle_m + Eigen::Vector3d(bounds.upper_x, bounds.upper_y, bounds.upper_z) +
+                   Eigen::Vector3d::Constant(kMargin_m)};
+  return made;
+}
+
+/// Releases the half of the tiles that were not used for longest, unless another thread has done so.
+void CoverTrees::release_oldest() const {
+  std::vector<std::unique_lock<ForkSafeMutex<std::mutex>>> all;
+  for (Stripe& stripe : stripes_) all.emplace_back(stripe.mutex);
+  if (pieces_in_memory_ <= most_pieces_) return;
+  std::vector<std::uint32_t> used;
+  for (const std::atomic<const Tile*>& slot : tiles_) {
+    if (const Tile* tile = slot.load()) used.push_back(tile->used);
+  }
+  std::ranges::nth_element(used, used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2));
+  const std::uint32_t middle = used[used.size() / 2];
+  for (std::atomic<const Tile*>& slot : tiles_) {
+    const Tile* tile = slot.load();
+    if (tile == nullptr || tile->used > middle) continue;
+    pieces_in_memory_ -= tile->pieces.size();
+    slot = nullptr;
+    delete tile;
+  }
+}
+
+Corners CoverTrees::corners(const Tile& tile, const CoverPiece& piece, std::uint32_t triangle) const {
+  const Mesh& mesh = meshes_[piece.mesh];
+  const Eigen::Matrix3d turn = piece.turn.cast<double>();
+  const Eigen::Vector3d at = tile.middle_m + piece.at_m.cast<double>();
+  Corners corners;
+  for (std::size_t k = 0; k < 3; ++k)
+    corners[k] = at + turn * mesh.vertices[mesh.triangles[triangle][k]].cast<double>();
+  return corners;
+}
+
+/// Calls visit(tile, lanes) for the tiles that rays enter before their end, the nearest first.
+template <typename Visit>
+void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
+  const double reach = plan_.reach_m(), width = plan_.tile_m();
+  const auto box_of = [&](std::uint32_t column, std::uint32_t row) {
+    const Eigen::AlignedBox1d& z = heights_[std::size_t{row} * plan_.columns() + column];
+    const Eigen::Vector2d low = plan_.origin_m() + width * Eigen::Vector2d(column, row);
+    return Eigen::AlignedBox3d(Eigen::Vector3d(low.x() - reach, low.y() - reach, z.min()(0) - reach),
+                               Eigen::Vector3d(low.x() + width + reach, low.y() + width + reach, z.max()(0) + reach));
+  };
+  // The part of the grid that the rays may enter: for each lane, the ends of its way through the whole grid.
+  Eigen::AlignedBox3d whole(box_of(0, 0)), way;
+  whole.extend(box_of(plan_.columns() - 1, plan_.rows() - 1));
+  whole.min().z() = lowest_m_ - reach, whole.max().z() = highest_m_ + reach;
+  Walk::Lanes first_m, last_m;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const double start = walk.entry(k, whole);
+    if (start == kInfinite) {
+      walk.active[k] = 0;
+      continue;
+    }
+    first_m[k] = start, last_m[k] = walk.exit(k, whole);
+    for (const double t : {start, last_m[k]}) {
+      way.extend(Eigen::Vector3d(walk.origin[0][k] + t * walk.direction[0][k],
+                                 walk.origin[1][k] + t * walk.direction[1][k], 0));
+    }
+  }
+  if (way.isEmpty()) return;
+  const auto number = [&](double at, int axis, double beyond, std::uint32_t count) {
+    const double n = std::floor((at + beyond - plan_.origin_m()(axis)) / width);
+    return static_cast<std::uint32_t>(std::clamp(n, 0.0, count - 1.0));
+  };
+  const std::uint32_t low = number(way.min().y(), 1, -reach, plan_.rows()),
+                      high = number(way.max().y(), 1, reach, plan_.rows());
+  struct Entered {
+    double first_m = 0;
+    const Tile* tile = nullptr;
+  };
+  thread_local std::vector<Entered> entered;
+  entered.clear();
+  const auto first_entry = [&](const Eigen::AlignedBox3d& box) {
+    double first = kInfinite;
+    for (std::size_t k = 0; k < kPacketRays; ++k) first = std::min(first, walk.entry(k, box));
+    return first;
+  };
+  for (std::uint32_t row = low; row <= high; ++row) {
+    // The part of the row that the rays cross.
+    const double south = plan_.origin_m().y() + row * width - reach, north = south + width + 2 * reach;
+    double west = kInfinite, east = -kInfinite;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (walk.active[k] == 0) continue;
+      double from = first_m[k], to = last_m[k];
+      if (walk.direction[1][k] != 0) {
+        const double one = (south - walk.origin[1][k]) * walk.inverse[1][k],
+                     two = (north - walk.origin[1][k]) * walk.inverse[1][k];
+        from = std::max(from, std::min(one, two)), to = std::min(to, std::max(one, two));
+      }
+      if (from > to) continue;
+      const double one = walk.origin[0][k] + from * walk.direction[0][k],
+                   two = walk.origin[0][k] + to * walk.direction[0][k];
+      west = std::min({west, one, two}), east = std::max({east, one, two});
+    }
+    if (west > east) continue;
+    const std::uint32_t left = number(west, 0, -reach, plan_.columns()),
+                        right = number(east, 0, reach, plan_.columns());
+    for (std::uint32_t column = left; column <= right; ++column) {
+      if (heights_[std::size_t{row} * plan_.columns() + column].isEmpty()) continue;
+      if (first_entry(box_of(column, row)) == kInfinite) continue;
+      const Tile& next = tile(column, row);
+      const double first = next.pieces.empty() ? kInfinite : first_entry(next.box);
+      if (first < kInfinite) entered.push_back({first, &next});
+    }
+  }
+  std::ranges::stable_sort(entered, {}, &Entered::first_m);
+  for (const Entered& next : entered) {
+    alignas(64) std::array<std::int32_t, kPacketRays> lanes;  // as Embree requires
+    std::int32_t any = 0;
+    for (std::size_t k = 0; k < kPacketRays; ++k) any |= lanes[k] = walk.entry(k, next.tile->box) < kInfinite ? -1 : 0;
+    if (any != 0) visit(*next.tile, lanes);
+  }
+}
+
+namespace {
+
+/// Fills Embree's rays, relative to a tile's middle; idle lanes stay finite.
+template <typename Walk>
+void fill(const Walk& walk, const Eigen::Vector3d& middle_m, const std::array<std::int32_t, kPacketRays>& lanes,
+          RTCRay16& ray) {
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const bool idle = lanes[k] == 0;
+    ray.org_x[k] = idle ? 0 : static_cast<float>(walk.origin[0][k] - middle_m.x());
+    ray.org_y[k] = idle ? 0 : static_cast<float>(walk.origin[1][k] - middle_m.y());
+    ray.org_z[k] = idle ? 0 : static_cast<float>(walk.origin[2][k] - middle_m.z());
+    ray.dir_x[k] = static_cast<float>(walk.direction[0][k]);
+    ray.dir_y[k] = static_cast<float>(walk.direction[1][k]);
+    ray.dir_z[k] = static_cast<float>(walk.direction[2][k]);
+    ray.tnear[k] = idle ? 0 : static_cast<float>(walk.near_m[k]);
+    ray.tfar[k] = idle ? 0 : static_cast<float>(std::min(walk.far_m[k], 1e6));
+    ray.time[k] = 0;
+    ray.mask[k] = ~0u;
+    ray.id[k] = static_cast<unsigned>(k);
+    ray.flags[k] = 0;
+  }
+}
+
+/// A hit on a piece, computed in double on the triangle that Embree found.
+struct PieceHit {
+  double distance_m, u, v;
+  Eigen::Vector3d normal;
+};
+
+PieceHit solve(const Corners& corners, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+               double embree_m) {
+  const Eigen::Vector3d ab = corners[1] - corners[0], ac = corners[2] - corners[0], normal = ab.cross(ac);
+  const double area = normal.norm(), along = normal.dot(direction);
+  PieceHit hit{embree_m, 0, 0, area > 0 ? Eigen::Vector3d(normal / area) : Eigen::Vector3d::UnitZ()};
+  // Closer to tangency, the plane determines the distance less accurately than Embree does.
+  if (std::abs(along) < kGrazingSine * area || area == 0) return hit;
+  const Eigen::Vector3d to_a = corners[0] - origin, moment = to_a.cross(direction);
+  hit.distance_m = std::max(0.0, normal.dot(to_a) / along);
+  hit.u = ac.dot(moment) / along, hit.v = -ab.dot(moment) / along;
+  return hit;
+}
+
+}  // namespace
+
+void CoverTrees::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+  const InUse in_use(*this);
+  for (std::size_t p = 0; p < rays.size(); ++p) {
+    Walk walk(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m);
+    for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
+      RTCRayHit16 packet;
+      fill(walk, tile.middle_m, lanes, packet.ray);
+      std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
+      std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
+      intersect(tile.tree.get(), {}, RayOrder::kIncoherent, lanes.data(), packet);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        if (lanes[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+        const CoverPiece& piece = tile.pieces[packet.hit.instID[0][k]];
+        const PieceHit hit = solve(corners(tile, piece, packet.hit.primID[k]), origin_of(rays[p], k),
+                                   direction_of(rays[p], k), double{packet.ray.tfar[k]});
+        if (!(hit.distance_m < walk.far_m[k])) continue;
+        walk.far_m[k] = hit.distance_m;
+        set_hit(hits[p], k, hit.distance_m, hit.normal, static_cast<Label>(first_label_ + piece.layer));
+      }
+    });
+  }
+}
+
+void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder, HitPacket& hits) const {
+  const InUse in_use(*this);
+  hits.piece.fill(0);
+  Walk walk(anchor_world_m, rays, hits.distance_m);
+  for (std::size_t k = 0; k < kPacketRays; ++k) walk.near_m[k] = rays.near_m[k];
+  for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
+    RTCRayHit16 packet;
+    fill(walk, tile.middle_m, lanes, packet.ray);
+    std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
+    std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
+    intersect(tile.tree.get(), {}, RayOrder::kIncoherent, lanes.data(), packet);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (lanes[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+      const CoverPiece& piece = tile.pieces[packet.hit.instID[0][k]];
+      const Eigen::Vector3d origin = anchor_world_m + origin_of(rays, k), direction = direction_of(rays, k);
+      const PieceHit hit =
+          solve(corners(tile, piece, packet.hit.primID[k]), origin, direction, double{packet.ray.tfar[k]});
+      if (!(hit.distance_m < walk.far_m[k])) continue;
+      walk.far_m[k] = hit.distance_m;
+      hits.distance_m[k] = static_cast<float>(hit.distance_m);
+      hits.u[k] = static_cast<float>(hit.u), hits.v[k] = static_cast<float>(hit.v);
+      const Eigen::Vector3f normal = hit.normal.cast<float>();
+      hits.normal_x[k] = normal.x(), hits.normal_y[k] = normal.y(), hits.normal_z[k] = normal.z();
+      hits.label[k] = first_label_ + piece.layer;
+      hits.primitive[k] = packet.hit.primID[k];
+      hits.piece[k] = piece.number;
+      hits.settled[k] = -1;
+    }
+  });
+}
+
+void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
+                         Blocked& blocked) const {
+  const InUse in_use(*this);
+  Walk walk(anchor_world_m, rays, rays.far_m);
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    walk.near_m[k] = rays.near_m[k];
+    if (blocked[k] != 0) walk.active[k] = 0;
+  }
+  for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
+    RTCRay16 packet;
+    fill(walk, tile.middle_m, lanes, packet);
+    occluded(tile.tree.get(), {}, RayOrder::kIncoherent, lanes.data(), packet);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (lanes[k] == 0 || packet.tfar[k] != -std::numeric_limits<float>::infinity()) continue;
+      blocked[k] = -1;
+      walk.active[k] = 0;
+    }
+  });
+}
+
+namespace {
+
+struct NearestOnMesh {
+  Eigen::Vector3d point;
+  double distance;
+  const std::vector<Eigen::Vector3f>* vertices;
+  const std::vector<Triangle>* triangles;
+};
+
+bool visit_mesh_triangle(RTCPointQueryFunctionArguments* args) {
+  auto* nearest = static_cast<NearestOnMesh*>(args->userPtr);
+  Corners corners;
+  for (std::size_t k = 0; k < 3; ++k)
+    corners[k] = (*nearest->vertices)[(*nearest->triangles)[args->primID][k]].cast<double>();
+  const double own = (closest_on_triangle(nearest->point, corners) - nearest->point).norm();
+  if (!(own < nearest->distance)) return false;
+  nearest->distance = own;
+  args->query->radius = static_cast<float>(own * (1 + kFartherSearch));
+  return true;
+}
+
+}  // namespace
+
+double CoverTrees::distance(const Eigen::Vector3d& point_world_m, double nearest_m) const {
+  const InUse in_use(*this);
+  const double reach = plan_.reach_m(), width = plan_.tile_m();
+  const auto numbers = [&](int axis, std::uint32_t count) {
+    const double at = point_world_m(axis) - plan_.origin_m()(axis), far = std::min(nearest_m, 1e7) + reach;
+    return std::pair(static_cast<std::int64_t>(std::clamp(std::floor((at - far) / width), 0.0, 1.0 * count)),
+                     static_cast<std::int64_t>(std::clamp(std::floor((at + far) / width), -1.0, count - 1.0)));
+  };
+  const auto [left, right] = numbers(0, plan_.columns());
+  const auto [low, high] = numbers(1, plan_.rows());
+  for (std::int64_t row = low; row <= high; ++row) {
+    for (std::int64_t column = left; column <= right; ++column) {
+      const Tile& near = tile(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row));
+      if (near.pieces.empty() || near.box.exteriorDistance(point_world_m) >= nearest_m) continue;
+      for (const CoverPiece& piece : near.pieces) {
+        const Eigen::Vector3d from = point_world_m - near.middle_m - piece.at_m.cast<double>();
+        const double size = piece.size_m;
+        if (from.norm() - plan_.reach_m() >= nearest_m) continue;
+        const Mesh& mesh = meshes_[piece.mesh];
+        NearestOnMesh nearest{piece.turn.cast<double>().inverse() * from, nearest_m / size, &mesh.vertices,
+                              &mesh.triangles};
+        const Eigen::Vector3f at = nearest.point.cast<float>();
+        RTCPointQuery query{at.x(), at.y(), at.z(), 0,
+                            static_cast<float>(std::min(nearest.distance * (1 + kFartherSearch), 1e30))};
+        RTCPointQueryContext context;
+        rtcInitPointQueryContext(&context);
+        rtcPointQuery(mesh.tree.get(), &query, &context, &visit_mesh_triangle, &nearest);
+        nearest_m = std::min(nearest_m, nearest.distance * size);
+      }
+    }
+  }
+  return nearest_m;
+}
+
+}  // namespace uwsim

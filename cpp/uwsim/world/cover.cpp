@@ -1,0 +1,29 @@
+#include "uwsim/world/cover.h"
+
+#include <cmath>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kMostPerM2 = 1000;
+constexpr double kLargest_m = 100;
+
+}  // namespace
+
+void CoverLayer::check() const {
+  const std::string path = "cover '" + name + "' ";
+  require(!meshes.empty(), path + "meshes", 0, "must not be empty");
+  for (const TriangleMesh& mesh : meshes) require_well_formed(mesh, path + "mesh");
+  require(density_per_m2 >= 0 && density_per_m2 <= kMostPerM2, path + "density_per_m2", density_per_m2,
+          "must be in [0, 1000]");
+  require(size_m.low > 0 && size_m.low <= size_m.high && size_m.high <= kLargest_m, path + "size_m", size_m.low,
+          "must be positive, ascending and at most 100 m");
+  require(std::abs(size_exponent) <= 10, path + "size_exponent", size_exponent, "must be in [-10, 10]");
+  require(sunk >= -0.5 && sunk <= 1, path + "sunk", sunk, "must be in [-0.5, 1]");
+  require(patch_m >= 0 && std::isfinite(patch_m), path + "patch_m", patch_m, "must be finite and not negative");
+  require(patch_share > 0 && patch_share <= 1, path + "patch_share", patch_share, "must be in (0, 1]");
+}
+
+}  // namespace uwsim

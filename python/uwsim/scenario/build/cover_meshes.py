@@ -1,0 +1,133 @@
+"""Shapes of cover, made from noise, revolution and sweeps: small triangle meshes with the largest extent 1."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim.scenario.read.mesh_file import Triangles, Vertices, joined
+
+Mesh = tuple[Vertices, Triangles]
+Floats = NDArray[np.float64]
+Random = np.random.Generator
+
+
+def unit(mesh: Mesh, *, standing: bool = False) -> Mesh:
+    """Return a mesh with the largest extent 1. standing: its height counts, and its lowest point is moved to z = 0."""
+    vertices, triangles = mesh
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    if standing:
+        return (vertices - [0.0, 0.0, low[2]]) / (high[2] - low[2]), triangles
+    return (vertices - 0.5 * (low + high)) / (high - low).max(), triangles
+
+
+def merged(parts: Sequence[Mesh]) -> Mesh:
+    """Return one mesh of several."""
+    vertices, triangles = joined(list(parts))
+    return vertices, triangles.astype(np.uint32)
+
+
+@cache
+def ball(divisions: int) -> Mesh:
+    """Return a sphere of radius 1: an icosahedron whose triangles are divided in four `divisions` times."""
+    g = (1 + 5**0.5) / 2
+    points = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g)]
+    vertices = np.array([*points, (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)], np.float64)
+    faces = "0b5 051 017 07a 0ab 159 5b4 ba2 a76 718 394 342 326 368 389 495 24b 62a 867 981"
+    triangles = np.array([[int(digit, 16) for digit in face] for face in faces.split()])
+    for _ in range(divisions):
+        edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        ends, middle = np.unique(edges, axis=0, return_inverse=True)
+        ab, bc, ca = (middle.reshape(-1, 3) + len(vertices)).T
+        a, b, c = triangles.T
+        vertices = np.vstack([vertices, vertices[ends].mean(axis=1)])
+        triangles = np.vstack(
+            [np.stack(corners, axis=1) for corners in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))]
+        )
+    return vertices / np.linalg.norm(vertices, axis=1)[:, None], triangles.astype(np.uint32)
+
+
+def lumps(points: Floats, random: Random, per_unit: float, waves: int = 12) -> Floats:
+    """Return smooth noise (n,) about 0 with deviation 1 at points (n, 3): plane waves in random directions."""
+    along = random.normal(size=(waves, 3))
+    along *= per_unit * random.uniform(0.5, 1.5, (waves, 1)) / np.linalg.norm(along, axis=1)[:, None]
+    return np.asarray(np.cos(2 * np.pi * (points @ along.T + random.random(waves))).sum(axis=1) * (2 / waves) ** 0.5)
+
+
+def stone(random: Random, *, cuts: int, roughness: float, divisions: int = 2) -> Mesh:
+    """Return a ball that planes have cut, as joints and blows cut rock, with some roughness; its extents differ."""
+    vertices, triangles = ball(divisions)
+    vertices = vertices * (1 + roughness * lumps(vertices, random, 0.6))[:, None]
+    for _ in range(cuts):
+        normal = random.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        beyond = np.maximum(vertices @ normal - random.uniform(0.55, 0.85), 0)
+        vertices = vertices - beyond[:, None] * normal
+    vertices = vertices * random.uniform(0.6, 1.0, 3)
+    return vertices * (1 + 0.02 * lumps(vertices, random, 3.0))[:, None], triangles
+
+
+def tube(line: ArrayLike, radii: ArrayLike, sides: int = 5, *, closed: bool = True) -> Mesh:
+    """Return a tube along a line (n, 3) with a radius (n,) at each point; closed: with points at both ends."""
+    points, size = np.asarray(line, np.float64), np.asarray(radii, np.float64)
+    along = np.gradient(points, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None] + 1e-12
+    side = np.cross(along, [0.31, 0.95, 0.05])
+    side /= np.linalg.norm(side, axis=1)[:, None] + 1e-12
+    other = np.cross(along, side)
+    turn = 2 * np.pi * np.arange(sides) / sides
+    rings = points[:, None] + size[:, None, None] * (
+        np.cos(turn)[None, :, None] * side[:, None] + np.sin(turn)[None, :, None] * other[:, None]
+    )
+    triangles = _skin(len(points), sides)
+    if not closed:
+        return rings.reshape(-1, 3), triangles
+    first, last = len(points) * sides, len(points) * sides + 1
+    k = np.arange(sides)
+    ends = [np.stack([np.full(sides, first), (k + 1) % sides, k], axis=1)]
+    top = (len(points) - 1) * sides
+    ends.append(np.stack([np.full(sides, last), top + k, top + (k + 1) % sides], axis=1))
+    return np.vstack([rings.reshape(-1, 3), points[:1], points[-1:]]), np.vstack([triangles, *ends]).astype(np.uint32)
+
+
+def ribbon(line: ArrayLike, across: ArrayLike, widths: ArrayLike) -> Mesh:
+    """Return a strip along a line (n, 3), with a width (n,) along `across`, (3,) or (n, 3)."""
+    points, half = np.asarray(line, np.float64), 0.5 * np.asarray(widths, np.float64)[:, None] * np.asarray(across)
+    vertices = np.stack([points - half, points + half], axis=1).reshape(-1, 3)
+    a = 2 * np.arange(len(points) - 1)
+    return vertices, np.vstack([np.stack([a, a + 1, a + 3], axis=1), np.stack([a, a + 3, a + 2], axis=1)]).astype(
+        np.uint32
+    )
+
+
+def revolved(radii: ArrayLike, heights: ArrayLike, sides: int = 12) -> Mesh:
+    """Return a surface of revolution about z through points (radius, height)."""
+    turn = 2 * np.pi * np.arange(sides) / sides
+    r, z = np.asarray(radii, np.float64)[:, None], np.asarray(heights, np.float64)[:, None]
+    rings = np.stack([r * np.cos(turn), r * np.sin(turn), np.broadcast_to(z, (len(r), sides))], axis=-1)
+    return rings.reshape(-1, 3), _skin(len(r), sides)
+
+
+def turned_to(mesh: Mesh, axis: ArrayLike, at: ArrayLike = (0.0, 0.0, 0.0)) -> Mesh:
+    """Return a mesh whose z is turned to an axis (3,), and which is then moved."""
+    z = np.asarray(axis, np.float64) / np.linalg.norm(axis)
+    x = np.cross([0.31, 0.95, 0.05], z)
+    x /= np.linalg.norm(x)
+    return mesh[0] @ np.stack([x, np.cross(z, x), z]) + np.asarray(at), mesh[1]
+
+
+def directions(count: int) -> Floats:
+    """Return evenly spread unit vectors (count, 3), on a spiral from pole to pole (Saff and Kuijlaars 1997)."""
+    z = 1 - 2 * (np.arange(count) + 0.5) / count
+    turn = np.pi * (1 + 5**0.5) * np.arange(count)
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)
+
+
+def _skin(rings: int, sides: int) -> Triangles:
+    a = np.arange((rings - 1) * sides).reshape(rings - 1, sides)
+    b = np.roll(a, -1, axis=1)
+    return np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1).reshape(-1, 3).astype(np.uint32)

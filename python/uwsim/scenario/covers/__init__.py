@@ -1,0 +1,1 @@
+"""The kinds of cover, one file each; see uwsim.scenario.spec.cover."""

@@ -1,0 +1,44 @@
+"""The cover `kelp`."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from uwsim.scenario.build.cover_meshes import merged, ribbon, tube, unit
+from uwsim.scenario.spec.cover import CoverModel, Mesh
+from uwsim.scenario.spec.fields import Name
+from uwsim.scenario.spec.material import Material, MaterialSpec
+
+
+class Kelp(CoverModel):
+    """Tall plants with stipes and blades; they stand still. size_m: their height."""
+
+    sunk: ClassVar = 0.0
+
+    kind: Literal["kelp"]
+    name: Name
+    material: MaterialSpec = Material.model_construct(kind="leaf", colour=(0.23, 0.17, 0.05))
+
+    def meshes(self, random: np.random.Generator) -> list[Mesh]:
+        """See CoverModel."""
+        return [unit(merged(_plant(random)), standing=True) for _ in range(4)]
+
+
+def _plant(random: np.random.Generator) -> list[Mesh]:
+    """Return a stipe, which leans and winds, and blades along its upper part, each curved and wavy."""
+    up = np.linspace(0, 1, 9)
+    lean, phase = random.uniform(-0.12, 0.12, 2), random.uniform(0, 2 * np.pi)
+    stipe = np.stack([lean[0] * up**2 + 0.02 * np.sin(5 * up + phase), lean[1] * up**2 + 0.02 * np.cos(4 * up), up], -1)
+    parts = [tube(stipe, np.linspace(0.010, 0.004, 9), 4)]
+    for k, height in enumerate(np.linspace(0.12, 0.98, 22)):
+        foot = np.array([np.interp(height, up, stipe[:, axis]) for axis in range(3)])
+        turn = 2.4 * k + random.uniform(-0.4, 0.4)
+        out = np.array([np.cos(turn), np.sin(turn), 0.0])
+        along = np.linspace(0, 1, 6)[:, None]
+        length, rise = random.uniform(0.12, 0.22), random.uniform(0.1, 0.6)
+        blade = foot + length * (along * out + (rise * along - 0.5 * along**2) * [0, 0, 1])
+        blade[:, 2] += 0.008 * np.sin(9 * along[:, 0] + turn)
+        parts.append(ribbon(blade, np.cross(out, [0, 0, 1]), 0.05 * np.array([0.3, 0.9, 1.0, 0.9, 0.6, 0.05])))
+    return parts

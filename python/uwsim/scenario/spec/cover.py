@@ -1,0 +1,84 @@
+"""Cover: many small pieces that lie or grow on the bed, as layers, selected by `kind`. All that casts rays meets them.
+
+Each kind is one file in `covers`, registered in the entry point group `uwsim.kinds.cover`; docs/inside/extend.md adds
+one from another package. Vehicles pass through the pieces.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from uwsim.scenario.read.mesh_file import Triangles, Vertices
+from uwsim.scenario.read.textures import Texture
+from uwsim.scenario.spec.fields import InRange, Model, broken
+from uwsim.scenario.spec.kinds import Kinds
+from uwsim.scenario.spec.material import MaterialSpec
+
+PieceSize = Annotated[float, InRange(0.002, 50, "m")]
+Depth = Annotated[float, InRange(0, 12_000, "m")]
+Slope = Annotated[float, InRange(0, 90, "deg")]
+ANYWHERE_M = 100_000.0
+Clearance = Annotated[float, InRange(0, ANYWHERE_M, "m")]
+Mesh = tuple[Vertices, Triangles]
+
+
+class CoverModel(Model):
+    """A layer of pieces of one kind on the bed. A kind also has the fields `kind`, `name` and `material`.
+
+    density_per_m2: mean number of pieces per square metre of the horizontal plane, where the layer grows. size_m:
+    the smallest and largest extent of a piece: height of plants, diameter of others. size_exponent: the density of
+    sizes D is proportional to D^-(size_exponent + 1): 0 is even over their logarithm, -1 even over sizes, 2 to 3 as
+    of broken rock (Turcotte 1986, J. Geophys. Res. 91(B2):1921). depth_m, slope_deg: depth below z = 0 and slope of
+    the bed where it grows. obstacles_m: distance from the nearest obstacle or station; up to 100,000 m: anywhere.
+    patch_m: size of the patches in which it grows; 0: everywhere. patch_share: share of the area that they take.
+    seed: of its places, which do not depend on the scenario's seed.
+    """
+
+    if TYPE_CHECKING:
+        kind: str
+        name: str
+        material: MaterialSpec
+
+    surface_class: ClassVar[str] = ""
+    """Its class in labelled frames; its kind if empty."""
+    stance: ClassVar[Literal["upright", "on_bed", "tumbled"]] = "upright"
+    """How pieces stand: upright, along the bed's normal, or turned at random."""
+    sunk: ClassVar[float] = 0.03
+    """How deep the meshes' origin lies below the bed, as a fraction of the size."""
+
+    density_per_m2: Annotated[float, InRange(0, 1000, "1/m2")]
+    size_m: tuple[PieceSize, PieceSize]
+    size_exponent: Annotated[float, InRange(-10, 10)] = 0.0
+    depth_m: tuple[Depth, Depth] = (0.0, 12_000.0)
+    slope_deg: tuple[Slope, Slope] = (0.0, 90.0)
+    obstacles_m: tuple[Clearance, Clearance] = (0.3, ANYWHERE_M)
+    patch_m: Annotated[float, InRange(0, 1000, "m")] = 0.0
+    patch_share: Annotated[float, InRange(0.01, 1)] = 1.0
+    seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
+
+    def meshes(self, random: np.random.Generator) -> list[Mesh]:
+        """Return the shapes, of which each piece has one: their origin on the bed, z up, the largest extent 1.
+
+        Raises ScenarioError.
+        """
+        raise NotImplementedError
+
+    def texture(self) -> Texture | None:
+        """Return the colours of the only mesh's triangles; None for those of the material."""
+        return None
+
+    @model_validator(mode="after")
+    def _ascends(self) -> CoverModel:
+        for name in ("size_m", "depth_m", "slope_deg", "obstacles_m"):
+            low, high = getattr(self, name)
+            if low > high:
+                raise broken("its first value must not exceed its second", at=(name,), value=[low, high])
+        return self
+
+
+COVERS = Kinds("uwsim.kinds.cover", CoverModel, needs=("name", "material"))
+CoverSpec = Annotated[CoverModel, COVERS]
+Cover = Annotated[tuple[CoverSpec, ...], Field(max_length=100)]

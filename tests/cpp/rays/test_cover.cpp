@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "meshes.h"
+#include "uwsim/core/check.h"
+#include "uwsim/core/random.h"
+#include "uwsim/rays/cover_trees.h"
+#include "uwsim/rays/ray_lanes.h"
+#include "uwsim/rays/ray_scene.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kDepth_m = 8;
+
+/// A plane bed, 60 m wide, with boxes of 0.2 to 1 m on it.
+World bed_with_boxes(double density_per_m2 = 0.5) {
+  World world;
+  world.set_terrain(Heightfield(std::vector<float>(61 * 61, -kDepth_m), 61, 61, 1.0, {-30, -30}));
+  CoverLayer layer;
+  layer.name = "boxes";
+  layer.meshes = {testing::box(1, 0.6, 0.8), testing::box(0.5, 1, 1)};
+  layer.density_per_m2 = density_per_m2;
+  layer.size_m = {0.2, 1};
+  world.add_cover(layer);
+  return world;
+}
+
+/// The same pieces as fixed solids.
+World with_solids(const World& world) {
+  const CoverPlan plan(world);
+  World fixed;
+  fixed.set_terrain(*world.terrain());
+  for (std::uint32_t row = 0; row < plan.rows(); ++row) {
+    for (std::uint32_t column = 0; column < plan.columns(); ++column) {
+      const CoverTilePlan tile = plan.pieces(column, row);
+      for (const CoverPiece& piece : tile.pieces) {
+        TriangleMesh mesh = world.cover()[0]->meshes[piece.mesh];
+        for (Eigen::Vector3d& v : mesh.vertices_m) {
+          v = tile.middle_m + piece.at_m.cast<double>() + piece.turn.cast<double>() * v.cast<float>().cast<double>();
+        }
+        fixed.add_solid("piece" + std::to_string(piece.number), mesh);
+      }
+    }
+  }
+  return fixed;
+}
+
+std::vector<Ray> rays_from_above(int count) {
+  const RandomStream random(1, "cover rays");
+  std::vector<Ray> rays;
+  for (int k = 0; k < count; ++k) {
+    const auto draw = [&](std::uint32_t what) { return random.uniform(static_cast<std::uint64_t>(k), what); };
+    rays.push_back({{50 * draw(0) - 25, 50 * draw(1) - 25, -kDepth_m + 4 * draw(2)},
+                    Eigen::Vector3d(draw(3) - 0.5, draw(4) - 0.5, -0.5 * draw(5)).normalized()});
+  }
+  return rays;
+}
+
+TEST(Cover, RaysMeetPiecesAsTheyMeetEqualSolids) {
+  const World world = bed_with_boxes(), fixed = with_solids(world);
+  const RayScene cover(world), solids(fixed);
+  const std::vector<Ray> rays = rays_from_above(4000);
+  std::vector<RayHit> met(rays.size()), expected(rays.size());
+  cover.cast(rays, 60, met, 2);
+  solids.cast(rays, 60, expected);
+  int pieces = 0, other = 0;
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    if (std::abs(met[k].distance_m - expected[k].distance_m) > 1e-6) {
+      ++other;  // at a silhouette, float decides
+      continue;
+    }
+    EXPECT_EQ(met[k].label == 2, expected[k].label >= 2) << k;
+    pieces += met[k].label == 2 ? 1 : 0;
+  }
+  EXPECT_LE(other, 4);
+  EXPECT_GT(pieces, 500);
+}
+
+TEST(Cover, PicturesAndShadowsAgreeWithExactRays) {
+  const RayScene scene(bed_with_boxes());
+  const std::vector<Ray> rays = rays_from_above(1600);
+  int other = 0;
+  for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+    RayPacket packet{};
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const Ray& ray = rays[first + k];
+      packet.origin_x[k] = static_cast<float>(ray.origin_world_m.x());
+      packet.origin_y[k] = static_cast<float>(ray.origin_world_m.y());
+      packet.origin_z[k] = static_cast<float>(ray.origin_world_m.z());
+      packet.direction_x[k] = static_cast<float>(ray.direction_world.x());
+      packet.direction_y[k] = static_cast<float>(ray.direction_world.y());
+      packet.direction_z[k] = static_cast<float>(ray.direction_world.z());
+      packet.far_m[k] = 60;
+      packet.active[k] = k == 5 ? 0 : -1;
+    }
+    HitPacket hits;
+    Blocked blocked;
+    scene.cast(Eigen::Vector3d::Zero(), packet, hits);
+    scene.occluded(Eigen::Vector3d::Zero(), packet, blocked);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (k == 5) {
+        EXPECT_EQ(hits.label[k], 0u);
+        EXPECT_EQ(blocked[k], 0);
+        continue;
+      }
+      const RayHit exact = scene.cast(rays[first + k], 60);
+      EXPECT_EQ(hits.piece[k] != 0, hits.label[k] == 2);
+      const bool same = exact.label == hits.label[k] &&
+                        (exact.label == 0 || std::abs(exact.distance_m - double{hits.distance_m[k]}) < 1e-3);
+      if (!same || (blocked[k] != 0) != (exact.label != 0)) ++other;
+    }
+  }
+  EXPECT_LE(other, 4);
+}
+
+TEST(Cover, DistancesIncludePieces) {
+  const World world = bed_with_boxes();
+  const RayScene cover(world), solids(with_solids(world));
+  std::vector<Eigen::Vector3d> points;
+  for (const Ray& ray : rays_from_above(300)) points.push_back(ray.origin_world_m);
+  std::vector<double> found(points.size()), expected(points.size());
+  cover.distance(points, found, 2);
+  solids.distance(points, expected);
+  for (std::size_t k = 0; k < points.size(); ++k) EXPECT_NEAR(found[k], expected[k], 1e-6);
+}
+
+TEST(Cover, ReleasedTilesReturnAsTheyWere) {
+  const World world = bed_with_boxes(5);
+  const RayDevice device = make_ray_device();
+  const CoverTrees small(device.get(), world, 2000), large(device.get(), world);
+  const std::vector<Ray> rays = rays_from_above(16 * 200);
+  const auto cast = [&](const CoverTrees& trees, std::size_t first) {
+    ExactRays packet;
+    ExactHits hits;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      set_ray(packet, k, rays[first + k].origin_world_m, rays[first + k].direction_world, 60, true);
+    }
+    set_all_missed(hits);
+    trees.cast({&packet, 1}, {&hits, 1});
+    return hits.distance_m;
+  };
+  std::vector<std::jthread> threads;
+  std::vector<int> wrong(4, 0);
+  for (std::size_t t = 0; t < wrong.size(); ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t first = 16 * t; first < rays.size(); first += 16 * wrong.size()) {
+        if (cast(small, first) != cast(large, first)) ++wrong[t];
+      }
+    });
+  }
+  threads.clear();
+  for (const int count : wrong) EXPECT_EQ(count, 0);
+  EXPECT_GT(large.pieces_in_memory(), 10'000u);
+  EXPECT_LE(small.pieces_in_memory(), 2000u);
+}
+
+TEST(Cover, LayersKeepToTheirConditions) {
+  World world = bed_with_boxes();
+  TriangleMesh wall = testing::box(1, 20, 6);
+  for (Eigen::Vector3d& v : wall.vertices_m) v.z() -= kDepth_m;
+  World walled;
+  walled.set_terrain(*world.terrain());
+  walled.add_solid("wall", wall);
+  CoverLayer layer = *world.cover()[0];
+  layer.name = "near";
+  layer.density_per_m2 = 10;
+  layer.from_solids_m = {0.1, 2};
+  walled.add_cover(layer);
+  layer.name = "deep";
+  layer.depth_m = {kDepth_m + 0.1, 100};
+  walled.add_cover(layer);
+  layer = *world.cover()[0];
+  layer.name = "patches";
+  layer.density_per_m2 = 2;
+  layer.patch_m = 4;
+  layer.patch_share = 0.3;
+  walled.add_cover(layer);
+  std::array<int, 3> found{};
+  for (const PlacedPiece& piece : RayScene(walled).cover_in({Eigen::Vector2d(-30, -30), Eigen::Vector2d(30, 30)})) {
+    ++found[piece.label - 3u];
+    EXPECT_DOUBLE_EQ(piece.position_world_m.z(), -kDepth_m);
+    EXPECT_TRUE(piece.size_m >= 0.2 - 1e-6 && piece.size_m <= 1 + 1e-6);
+    if (piece.label != 3) continue;
+    EXPECT_GT(std::hypot(std::max(0.0, std::abs(piece.position_world_m.x()) - 0.5),
+                         std::max(0.0, std::abs(piece.position_world_m.y()) - 10)),
+              0.09);
+    EXPECT_LT(std::abs(piece.position_world_m.x()), 2.51);
+  }
+  EXPECT_NEAR(found[0], 10 * (2 * 1.9 * 20 + 2 * 1.9 * 1 + 12), 200);
+  EXPECT_EQ(found[1], 0);
+  EXPECT_NEAR(found[2], 0.3 * 2 * 3600, 500);
+}
+
+TEST(Cover, BadLayersAreRefused) {
+  const World world = bed_with_boxes();
+  CoverLayer layer = *world.cover()[0];
+  const auto refused = [&](auto change) {
+    World other;
+    other.set_terrain(*world.terrain());
+    CoverLayer bad = layer;
+    change(bad);
+    EXPECT_THROW(other.add_cover(bad), InvalidValue);
+  };
+  refused([](CoverLayer& bad) { bad.density_per_m2 = -1; });
+  refused([](CoverLayer& bad) { bad.density_per_m2 = std::nan(""); });
+  refused([](CoverLayer& bad) { bad.size_m = {1, 0.5}; });
+  refused([](CoverLayer& bad) { bad.meshes.clear(); });
+  refused([](CoverLayer& bad) { bad.patch_share = 0; });
+  refused([](CoverLayer& bad) { bad.name = "terrain"; });
+  World dry;
+  EXPECT_THROW(dry.add_cover(layer), InvalidValue);
+  World covered = world;
+  EXPECT_THROW(covered.add_solid("late", testing::box(1, 1, 1)), InvalidValue);
+}
+
+}  // namespace
+}  // namespace uwsim

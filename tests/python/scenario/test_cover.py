@@ -1,0 +1,111 @@
+"""Tests for cover: layers of pieces on the bed, from the file to pings, pictures and scores."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import uwsim
+from uwsim import _core
+from uwsim.scenario import load
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.cover import COVERS
+
+SCENE = """
+name: covered
+terrain: {{source: noise, size_m: [24, 24], spacing_m: 0.5, bed_depth_m: 6, hill_height_m: 0.5, hill_wavelength_m: 12}}
+cover:
+{layers}
+vehicles:
+  - {{name: rov, model: rov, start: {{position_m: [0, 0, -2]}}, sonar: {{model: 2, tilt_deg: 60}}}}
+"""
+ROCKS = "  - {kind: rock, name: rocks, density_per_m2: 4, size_m: [0.1, 0.8], seed: 3}\n"
+STARS = "  - {kind: starfish, name: stars, density_per_m2: 1, size_m: [0.2, 0.3]}\n"
+
+
+def written(folder: Path, layers: str) -> Path:
+    path = folder / "covered.yaml"
+    path.write_text(SCENE.format(layers=layers))
+    return path
+
+
+def pieces(sim: uwsim.Simulator) -> list[bytes]:
+    return [np.asarray(part).tobytes() for part in sim.around().scene.cover_in([-12, -12], [12, 12])]
+
+
+@pytest.mark.parametrize("kind", [name for name in COVERS.models(own=True) if name != "mesh"])
+def test_meshes_of_each_kind_are_small_and_of_size_one(kind: str) -> None:
+    model = COVERS.models(own=True)[kind]
+    made = model(kind=kind, name="layer", density_per_m2=1, size_m=(0.1, 0.2)).meshes(np.random.default_rng(1))
+    for vertices, triangles in made:
+        assert np.isfinite(vertices).all() and triangles.max() < len(vertices) <= 3000
+        extent = np.ptp(vertices, axis=0)
+        assert extent.max() == pytest.approx(1.0) or extent[2] == pytest.approx(1.0)
+    assert any(not np.array_equal(made[0][0], other[0]) for other in made[1:])
+
+
+def test_sonar_camera_and_distances_perceive_pieces(tmp_path: Path) -> None:
+    with uwsim.Simulator(written(tmp_path, ROCKS + STARS), threads=2) as sim:
+        sim.rov.release()
+        assert sim.label_names == ["nothing", "terrain", "rocks", "stars", "rov"] == list(sim.strengths_db)
+        labels = sim.rov.sonar.ping().labels
+        assert 2 in labels and 1 in labels
+        sim.rov.place((0.0, 0.0, -3.0), (0.0, np.sin(0.6), 0.0, np.cos(0.6)))
+        frame = sim.rov.cameras["front"].resized(160, 120).capture()
+        assert frame.class_names[-2:] == ("rock", "starfish")
+        assert ((frame.pieces != 0) == np.isin(frame.labels, (2, 3))).all()
+        assert len(np.unique(frame.pieces[frame.labels == 2])) > 10
+        positions, sizes, own, numbers = sim.around().scene.cover_in([-12, -12], [12, 12])
+        assert set(np.unique(frame.pieces)) <= {0, *numbers.tolist()}
+        inside = np.asarray(positions)[(own == 2) & (sizes > 0.3)]
+        assert (sim.around().scene.distance_m(inside) < 0.5 * sizes[(own == 2) & (sizes > 0.3)]).all()
+
+
+def test_places_depend_on_the_layers_seed_alone(tmp_path: Path) -> None:
+    layers = ROCKS, STARS + ROCKS, ROCKS.replace("seed: 3", "seed: 4")
+    found = []
+    for seed, layer in enumerate(layers):
+        with uwsim.Simulator(written(tmp_path, layer), seed=seed) as sim:
+            found.append(pieces(sim))
+    with uwsim.Simulator(written(tmp_path, ROCKS), seed=9) as again:
+        assert pieces(again) == found[0]
+    assert len({parts[0] for parts in found}) == 3
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("density_per_m2: 4", "density_per_m2: -1", ".density_per_m2 = -1 1/m2: must be in [0, 1000]"),
+        ("density_per_m2: 4", "density_per_m2: .nan", ".density_per_m2"),
+        ("kind: rock", "kind: rok", "rock"),
+        ("size_m: [0.1, 0.8]", "size_m: [0.8, 0.1]", "must not exceed its second"),
+        ("kind: rock", "kind: mesh, file: no.obj", "no such file"),
+        ("name: rocks", "name: rov", "is already in use"),
+        ("seed: 3", "sed: 3", "seed"),
+    ],
+)
+def test_mistakes_are_refused_with_their_place(tmp_path: Path, before: str, after: str, message: str) -> None:
+    path = written(tmp_path, ROCKS.replace(before, after))
+    with pytest.raises(ScenarioError) as refused:
+        load(path)
+    assert message in str(refused.value) and "covered.yaml" in str(refused.value)
+
+
+def test_a_users_mesh_is_a_kind_of_cover(tmp_path: Path) -> None:
+    (tmp_path / "wedge.obj").write_text("v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    layer = "  - {kind: mesh, name: wedges, file: wedge.obj, density_per_m2: 1, size_m: [0.3, 0.3]}\n"
+    with uwsim.Simulator(written(tmp_path, layer)) as sim:
+        positions, sizes, labels, _ = sim.around().scene.cover_in([-12, -12], [12, 12])
+        assert len(positions) > 300 and set(labels.tolist()) == {2} and np.allclose(sizes, 0.3)
+        top = np.add(positions[0], (0.0, 0.0, 5.0))
+        hit = sim.around().scene.cast([top], [[0.0, 0.0, -1.0]], 10.0)
+        assert hit.labels[0] in (1, 2)
+
+
+def test_a_world_without_cover_has_no_pieces() -> None:
+    world = _core.World()
+    world.set_terrain(np.full((5, 5), -3.0, np.float32), 1.0, (-2.0, -2.0))
+    positions, _, labels, _ = _core.RayScene(world).cover_in([-2, -2], [2, 2])
+    assert len(positions) == len(labels) == 0
