@@ -1,0 +1,108 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "uwsim/core/infinity.h"
+#include "uwsim/rays/cover_trees.h"
+#include "uwsim/rays/embree.h"
+#include "uwsim/rays/ray_lanes.h"
+#include "uwsim/rays/tolerances.h"
+
+namespace uwsim {
+
+/// Sixteen rays on their way through the tiles: lanes end at their nearest hit so far.
+struct CoverTrees::Walk {
+  using Lanes = std::array<double, kPacketRays>;
+  Lanes origin[3], direction[3], inverse[3], near_m, far_m;
+  std::array<std::int32_t, kPacketRays> active;
+
+  template <typename Rays, typename Far>
+  Walk(const Eigen::Vector3d& anchor_world_m, const Rays& rays, const Far& end_m) {
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const Eigen::Vector3d from = anchor_world_m + origin_of(rays, k).template cast<double>();
+      const Eigen::Vector3d along = direction_of(rays, k).template cast<double>();
+      const bool idle = rays.active[k] == 0 || !from.allFinite() || !along.allFinite();
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        origin[a][k] = idle ? 0 : from(axis);
+        direction[a][k] = idle ? (axis == 2 ? 1 : 0) : along(axis);
+        inverse[a][k] = 1 / direction[a][k];
+      }
+      near_m[k] = 0;
+      far_m[k] = std::min<double>(rays.far_m[k], end_m[k]);
+      active[k] = idle ? 0 : -1;
+    }
+  }
+
+  /// Where the lane enters a box before its end; infinity if it does not.
+  double entry(std::size_t k, const Eigen::AlignedBox3d& box) const {
+    double first = near_m[k], last = far_m[k];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double one = (box.min()(axis) - origin[a][k]) * inverse[a][k];
+      const double two = (box.max()(axis) - origin[a][k]) * inverse[a][k];
+      // A ray in the plane of a side divides zero by zero: the comparisons below then leave the limits alone.
+      first = std::max(first, std::min(one, two));
+      last = std::min(last, std::max(one, two));
+    }
+    return active[k] != 0 && first <= last ? first : kInfinity;
+  }
+
+  /// Where a lane that enters a box leaves it, or ends.
+  double exit(std::size_t k, const Eigen::AlignedBox3d& box) const {
+    double last = far_m[k];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double one = (box.min()(axis) - origin[a][k]) * inverse[a][k];
+      const double two = (box.max()(axis) - origin[a][k]) * inverse[a][k];
+      last = std::min(last, std::max(one, two));
+    }
+    return last;
+  }
+};
+
+/// Fills Embree's rays, relative to a tile's middle; idle lanes stay finite.
+template <typename Walk>
+void fill(const Walk& walk, const Eigen::Vector3d& middle_m, const std::array<std::int32_t, kPacketRays>& lanes,
+          RTCRay16& ray) {
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const bool idle = lanes[k] == 0;
+    ray.org_x[k] = idle ? 0 : static_cast<float>(walk.origin[0][k] - middle_m.x());
+    ray.org_y[k] = idle ? 0 : static_cast<float>(walk.origin[1][k] - middle_m.y());
+    ray.org_z[k] = idle ? 0 : static_cast<float>(walk.origin[2][k] - middle_m.z());
+    ray.dir_x[k] = static_cast<float>(walk.direction[0][k]);
+    ray.dir_y[k] = static_cast<float>(walk.direction[1][k]);
+    ray.dir_z[k] = static_cast<float>(walk.direction[2][k]);
+    ray.tnear[k] = idle ? 0 : static_cast<float>(walk.near_m[k]);
+    ray.tfar[k] = idle ? 0 : static_cast<float>(std::min(walk.far_m[k], 1e6));
+    ray.time[k] = 0;
+    ray.mask[k] = ~0u;
+    ray.id[k] = static_cast<unsigned>(k);
+    ray.flags[k] = 0;
+  }
+}
+
+/// A hit on a piece, computed in double on the triangle that Embree found.
+struct PieceHit {
+  double distance_m, u, v;
+  Eigen::Vector3d normal;
+};
+
+inline PieceHit solve(const Corners& corners, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                      double embree_m) {
+  const Eigen::Vector3d ab = corners[1] - corners[0], ac = corners[2] - corners[0], normal = ab.cross(ac);
+  const double area = normal.norm(), along = normal.dot(direction);
+  PieceHit hit{embree_m, 0, 0, area > 0 ? Eigen::Vector3d(normal / area) : Eigen::Vector3d::UnitZ()};
+  // Closer to tangency, the plane determines the distance less accurately than Embree does.
+  if (std::abs(along) < kGrazingSine * area || area == 0) return hit;
+  const Eigen::Vector3d to_a = corners[0] - origin, moment = to_a.cross(direction);
+  hit.distance_m = std::max(0.0, normal.dot(to_a) / along);
+  hit.u = ac.dot(moment) / along, hit.v = -ab.dot(moment) / along;
+  return hit;
+}
+
+}  // namespace uwsim
