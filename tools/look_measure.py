@@ -23,7 +23,7 @@ from uwsim.instruments.cameras import Camera
 
 POSES, SIZE, PITCH_RAD = 20, 256, np.radians(45.0)
 KEYPOINTS, DEVIATION, KURTOSIS = 300, 0.02, 7.0
-"""What `reef` must exceed."""
+"""The values that `reef` must exceed."""
 Pictures = Iterator[NDArray[np.uint8]]
 
 

@@ -602,7 +602,29 @@ class FixedWorld(World):
     """
     def __init__(self, world: World) -> None: ...
     def __setattr__(self, name: str, value: typing.Any) -> None: ...
-    def add_cover(self, *args, **kwargs) -> None:
+    def add_cover(
+        self,
+        name: str,
+        meshes: collections.abc.Sequence[tuple[typing.Any, typing.Any]],
+        stance: str = "upright",
+        sunk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        density_per_m2: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        size_m: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] = (
+            0.1,
+            0.1,
+        ),
+        size_exponent: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        depth_m: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] = ...,
+        slope_rad: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = ...,
+        from_solids_m: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = ...,
+        patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        seed: typing.SupportsInt | typing.SupportsIndex = 0,
+    ) -> int:
         """
         Raise AttributeError.
         """

@@ -60,9 +60,9 @@ void bind_fixed_world(py::module_& m) {
           [](const FixedWater& water) { return read_only(py::array_t<double>(3, water.current_world_m_s.data())); },
           [](FixedWater&, const py::object&) { refuse("water.current_world_m_s"); }, "(3,), read-only.");
 
-  py::class_<FixedWorld, World, std::shared_ptr<FixedWorld>>(
-      m, "FixedWorld", "The world of a running simulator: a World that cannot be changed.")
-      .def(py::init<const World&>(), py::arg("world"))
+  py::class_<FixedWorld, World, std::shared_ptr<FixedWorld>> world(
+      m, "FixedWorld", "The world of a running simulator: a World that cannot be changed.");
+  world.def(py::init<const World&>(), py::arg("world"))
       .def("__setattr__", refuse_assignments<FixedWorld>("world"), py::arg("name"), py::arg("value"))
       .def_property(
           "water", [](const FixedWorld& world) { return WaterObject(py::cast(FixedWater(world.water))); },
@@ -71,15 +71,18 @@ void bind_fixed_world(py::module_& m) {
           "set_terrain", [](FixedWorld&, const py::object&, double, const py::object&) { refuse("world.set_terrain"); },
           py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"), "Raise AttributeError.")
       .def(
-          "add_cover", [](FixedWorld&, const py::args&, const py::kwargs&) { refuse("world.add_cover"); },
-          "Raise AttributeError.")
-      .def(
           "add_solid",
           [](FixedWorld&, std::string, const py::object&, const py::object&, std::vector<RoundShape>) -> Label {
             refuse("world.add_solid");
           },
           py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
           py::arg("shapes") = std::vector<RoundShape>(), "Raise AttributeError.");
+  def_add_cover(
+      world,
+      [](FixedWorld&, const std::string&, const std::vector<std::pair<py::object, py::object>>&, const std::string&,
+         double, double, const Pair&, double, const Pair&, const Pair&, const Pair&, double, double,
+         std::uint64_t) -> Label { refuse("world.add_cover"); },
+      "Raise AttributeError.");
 }
 
 }  // namespace uwsim::bindings

@@ -44,8 +44,6 @@ CoverRange as_range(const std::pair<double, double>& range) { return {range.firs
 
 constexpr std::array<std::string_view, 3> kStanceNames = {"upright", "on_bed", "tumbled"};
 
-using Pair = std::pair<double, double>;
-
 Label add_cover(World& world, std::string name, const std::vector<std::pair<py::object, py::object>>& meshes,
                 const std::string& stance, double sunk, double density_per_m2, const Pair& size_m, double size_exponent,
                 const Pair& depth_m, const Pair& slope_rad, const Pair& from_solids_m, double patch_m,
@@ -141,9 +139,9 @@ void bind_world(py::module_& m) {
           "Return pieces of pipe along a line (n, 3), with caps at both ends and mitred bends. Raises ValueError.")
       .def_readonly("radius_m", &RoundShape::radius_m);
 
-  py::class_<World, std::shared_ptr<World>>(
-      m, "World", "The world that dynamics and rays share. ENU, z up, water surface at z = 0.")
-      .def(py::init<>())
+  py::class_<World, std::shared_ptr<World>> world(
+      m, "World", "The world that dynamics and rays share. ENU, z up, water surface at z = 0.");
+  world.def(py::init<>())
       .def_readwrite("water", &World::water)
       .def(
           "with_water",
@@ -171,15 +169,6 @@ void bind_world(py::module_& m) {
           "Add a solid and return its label. vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes:\n"
           "rays hit these instead of the mesh, which is then used for contacts and as the reference surface.\n"
           "Raises ValueError.")
-      .def("add_cover", &add_cover, py::arg("name"), py::arg("meshes"), py::arg("stance") = "upright",
-           py::arg("sunk") = 0.0, py::arg("density_per_m2") = 1.0, py::arg("size_m") = Pair(0.1, 0.1),
-           py::arg("size_exponent") = 0.0, py::arg("depth_m") = Pair(-HUGE_VAL, HUGE_VAL),
-           py::arg("slope_rad") = Pair(-HUGE_VAL, HUGE_VAL), py::arg("from_solids_m") = Pair(-HUGE_VAL, HUGE_VAL),
-           py::arg("patch_m") = 0.0, py::arg("patch_share") = 1.0, py::arg("seed") = 0,
-           "Add a layer of pieces on the terrain and return its label; solids must be added before. meshes: pairs\n"
-           "(vertices (n, 3), triangles (m, 3)) with the origin on the bed and the largest extent 1. stance:\n"
-           "upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises\n"
-           "ValueError.")
       .def_property_readonly("label_names", &World::label_names,
                              "Names by label: nothing, terrain, then the names of the solids and the layers of cover.")
       .def(
@@ -211,6 +200,12 @@ void bind_world(py::module_& m) {
       .def("surface_mesh", &surface_mesh, py::arg("with_terrain") = true,
            "Return (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16) of the terrain,\n"
            "if requested, and of all solids.");
+  def_add_cover(
+      world, &add_cover,
+      "Add a layer of pieces on the terrain and return its label; solids must be added before. meshes: pairs\n"
+      "(vertices (n, 3), triangles (m, 3)) with the origin on the bed and the largest extent 1. stance:\n"
+      "upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises\n"
+      "ValueError.");
   bind_fixed_world(m);
   bind_surface_sampler(m);
 }

@@ -160,13 +160,14 @@ bool CoverPlan::grows_at(const Growth& growth, const Eigen::Vector3d& foot_m, co
   return layer.from_solids_m.contains(from_solids(foot_m, enough));
 }
 
-/// The distance to the nearest solid, or infinity if it is more than `enough_m`.
+/// The distance to the nearest solid, 0 inside one, or infinity if it is more than `enough_m`.
 double CoverPlan::from_solids(const Eigen::Vector3d& foot_m, double enough_m) const {
   const auto is_near = [&](const auto& solid) {
     return Eigen::AlignedBox3d(solid->low_world_m, solid->high_world_m).exteriorDistance(foot_m) <= enough_m;
   };
   double distance = std::numeric_limits<double>::infinity();
   if (!solids_ || std::ranges::none_of(surfaces_.solids(), is_near)) return distance;
+  if (surfaces_.solid_around(foot_m) != nullptr) return 0;
   solids_->distance({&foot_m, 1}, {&distance, 1});
   return distance;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "uwsim/core/check.h"
 #include "uwsim/rays/cover_walk.h"
@@ -152,22 +153,20 @@ std::unique_ptr<const CoverTrees::Tile> CoverTrees::make_tile(std::uint32_t colu
   return made;
 }
 
-/// Releases the half of the tiles that were not used for longest, unless another thread has done so.
+/// Releases the tiles that were not used for longest, until half of the limit is free, unless another thread has.
 void CoverTrees::release_oldest() const {
   std::vector<std::unique_lock<ForkSafeMutex<std::mutex>>> all;
   for (Stripe& stripe : stripes_) all.emplace_back(stripe.mutex);
   if (pieces_in_memory_ <= most_pieces_) return;
-  std::vector<std::uint32_t> used;
-  for (const std::atomic<const Tile*>& slot : tiles_) {
-    if (const Tile* tile = slot.load()) used.push_back(tile->used);
+  std::vector<std::pair<std::uint32_t, std::size_t>> used;
+  for (std::size_t n = 0; n < tiles_.size(); ++n) {
+    if (const Tile* tile = tiles_[n].load()) used.emplace_back(tile->used, n);
   }
-  std::ranges::nth_element(used, used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2));
-  const std::uint32_t middle = used[used.size() / 2];
-  for (std::atomic<const Tile*>& slot : tiles_) {
-    const Tile* tile = slot.load();
-    if (tile == nullptr || tile->used > middle) continue;
+  std::ranges::sort(used);
+  for (const auto& [when, n] : used) {
+    if (pieces_in_memory_ <= most_pieces_ / 2) return;
+    const Tile* tile = tiles_[n].exchange(nullptr);
     pieces_in_memory_ -= tile->pieces.size();
-    slot = nullptr;
     delete tile;
   }
 }

@@ -41,7 +41,7 @@ class TerrainModel(Model):
 
     @property
     def has_place(self) -> bool:
-        """Whether the source itself may locate the world on Earth; a scenario's `earth` is then refused."""
+        """True if the source itself may locate the world on Earth; a scenario's `earth` is then refused."""
         return False
 
     @model_validator(mode="after")
