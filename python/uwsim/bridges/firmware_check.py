@@ -68,6 +68,8 @@ def sides_of(first: Path, second: Path, binary: Path | None) -> tuple[Side, Side
     for path in paths:
         if not path.is_file():
             raise FirmwareError(f"{path}: no such file")
+    if first.samefile(second):
+        raise FirmwareError(f"{first}: is given twice: must be compared with another")
     are_programs = [os.access(path, os.X_OK) for path in paths]
     if are_programs[0] != are_programs[1]:
         raise FirmwareError(f"{first}, {second}: one is a program, the other is not: must be of the same kind")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from uwsim.simulator.lockstep import FRAME_BYTES
 from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
-SAMPLE_S, LEAST_S, DEPTH_M = 0.1, 5.0, 50.0
+SAMPLE_S, LEAST_S, MOST_S, DEPTH_M = 0.1, 5.0, 86400.0, 50.0
+MAGIC = b"\xa3\x95"
 OUTPUTS = 14  # of the message RCOU
 QUANTITIES: Mapping[str, str] = {
     "speed ahead": "m/s", "speed to the right": "m/s", "speed down": "m/s", "roll": "deg", "pitch": "deg",
@@ -57,29 +59,35 @@ class Compared:
 
 def read_servo_log(path: Path) -> ServoLog:
     """Read a log while its vehicle was armed. Raises OSError, or ValueError for a log that lacks something."""
-    from pymavlink import mavutil
+    from pymavlink.DFReader import DFReader_binary
 
     fields = {"RCOU": [f"C{n}" for n in range(1, OUTPUTS + 1)], "ATT": ["Roll", "Pitch", "Yaw"],
               "IMU": ["GyrX", "GyrY", "GyrZ"], "XKF1": ["VN", "VE", "VD", "PD"], "ARM": ["ArmState"]}  # fmt: skip
     rows: dict[str, list[list[float]]] = {name: [] for name in fields}
-    with path.open("rb"):  # OSError for a file that cannot be read
-        log = mavutil.mavlink_connection(str(path))
-    while (message := log.recv_match(type=list(fields))) is not None:
-        name = message.get_type()
-        if getattr(message, "I", 0) == 0 and getattr(message, "C", 0) == 0:  # the first IMU and core
-            rows[name].append([1e-6 * message.TimeUS, *(getattr(message, each, 0) for each in fields[name])])
+    with path.open("rb") as file:
+        if file.read(len(MAGIC)) != MAGIC:
+            rule = "must be a dataflash log (.bin); two programs or parameter files are compared in pairs"
+            raise ValueError(f"{path}: {rule}")
+    with closing(DFReader_binary(str(path))) as log:
+        while (message := log.recv_match(type=list(fields))) is not None:
+            name = message.get_type()
+            if getattr(message, "I", 0) == 0 and getattr(message, "C", 0) == 0:  # the first IMU and core
+                rows[name].append([1e-6 * message.TimeUS, *(getattr(message, each, 0) for each in fields[name])])
     lacking = [name for name in fields if not rows[name]]
     if lacking:
         raise ValueError(f"{path}: has no {', '.join(lacking)}: must be a dataflash log of an armed ArduSub with EKF3")
     tables = {name: np.array(table) for name, table in rows.items()}
     armed = tables["ARM"]
+    if not armed[:, 1].any():
+        raise ValueError(f"{path}: was never armed: must be a log of a flight")
     on_s = armed[np.argmax(armed[:, 1] > 0), 0]
     off = armed[(armed[:, 1] == 0) & (armed[:, 0] > on_s), 0]
     ends_s = [table[-1, 0] for name, table in tables.items() if name != "ARM"]
     begin_s, end_s = max([on_s, *(table[0, 0] for name, table in tables.items() if name != "ARM")]), min(ends_s)
-    times_s = np.arange(begin_s, min([end_s, *off[:1]]), SAMPLE_S)
-    if len(times_s) * SAMPLE_S < LEAST_S:
-        raise ValueError(f"{path}: was armed for {len(times_s) * SAMPLE_S:.1f} s: must be at least {LEAST_S:g} s")
+    end_s = min([end_s, *off[:1]])
+    if not LEAST_S <= (armed_s := max(end_s - begin_s, 0.0)) <= MOST_S:  # a damaged log's times may leap
+        raise ValueError(f"{path}: was armed for {armed_s:.6g} s: must be {LEAST_S:g} to {MOST_S:g} s")
+    times_s = np.arange(begin_s, end_s, SAMPLE_S)
 
     def at(name: str, columns: slice) -> Array:
         table = tables[name]

@@ -2,6 +2,7 @@
 
 import math
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -12,7 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from servo_standin import mixed
 from uwsim import Simulator
+from uwsim.base.options import WithoutEffectError
+from uwsim.bridges import firmware_check
 from uwsim.bridges.ardusub import prepared
+from uwsim.bridges.cli.ardusub_check import ardusub_check
 from uwsim.bridges.firmware import FirmwareError
 from uwsim.bridges.firmware_check import UNITS, Flown, sides_of, with_battery
 from uwsim.bridges.firmware_log import DEPTH_M, QUANTITIES, SAMPLE_S, compared, open_water, read_servo_log
@@ -95,6 +99,28 @@ def test_a_log_that_lacks_something_is_refused(tmp_path: Path) -> None:
         read_servo_log(path)
 
 
+def test_a_program_is_no_log_and_is_not_started(tmp_path: Path) -> None:
+    path, started = tmp_path / "bin" / "ardusub", tmp_path / "started"
+    path.parent.mkdir()
+    path.write_text(f"#!/bin/sh\necho > {started}\nexec cat > /dev/null\n")
+    path.chmod(0o755)
+    with pytest.raises(ValueError, match=r"bin/ardusub: must be a dataflash log \(\.bin\)"):
+        read_servo_log(path)
+    assert not started.exists()
+
+
+@pytest.mark.parametrize(("armed", "last_s", "message"), [(0, 9, "never armed"), (1, 1e9, "must be 5 to 86400 s")])
+def test_a_log_without_a_flight_is_refused(tmp_path: Path, armed: int, last_s: float, message: str) -> None:
+    path = tmp_path / "damaged.bin"
+    rows: list[tuple[str, list[Any]]] = [("ARM", [0, armed])]
+    for us in (0, round(1e6 * last_s)):
+        rows += [("RCOU", [us, *[1500] * 14]), ("ATT", [us, 0, 0, 0]), ("IMU", [us, 0, 0, 0, 0]),
+                 ("XKF1", [us, 0, 0, 0, 0, 0])]  # fmt: skip
+    path.write_bytes(binary_log(rows))
+    with pytest.raises(ValueError, match=rf"damaged\.bin: .*{message}"):
+        read_servo_log(path)
+
+
 def flown(side: str, seed: int, power_w: float) -> Flown:
     values = {**dict.fromkeys(UNITS, math.nan), "power in POSHOLD": power_w}
     return Flown(side, seed, MappingProxyType(values), np.zeros(1), np.zeros(1))
@@ -110,18 +136,49 @@ def test_differences_are_between_flights_of_the_same_seed(tmp_path: Path) -> Non
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path: Path) -> None:
-    program, one, other = (tmp_path / name for name in ("ardusub", "a.parm", "b.parm"))
-    for path in (program, one, other):
+    program, again, one, other = (tmp_path / name for name in ("ardusub", "again", "a.parm", "b.parm"))
+    for path in (program, again, one, other):
         path.write_text("#!/bin/sh\n")
     program.chmod(0o755)
+    again.chmod(0o755)
     first, second = sides_of(one, other, program)
     assert (first.binary, first.files, second.name) == (program, (one,), "b.parm")
     for paths, binary, message in (
-        ((one, other), None, "need --binary"), ((program, other), None, "must be of the same kind"),
-        ((program, program), program, "cannot be given with two programs"), ((one, tmp_path / "x"), None, "no such"),
+        ((one, other), None, "need --binary"), ((one, one), program, "is given twice"),
+        ((program, other), None, "must be of the same kind"),
+        ((program, again), program, "cannot be given with two programs"), ((one, tmp_path / "x"), None, "no such"),
     ):  # fmt: skip
         with pytest.raises(FirmwareError, match=message):
             sides_of(*paths, binary)
+
+
+def test_an_option_without_effect_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(WithoutEffectError, match="--binary, --seeds: need two programs or parameter files"):
+        ardusub_check(first=tmp_path, binary=tmp_path, seeds=2)
+    with pytest.raises(WithoutEffectError, match="--window: needs a log"):
+        ardusub_check(first=tmp_path, second=tmp_path, window=2)
+
+
+def test_finished_flights_are_kept_and_no_other_files_are_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    paths = [tmp_path / name for name in ("ardusub", "a.parm", "b.parm")]
+    for path in paths:
+        path.write_text("#!/bin/sh\n")
+    paths[0].chmod(0o755)
+    out = tmp_path / "out"
+
+    def fails_after_one(*_: object) -> Iterator[Flown]:
+        yield flown("a.parm", 0, 10.0)
+        raise FirmwareError("has ended")
+
+    monkeypatch.setattr(firmware_check, "checked", fails_after_one)
+    with pytest.raises(FirmwareError, match="has ended"):
+        ardusub_check(first=paths[1], second=paths[2], binary=paths[0], out=out)
+    assert len((out / "flights.csv").read_text().splitlines()) == 2
+    (out / "report.md").write_text("mine")
+    with pytest.raises(FileExistsError, match=r"report\.md': exists, and uwsim did not write it"):
+        ardusub_check(first=paths[1], second=paths[2], binary=paths[0], out=out)
 
 
 def test_energy_is_known_from_a_battery() -> None:
