@@ -15,10 +15,13 @@ LOCK = ".uwsim.lock"
 
 
 @contextmanager
-def alone_in(folder: Path) -> Iterator[None]:
-    """Lock a folder for the duration of the block. Raises OSError if another run has locked it or locking fails."""
+def alone_in(folder: Path, option: str = "--out") -> Iterator[None]:
+    """Lock a folder, which an option names, for the duration of the block.
+
+    Raises OSError if another run has locked it or locking fails.
+    """
     path = folder / LOCK
-    descriptor = _locked(path)
+    descriptor = _locked(path, option)
     with suppress(OSError):  # disk full: the lock still works, but does not name its holder
         os.ftruncate(descriptor, 0)
         os.write(descriptor, f"process {os.getpid()}: {shlex.join(sys.argv)[:200]}\n".encode(errors="replace"))
@@ -39,13 +42,13 @@ def require_free(folder: Path) -> None:
             pass
 
 
-def _locked(path: Path) -> int:
+def _locked(path: Path, option: str) -> int:
     """Lock the file and return its descriptor, after checking that the file was not unlinked in the meantime."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         except OSError as error:
-            raise OSError(f"--out {path.parent}: cannot write there: {error.strerror}") from error
+            raise OSError(f"{option} {path.parent}: cannot write there: {error.strerror}") from error
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):
@@ -54,7 +57,8 @@ def _locked(path: Path) -> int:
             holder = " ".join(os.pread(descriptor, 300, 0).decode(errors="replace").split())
             os.close(descriptor)
             raise OSError(
-                f"--out {path.parent}: another run is using it{f' ({holder})' if holder else ''}: choose another --out"
+                f"{option} {path.parent}: another run is using it{f' ({holder})' if holder else ''}: "
+                f"choose another {option}"
             ) from None
         except OSError as error:
             os.close(descriptor)

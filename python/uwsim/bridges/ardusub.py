@@ -167,10 +167,20 @@ class ArduSub:
         """Wait until the firmware has sent its next frame; it then waits for the next step.
 
         A MAVLink message sent to the firmware before that step is received at the same frame in every run. Raises
-        SilentAutopilotError.
+        SilentAutopilotError, or what require_alive raises.
         """
-        if self._exchange is None or not self._exchange.wait(self._patience_s):
-            raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
+        end_s = time.monotonic() + self._patience_s
+        while not self.is_waiting(min(LIVE_PATIENCE_S, self._patience_s)):
+            self.require_alive()
+            if self._exchange is None or time.monotonic() >= end_s:
+                raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
+
+    def is_ready(self) -> bool:
+        """Return whether the firmware waits for a step. Without a live simulator this waits for it; see `wait`."""
+        if self._live is not None:
+            return self.is_waiting()
+        self.wait()
+        return True
 
     def is_waiting(self, patience_s: float = LIVE_PATIENCE_S) -> bool:
         """Return whether the firmware waits for a step, after waiting up to patience_s for its frame."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uwsim.base.options import Flag, FlagGroup, need, option
+from uwsim.base.options import Flag, FlagGroup, WithoutEffectError, need, option
 from uwsim.cli.autopilots import Autopilot
 
 if TYPE_CHECKING:
@@ -59,6 +59,9 @@ class ArduSubOptions(Autopilot):
         if self.ardusub_binary is None:
             of_program = {name: getattr(self, name) for name in OF_PROGRAM}
             need("--ardusub-binary", **of_program)
+        elif self.ardusub_host is not None:
+            rule = "the program that is started here connects to 127.0.0.1"
+            raise WithoutEffectError(f"--ardusub-host: cannot be given with --ardusub-binary: {rule}")
 
     def scenario(self, scenario: str | Path) -> Scenario:
         """Return the scenario, prepared for the autopilot. Raises ScenarioError."""

@@ -39,6 +39,12 @@ DOORS = (
     Door("`--nmea udp`", "UDP", 1, "127.0.0.1 if the target is local", "NMEA 0183", "no program: nothing is read"),
     Door("`--ardusub`", "UDP", 1, "`--ardusub-host`, by default 127.0.0.1", "ArduSub's servo outputs",
          f"{EVERYONE}; while one sends frames, no other"),
+    Door("`--ardusub-binary`", "UDP", 1, LOOPBACK, "the firmware's navigation",
+         "the first program that sends, until the firmware starts again"),
+    Door("`--ardusub-binary`", "UDP", 2, ANYWHERE, "in the firmware: RC input at port 5501, motion at a free port",
+         f"{EVERYONE}; the first steers, the second moves: a firewall must close them"),
+    Door("`--ardusub-binary`", "UDP", 2, "127.0.0.1 if `--ardusub-station` is", "in the firmware: MAVLink",
+         "the station and this program"),
     Door("`--video`", "UDP", 2, "127.0.0.1 if the target is local, else all addresses", "ffmpeg's RTP and RTCP",
          "reports on the reception; they have no effect"),
     Door("`--ros1`", "TCP", 2, "127.0.0.1 if `ROS_IP` is, else all addresses", "rospy's XML-RPC and TCPROS",
@@ -48,7 +54,7 @@ DOORS = (
     Door("`--ros2`", "UDP", 2, LOOPBACK, "DDS: services, and what is sent", EVERYONE),
     Door("`--ros2 --rmw zenoh`, instead", "TCP", 1, LOOPBACK, "Zenoh's sessions", EVERYONE),
 )  # fmt: skip
-"""All doors, except for those of Dask's workers, whose number depends on theirs."""
+"""All doors, except for those of Dask's workers, whose number depends on theirs, and of `uwsim ardusub-check`."""
 
 
 def table() -> str:

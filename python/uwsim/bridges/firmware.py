@@ -11,8 +11,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import NamedTuple, Self
+from typing import BinaryIO, NamedTuple, Self
 
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.folder_lock import alone_in
+from uwsim.base.own_files import mark, require_own
 from uwsim.bridges.mavlink.earth import Home
 
 PATIENCE_S = 1.0  # for a firmware that is asked to end
@@ -65,8 +68,9 @@ class Firmware:
     files: parameter files, of which later ones take precedence. parameters: these take precedence over all files.
     folder: keeps its parameters (eeprom.bin) and logs; by default, a temporary folder. system: its MAVLink system id.
 
-    It has no other serial ports, so it listens for nothing but RC input, by UDP on port rc_port of all addresses. It is
-    killed when this process ends, however that happens. Raises FirmwareError.
+    It has no other serial ports, so it listens only for RC input, by UDP on port rc_port of all addresses, and for the
+    physics' answers, at a free one. No other run can use the folder, and no file in it that uwsim did not write is
+    replaced. The firmware is killed when this process ends, however that happens. Raises FirmwareError.
     """
 
     def __init__(
@@ -83,7 +87,7 @@ class Firmware:
         rc_port: int = 5501,
     ) -> None:
         self.binary = checked_program(binary)
-        self.files = [_readable(path) for path in files]
+        self.files = [_listed(path) for path in files]
         self.parameters = dict(parameters)
         self._folder = folder
         self._options = {
@@ -114,10 +118,9 @@ class Firmware:
     def __enter__(self) -> Self:
         with ExitStack() as made:
             self.folder = self._own_folder(made)
-            own = self.folder / PARAMETERS
-            own.write_text("".join(f"{name} {value:g}\n" for name, value in self.parameters.items()))
-            output = made.enter_context((self.folder / OUTPUT).open("wb"))
-            defaults = ",".join(str(path) for path in [*self.files, own])
+            lines = (f"{name} {value:.9g}\n" for name, value in self.parameters.items())
+            output = self._written_files("".join(lines), made)
+            defaults = ",".join([*map(str, self.files), PARAMETERS])  # the second is in its working directory
             words = [f"--{name}={value}" for name, value in {**self._options, "defaults": defaults}.items()]
             parent = os.getpid()
             try:
@@ -144,7 +147,24 @@ class Firmware:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FirmwareError(f"{self._folder}: {error.strerror}") from None
+        try:
+            made.enter_context(alone_in(self._folder, "--ardusub-folder"))
+        except OSError as error:
+            raise FirmwareError(str(error)) from None
         return self._folder.resolve()
+
+    def _written_files(self, parameters: str, made: ExitStack) -> BinaryIO:
+        """Write the parameters, and return the file of the firmware's output. Both are marked as our own."""
+        path = self.folder / OUTPUT
+        try:
+            require_own(path)
+            write_atomically(self.folder / PARAMETERS, parameters.encode())
+            output = path.open("wb")
+        except OSError as error:
+            raise FirmwareError(str(error)) from None
+        mark(path, unfinished=True)
+        made.callback(mark, path)
+        return made.enter_context(output)
 
     def _end(self) -> None:
         assert self._process is not None
@@ -177,9 +197,14 @@ def _readable(path: Path) -> Path:
         raise FirmwareError(f"{path}: {'is no file' if found.exists() else 'no such file'}")
     if not os.access(found, os.R_OK):
         raise FirmwareError(f"{path}: permission denied")
-    if "," in str(path):
-        raise FirmwareError(f"{path}: must contain no comma, with which ArduSub separates files")
     return found.resolve()
+
+
+def _listed(path: Path) -> Path:
+    found = _readable(path)
+    if "," in str(found):
+        raise FirmwareError(f"{found}: must contain no comma, with which ArduSub separates files")
+    return found
 
 
 def _last_words(path: Path) -> str:

@@ -9,10 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
 from uwsim.bridges.ardusub import ArduSub
 from uwsim.bridges.firmware import NAVIGATION, SIMULATED, Firmware, FirmwareError, Serials
 from uwsim.bridges.firmware_link import FirmwareLink
-from uwsim.bridges.mavlink.earth import FRD, HOME, Home
+from uwsim.bridges.mavlink.earth import FRD, Home, place_of
 
 STATION = "127.0.0.1:14550"
 START_S, LOOK_S = 15.0, 0.05
@@ -36,16 +38,19 @@ def firmware_flying(
     files: Sequence[Path] = (),
     parameters: Mapping[str, float] = MappingProxyType({}),
     folder: Path | None = None,
-    home: Home = HOME,
+    home: Home | None = None,
     system: int = 1,
 ) -> Iterator[Firmware]:
     """Start a firmware that flies the vehicle of an ArduSub; yield it after its first frame.
 
     It navigates by the vehicle's own estimate, without GPS. station: HOST:PORT, the UDP address to which it sends its
     MAVLink. files: parameter files, such as those of a real vehicle; what the simulated vehicle and its navigation need
-    takes precedence over them, and `parameters` over that. folder, home, system: see Firmware. Raises FirmwareError,
-    or ValueError for an address.
+    takes precedence over them, and `parameters` over that. home: by default the origin of the scenario's world, as in
+    place_of. folder, system: see Firmware. Raises FirmwareError, or ValueError for an address.
     """
+    if home is None:
+        latitude_deg, longitude_deg = map(float, place_of(ardusub.simulator.scenario).degrees(np.zeros(3)))
+        home = Home(latitude_deg, longitude_deg)
     with FirmwareLink(home, system) as link:
         firmware = Firmware(
             binary, ardusub.port, Serials(checked_address(station), link.address), home, files=files,

@@ -35,7 +35,8 @@ class FirmwareLink:
     SET_GPS_GLOBAL_ORIGIN is repeated every second until the firmware confirms it. The parameter SIM_BARO_GLITCH makes
     the simulated barometer show the pressure at the vehicle's sensor, with waves and the water's density, and
     SIM_BATT_VOLTAGE the voltage of the vehicle's battery, if that is one of cells. Messages are sent while the firmware
-    waits for a line, so that they arrive at the same frame in every run.
+    waits for a line, so that they arrive at the same frame in every run; in a live simulator they are left out if it is
+    late. The first program that sends something is the firmware, until that starts again.
 
     home: where the world's origin is. system: the firmware's MAVLink system id. The attribute address is that to which
     the firmware must send its MAVLink: HOST:PORT, by UDP. Raises OSError or MissingExtraError.
@@ -91,17 +92,18 @@ class FirmwareLink:
         assert self._ardusub is not None
         ardusub, sim = self._ardusub, self._ardusub.simulator
         self._plan(tick)
-        ardusub.is_waiting()
+        if not ardusub.is_ready():
+            return
         self._receive()
+        if ardusub.counts.resets != self._resets:  # another program, which has nothing yet; the rest was from the last
+            self._resets, self.has_origin, self._peer = ardusub.counts.resets, False, None
+            self._booted_ns = sim.time_ns + BOOT_NS
+            self._values.clear()
         if self._peer is None:
             return
         estimate, velocity = ardusub.flown.estimate, ardusub.flown.estimate.velocity
         motion = np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])
         self._send(odometry(self._mav, sim.time_ns // 1000, LOCAL_FRD, estimate.pose.world_from_body, motion))
-        if ardusub.counts.resets != self._resets:  # another program, which has nothing yet
-            self._resets, self.has_origin = ardusub.counts.resets, False
-            self._booted_ns = sim.time_ns + BOOT_NS
-            self._values.clear()
         self._send_pressure(ardusub)
         if tick == next_tick(tick - 1, SECOND_NS, self._step_ns):
             if not self.has_origin:
@@ -132,8 +134,9 @@ class FirmwareLink:
     def _receive(self) -> None:
         with suppress(BlockingIOError, ConnectionError):
             while True:
-                data, self._peer = self._socket.recvfrom(4096)
-                if not self.has_origin:  # nothing else is of interest
+                data, sender = self._socket.recvfrom(4096)
+                self._peer = self._peer or sender
+                if sender == self._peer and not self.has_origin:  # nothing else is of interest
                     messages = self._mav.parse_buffer(data) or ()
                     self.has_origin = any(message.get_type() == "GPS_GLOBAL_ORIGIN" for message in messages)
 

@@ -1,6 +1,8 @@
 """Fixtures of several modules: a MAVLink vehicle in the lagoon, and a ground station, for modules without their own."""
 
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -42,3 +44,12 @@ def station(only_station: "Station") -> "Iterator[Station]":
     only_station.drain()
     yield only_station
     only_station.arm(False)
+
+
+@pytest.fixture
+def binary(tmp_path: Path) -> Path:
+    """The stand-in for the program ArduSub, run by this interpreter."""
+    made = tmp_path / "ardusub"
+    made.write_text(f'#!/bin/sh\nexec {sys.executable} -S {Path(__file__).with_name("firmware_standin.py")} "$@"\n')
+    made.chmod(0o755)
+    return made

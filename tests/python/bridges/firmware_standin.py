@@ -23,16 +23,19 @@ def main() -> int:
     if life.get("ignores"):
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
     Path("pid.txt").write_text(str(os.getpid()))
-    physics, serial = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
-    physics.connect(("127.0.0.1", int(options["sim-port-out"])))
-    _, host, port = options["serial1"].split(":")
-    serial.connect((host, int(port)))
+    physics, radio, *serials = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(4))
+    radio.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    radio.bind(("", int(options["rc-in-port"])))
+    for number, serial in enumerate(serials):
+        _, host, port = options[f"serial{number}"].split(":")
+        serial.connect((host, int(port)))
     serial.setblocking(False)
     serial.send(bytes.fromhex(life.get("message", "00")))
     with Path("received.txt").open("w") as received:
         for number in range(life.get("frames", 2**31)):
             pwm = life.get("pwm", [1500] * 8)
-            physics.send(struct.pack("<HHI16H", 18458, 400, number, *pwm, *[0] * (16 - len(pwm))))
+            frame = struct.pack("<HHI16H", 18458, 400, number, *pwm, *[0] * (16 - len(pwm)))
+            physics.sendto(frame, ("127.0.0.1", int(options["sim-port-out"])))
             physics.recv(2000)
             try:
                 received.write(f"{serial.recv(4096).hex()}\n")

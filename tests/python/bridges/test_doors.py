@@ -24,7 +24,8 @@ PATIENCE_S = 60.0
 HAS_FFMPEG = shutil.which("ffmpeg") is not None or find_spec("imageio_ffmpeg") is not None
 NEEDS = {
     "`--mavlink tcp`": find_spec("pymavlink"), "`--mavlink udpin`": find_spec("pymavlink"),
-    "`--mavlink udpout`": find_spec("pymavlink"), "`--video`": HAS_FFMPEG, "`--ros1`": ros_is_installed(),
+    "`--mavlink udpout`": find_spec("pymavlink"), "`--ardusub-binary`": find_spec("pymavlink"),
+    "`--video`": HAS_FFMPEG, "`--ros1`": ros_is_installed(),
     "`--ros2`": find_spec("cyclonedds"), "`--ros2 --rmw zenoh`, instead": find_spec("zenoh"),
 }  # fmt: skip
 OPTIONS = {
@@ -35,12 +36,15 @@ OPTIONS = {
     "`--nmea tcp`": ["--nmea", "tcp:0"],
     "`--nmea udp`": ["--nmea", "udp"],
     "`--ardusub`": ["--ardusub", "--ardusub-port", "0"],
+    "`--ardusub-binary`": ["--ardusub", "--ardusub-binary"],
     "`--video`": ["--video", "5600"],
     "`--ros1`": ["--ros1"],
     "`--ros2`": ["--ros2", "--rmw", "fastrtps"],
     "`--ros2 --rmw zenoh`, instead": ["--ros2", "--rmw", "zenoh"],
 }
 """The options by which a program opens each door, in addition to that of `serve`."""
+BESIDE = {"`--ardusub-binary`": ["`--ardusub`"]}
+"""The other options' doors that these options open, too."""
 
 
 def expected(doors: list[Door]) -> Counter[Socket]:
@@ -62,11 +66,16 @@ def environment(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[dict
 
 
 @pytest.mark.parametrize("option", [SERVE.option, *OPTIONS])
-def test_the_sockets_of_a_program_are_those_of_the_table(option: str, environment: dict[str, str]) -> None:
+def test_the_sockets_of_a_program_are_those_of_the_table(
+    option: str, environment: dict[str, str], binary: Path
+) -> None:
     if not NEEDS.get(option, True):
         pytest.skip("not installed")
-    doors = [SERVE, *(door for door in DOORS if door.option == option and door is not SERVE)]
+    opened = {option, *BESIDE.get(option, ())} - {SERVE.option}
+    doors = [SERVE, *(door for door in DOORS if door.option in opened)]
     command = [*UWSIM, "serve", "lagoon", "--port", "0", *OPTIONS.get(option, [])]
+    if option == "`--ardusub-binary`":
+        command.append(str(binary))
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         try:
             assert process.stdout is not None and process.stdout.readline(), "it ended"

@@ -4,9 +4,9 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +16,13 @@ import pytest
 from uwsim import Simulator
 from uwsim.bridges import firmware as module
 from uwsim.bridges import firmware_link
-from uwsim.bridges.ardusub import ArduSub, prepared
+from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
 from uwsim.bridges.ardusub_options import ArduSubOptions, ProgramOptions
-from uwsim.bridges.firmware import FirmwareError
+from uwsim.bridges.firmware import Firmware, FirmwareError, Serials
 from uwsim.bridges.firmware_flight import checked_address, firmware_flying
-from uwsim.bridges.mavlink.earth import HOME, NED_FROM_ENU
+from uwsim.bridges.mavlink.earth import HOME, NED_FROM_ENU, Home
 from uwsim.scenario import Scenario, load
+from uwsim.scenario.read.validated import validated
 from waiting import until
 
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
@@ -30,6 +31,7 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 ROOT = Path(__file__).parents[3]
 STANDIN = Path(__file__).with_name("firmware_standin.py")
 FULL_LM = 1500.0
+FRAME_BYTES = 40
 
 
 @pytest.fixture(scope="module")
@@ -40,15 +42,6 @@ def scenario() -> Scenario:
 @pytest.fixture
 def sim(scenario: Scenario) -> Simulator:
     return Simulator(scenario)
-
-
-@pytest.fixture
-def binary(tmp_path: Path) -> Iterator[Path]:
-    """The stand-in, run by this interpreter."""
-    made = tmp_path / "ardusub"
-    made.write_text(f'#!/bin/sh\nexec {sys.executable} -S {STANDIN} "$@"\n')
-    made.chmod(0o755)
-    yield made
 
 
 def living(folder: Path, **life: Any) -> Path:
@@ -125,6 +118,79 @@ def test_the_barometer_shows_the_pressure_under_waves(
     assert np.ptp(shown_m) == pytest.approx(np.ptp(expected_m), abs=0.01) and np.ptp(shown_m) > 0.1
 
 
+def words_of(program: Firmware) -> dict[str, str]:
+    words = Path(f"/proc/{program.pid}/cmdline").read_text().split("\0")
+    return dict(word[2:].split("=", 1) for word in words if word.startswith("--"))
+
+
+def test_the_origin_is_the_scenarios(scenario: Scenario, binary: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rasterio", reason="needs the extra geotiff")
+    earth = {"latitude_deg": 60.25, "longitude_deg": 5.5}
+    sim = Simulator(validated(Scenario, {**scenario.given(), "earth": earth}))
+    folder = living(tmp_path / "own", message=sent(HEARTBEAT))
+    with ArduSub(sim, port=0) as ardusub, firmware_flying(ardusub, binary, folder=folder) as program:
+        home = [float(each) for each in words_of(program)["home"].split(",")]
+        sim.advance(1.1)
+    assert home == pytest.approx([60.25, 5.5, 0, 0], abs=1e-6)
+    origin = next(each for each in heard(folder) if each.get_type() == "SET_GPS_GLOBAL_ORIGIN")
+    assert (origin.latitude, origin.longitude) == pytest.approx((602500000, 55000000), abs=1)
+
+
+def test_another_program_cannot_take_the_firmwares_place(sim: Simulator, binary: Path, tmp_path: Path) -> None:
+    folder = living(tmp_path / "own", message=sent(HEARTBEAT))
+    origin = bytes.fromhex(sent(dialect.MAVLink_gps_global_origin_message(0, 0, 0)))
+    with (
+        udp() as stranger,
+        ArduSub(sim, port=0) as ardusub,
+        firmware_flying(ardusub, binary, folder=folder) as program,
+    ):
+        sim.step(21)
+        host, port = words_of(program)["serial1"].removeprefix("udpclient:").split(":")
+        stranger.sendto(origin, (host, int(port)))
+        sim.advance(1.1)
+        stranger.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            stranger.recv(100)
+    assert "SET_GPS_GLOBAL_ORIGIN" in {message.get_type() for message in heard(folder)}
+
+
+def test_messages_are_sent_only_to_a_firmware_that_waits(
+    sim: Simulator, binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with ArduSub(sim, port=0, patience_s=0.01) as ardusub, pytest.raises(SilentAutopilotError):
+        ardusub.is_ready()
+    monkeypatch.setattr(ArduSub, "is_ready", lambda self: False)
+    folder = living(tmp_path / "own", message=sent(HEARTBEAT))
+    with ArduSub(sim, port=0) as ardusub, firmware_flying(ardusub, binary, folder=folder):
+        sim.advance(0.2)
+    assert not heard(folder)
+
+
+def test_a_folder_is_used_by_one_run_and_loses_nothing(scenario: Scenario, binary: Path, tmp_path: Path) -> None:
+    folder, home, serials = tmp_path / "a, b", Home(1, 2), Serials("127.0.0.1:9", "127.0.0.1:9")
+    with udp() as silent:
+        port = silent.getsockname()[1]
+        with Firmware(binary, port, serials, home, folder=folder, parameters={"X": 1016.04751}) as program:
+            assert words_of(program)["defaults"] == module.PARAMETERS
+            with (
+                pytest.raises(FirmwareError, match="another run is using it"),
+                Firmware(binary, port, serials, home, folder=folder),
+            ):
+                pass
+        assert (folder / module.PARAMETERS).read_text() == "X 1016.04751\n"
+        for name in (module.PARAMETERS, module.OUTPUT):
+            with Firmware(binary, port, serials, home, folder=folder):  # replaces what it wrote itself
+                pass
+            (folder / name).write_text("mine")
+            with (
+                pytest.raises(FirmwareError, match="uwsim did not write it"),
+                Firmware(binary, port, serials, home, folder=folder),
+            ):
+                pass
+            assert (folder / name).read_text() == "mine"
+            (folder / name).unlink()
+
+
 def test_a_program_that_ends_ends_the_step_with_its_last_line(sim: Simulator, binary: Path, tmp_path: Path) -> None:
     folder = living(tmp_path / "own", frames=20, last="PANIC: out of memory", code=3)
     with (
@@ -147,18 +213,27 @@ def test_it_is_ended_even_if_it_ignores_sigterm_and_with_its_parent(
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
     killed = (
-        "import os, sys; from pathlib import Path; from uwsim.bridges.firmware import *; "
-        "f = Firmware(Path(sys.argv[1]), 9, Serials('127.0.0.1:9', '127.0.0.1:9'), Home(1, 2), "
+        "import sys; from pathlib import Path; from uwsim.bridges.firmware import *; port = int(sys.argv[3]); "
+        "f = Firmware(Path(sys.argv[1]), port, Serials(*[f'127.0.0.1:{port}'] * 2), Home(1, 2), "
         "folder=Path(sys.argv[2])).__enter__(); print(f.pid, flush=True); sys.stdin.read()"
     )
-    command = [sys.executable, "-c", killed, str(binary), str(folder)]
-    (folder / "pid.txt").unlink()
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as parent:
-        assert parent.stdout is not None
-        child = int(parent.stdout.readline())
-        until(lambda: (folder / "pid.txt").exists())
-        parent.send_signal(signal.SIGKILL)
-    until(lambda: not is_alive(child))
+    with udp() as silent:  # receives its first frame, for whose answer it then waits
+        command = [sys.executable, "-c", killed, str(binary), str(folder), str(silent.getsockname()[1])]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as parent:
+            assert parent.stdout is not None
+            child = int(parent.stdout.readline())
+            while len(silent.recv(100)) != FRAME_BYTES:
+                pass
+            assert is_alive(child)
+            parent.send_signal(signal.SIGKILL)
+        until(lambda: not is_alive(child))
+
+
+def udp() -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    made.bind(("127.0.0.1", 0))
+    made.settimeout(30)
+    return made
 
 
 def is_alive(pid: int) -> bool:
@@ -212,6 +287,8 @@ def test_lamps_dim_with_their_output(sim: Simulator, binary: Path, tmp_path: Pat
 def test_options_need_the_program() -> None:
     with pytest.raises(ValueError, match="--ardusub-folder: needs --ardusub-binary"):
         ArduSubOptions(ardusub=True, ardusub_folder="x")
+    with pytest.raises(ValueError, match="--ardusub-host: cannot be given with --ardusub-binary"):
+        ArduSubOptions(ardusub=True, ardusub_binary=STANDIN, ardusub_host="0.0.0.0")
     with pytest.raises(ValueError, match="station = 'localhost:1': must be an IPv4 address and a port"):
         checked_address("localhost:1")
     assert "ardusub" not in ProgramOptions.flags()

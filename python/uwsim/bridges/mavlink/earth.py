@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from uwsim.scenario import Scenario
 
 Vector = NDArray[np.float64]
 
@@ -55,6 +58,14 @@ class Home(NamedTuple):
 
 HOME = Home(33.810313, -118.393867)
 """The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
+
+
+def place_of(scenario: Scenario | None) -> Place:
+    """Return where a scenario's world is on Earth: by its georeference, or at HOME without one."""
+    from uwsim.scenario.georeference import georeference
+
+    place = georeference(scenario)
+    return HOME if place.crs is None else place
 
 
 def euler_rad(world_from_body: Vector) -> tuple[float, float, float]:

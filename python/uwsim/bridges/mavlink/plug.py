@@ -40,11 +40,10 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
     def open(self, context: Context) -> Iterator[Opened]:
         """Connect the vehicle, which announces the video to ground stations if there is one."""
         from uwsim.bridges.mavlink import MavlinkVehicle
+        from uwsim.bridges.mavlink.earth import place_of
         from uwsim.channels import require_live
-        from uwsim.scenario.georeference import georeference
 
         live, video = require_live(context.live), context.opened.get("video")
-        place = georeference(live.simulator.scenario)
         flights = {each.source.name: each for each in context.actions if each.name.endswith("fly_path")}
         with MavlinkVehicle(
             live,
@@ -53,7 +52,7 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
             context.services,
             action=flights.get(live.simulator.rov.name),
             feed=context.feed,
-            home=None if place.crs is None else place,
+            home=place_of(live.simulator.scenario),
             video=None if video is None else video.bridge,
         ) as vehicle:
             yield Opened(f"MAVLink at {vehicle.endpoint}", vehicle)
