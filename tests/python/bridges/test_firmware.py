@@ -154,6 +154,17 @@ def test_another_program_cannot_take_the_firmwares_place(sim: Simulator, binary:
     assert "SET_GPS_GLOBAL_ORIGIN" in {message.get_type() for message in heard(folder)}
 
 
+def test_a_firmware_that_starts_again_is_aided_again(sim: Simulator, binary: Path, tmp_path: Path) -> None:
+    confirmed = dialect.MAVLink_gps_global_origin_message(0, 0, 0)
+    folder = living(tmp_path / "own", message=sent(HEARTBEAT, confirmed), restarts=210)
+    with ArduSub(sim, port=0) as ardusub, firmware_flying(ardusub, binary, folder=folder):
+        sim.step(209)
+        before = len(heard(folder))
+        sim.step(191)
+    kinds = [message.get_type() for message in heard(folder)[before:]]
+    assert kinds.count("ODOMETRY") >= 7  # of 10; those to the last sockets are lost
+
+
 def test_messages_are_sent_only_to_a_firmware_that_waits(
     sim: Simulator, binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
