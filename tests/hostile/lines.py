@@ -100,7 +100,11 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario check": (["pool.yaml"], {}),
     "scenario schema": (["scenario"], {}),
 }
-NOT_TRIED = {"bench": "its programs measure for minutes, and are for developers"}
+NOT_TRIED = {
+    "bench": "its programs measure for minutes, and are for developers",
+    "ardusub": "it needs a compiled ArduSub; test_firmware.py has its refusals",
+    "ardusub-check": "it needs a compiled ArduSub; test_firmware_check.py has its refusals",
+}
 
 
 @dataclass(frozen=True)
@@ -159,9 +163,11 @@ def _commands(found: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, list
     from uwsim.cli.groups import SOCKET
 
     for name, each in found.items():
+        if prefix + name in NOT_TRIED:
+            continue
         if not isinstance(each, typer.Typer):
             yield prefix + name, list(_parameters(expanded(each)))
-        elif prefix + name not in NOT_TRIED:
+        else:
             of_group = {
                 command.name or command.callback.__name__.replace("_", "-"): command.callback
                 for command in each.registered_commands

@@ -63,11 +63,11 @@ void CameraScene::set_cover_appearance(Label label, const camera::Material& mate
   const std::vector<TriangleMesh>& meshes = world_.cover()[label - world_.first_cover()]->meshes;
   require(texture == nullptr || meshes.size() == 1, "texture", meshes.size(), "needs a layer with one mesh");
   require_fits(texture.get(), meshes.front());
+  const auto known = static_cast<std::size_t>(std::ranges::find(class_names_, surface_class) - class_names_.begin());
+  require(known < 255, "class", surface_class, "too many classes");
+  if (known == class_names_.size()) class_names_.push_back(surface_class);
   materials_[static_cast<std::size_t>(material_of(label))] = material;
-  auto found = std::ranges::find(class_names_, surface_class);
-  if (found == class_names_.end()) found = class_names_.insert(found, surface_class);
-  classes_[label] = static_cast<std::uint8_t>(found - class_names_.begin());
-  require(classes_[label] < 255, "class", surface_class, "too many classes");
+  classes_[label] = static_cast<std::uint8_t>(known);
   has_textures_ = has_textures_ || texture;
   textures_[label] = std::move(texture);
 }

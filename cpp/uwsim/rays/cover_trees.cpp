@@ -86,18 +86,20 @@ CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t m
     }
   }
   const Heightfield& terrain = *surfaces.terrain();
-  for (std::size_t j = 0; j < terrain.ny(); ++j) {
-    for (std::size_t i = 0; i < terrain.nx(); ++i) {
-      const auto tile_at = [&](std::size_t at, std::uint32_t count) {
-        return std::min(static_cast<std::size_t>(static_cast<double>(at) * terrain.spacing_m() / plan_.tile_m()),
-                        std::size_t{count - 1});
-      };
-      // A height belongs to the cells around it, which may lie in the next tile.
-      for (const std::size_t dj : {std::size_t{0}, std::size_t{2}}) {
-        for (const std::size_t di : {std::size_t{0}, std::size_t{2}}) {
-          const std::size_t n = tile_at(std::max(j + dj, std::size_t{1}) - 1, plan_.rows()) * plan_.columns() +
-                                tile_at(std::max(i + di, std::size_t{1}) - 1, plan_.columns());
-          heights_[n].extend(Eigen::Matrix<double, 1, 1>(terrain.heights_m()[j * terrain.nx() + i]));
+  // The first and last node around a tile, along one axis.
+  const auto nodes = [&](std::uint32_t tile, std::size_t count) {
+    const double nodes_a_tile = plan_.tile_m() / terrain.spacing_m();
+    return std::pair(std::min(static_cast<std::size_t>(std::floor(tile * nodes_a_tile)), count - 1),
+                     std::min(static_cast<std::size_t>(std::ceil((tile + 1.0) * nodes_a_tile)), count - 1));
+  };
+  for (std::uint32_t row = 0; row < plan_.rows(); ++row) {
+    const auto [south, north] = nodes(row, terrain.ny());
+    for (std::uint32_t column = 0; column < plan_.columns(); ++column) {
+      const auto [west, east] = nodes(column, terrain.nx());
+      Eigen::AlignedBox1d& heights = heights_[std::size_t{row} * plan_.columns() + column];
+      for (std::size_t j = south; j <= north; ++j) {
+        for (std::size_t i = west; i <= east; ++i) {
+          heights.extend(Eigen::Matrix<double, 1, 1>(terrain.heights_m()[j * terrain.nx() + i]));
         }
       }
     }
@@ -155,8 +157,11 @@ std::unique_ptr<const CoverTrees::Tile> CoverTrees::make_tile(std::uint32_t colu
 
 /// Releases the tiles that were not used for longest, until half of the limit is free, unless another thread has.
 void CoverTrees::release_oldest() const {
-  std::vector<std::unique_lock<ForkSafeMutex<std::mutex>>> all;
-  for (Stripe& stripe : stripes_) all.emplace_back(stripe.mutex);
+  std::array<std::unique_lock<ForkSafeMutex<std::mutex>>, kStripes> all;
+  for (std::size_t k = 0; k < kStripes; ++k) {
+    if (!stripes_[k].mutex.lock_unless_forked()) return;  // a thread of the parent process keeps it
+    all[k] = {stripes_[k].mutex, std::adopt_lock};
+  }
   if (pieces_in_memory_ <= most_pieces_) return;
   std::vector<std::pair<std::uint32_t, std::size_t>> used;
   for (std::size_t n = 0; n < tiles_.size(); ++n) {
@@ -181,16 +186,19 @@ Corners CoverTrees::corners(const Tile& tile, const CoverPiece& piece, std::uint
   return corners;
 }
 
+/// The box of all that a tile may hold.
+Eigen::AlignedBox3d CoverTrees::box_of(std::uint32_t column, std::uint32_t row) const {
+  const double reach = plan_.reach_m(), width = plan_.tile_m();
+  const Eigen::AlignedBox1d& z = heights_[std::size_t{row} * plan_.columns() + column];
+  const Eigen::Vector2d low = plan_.origin_m() + width * Eigen::Vector2d(column, row);
+  return {Eigen::Vector3d(low.x() - reach, low.y() - reach, z.min()(0) - reach),
+          Eigen::Vector3d(low.x() + width + reach, low.y() + width + reach, z.max()(0) + reach)};
+}
+
 /// Calls visit(tile, lanes) for the tiles that rays enter before their end, the nearest first.
 template <typename Visit>
 void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
   const double reach = plan_.reach_m(), width = plan_.tile_m();
-  const auto box_of = [&](std::uint32_t column, std::uint32_t row) {
-    const Eigen::AlignedBox1d& z = heights_[std::size_t{row} * plan_.columns() + column];
-    const Eigen::Vector2d low = plan_.origin_m() + width * Eigen::Vector2d(column, row);
-    return Eigen::AlignedBox3d(Eigen::Vector3d(low.x() - reach, low.y() - reach, z.min()(0) - reach),
-                               Eigen::Vector3d(low.x() + width + reach, low.y() + width + reach, z.max()(0) + reach));
-  };
   // The part of the grid that the rays may enter: for each lane, the ends of its way through the whole grid.
   Eigen::AlignedBox3d whole(box_of(0, 0)), way;
   whole.extend(box_of(plan_.columns() - 1, plan_.rows() - 1));
@@ -361,6 +369,7 @@ bool visit_mesh_triangle(RTCPointQueryFunctionArguments* args) {
 }  // namespace
 
 double CoverTrees::distance(const Eigen::Vector3d& point_world_m, double nearest_m) const {
+  if (!point_world_m.allFinite()) return nearest_m;
   const InUse in_use(*this);
   const double reach = plan_.reach_m(), width = plan_.tile_m();
   const auto numbers = [&](int axis, std::uint32_t count) {
@@ -372,7 +381,9 @@ double CoverTrees::distance(const Eigen::Vector3d& point_world_m, double nearest
   const auto [low, high] = numbers(1, plan_.rows());
   for (std::int64_t row = low; row <= high; ++row) {
     for (std::int64_t column = left; column <= right; ++column) {
-      const Tile& near = tile(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row));
+      const auto i = static_cast<std::uint32_t>(column), j = static_cast<std::uint32_t>(row);
+      if (box_of(i, j).exteriorDistance(point_world_m) >= nearest_m) continue;
+      const Tile& near = tile(i, j);
       if (near.pieces.empty() || near.box.exteriorDistance(point_world_m) >= nearest_m) continue;
       for (const CoverPiece& piece : near.pieces) {
         const Eigen::Vector3d from = point_world_m - near.middle_m - piece.at_m.cast<double>();

@@ -25,6 +25,7 @@ class CoverTrees {
  public:
   /// The pieces in memory, at about 0.5 kB each, above which tiles are released.
   static constexpr std::size_t kMostPieces = 1'000'000;
+  static constexpr std::size_t kStripes = 32;
 
   CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces = kMostPieces);
   ~CoverTrees();
@@ -55,6 +56,7 @@ class CoverTrees {
     ForkSafeMutex<std::mutex> mutex;
   };
 
+  Eigen::AlignedBox3d box_of(std::uint32_t column, std::uint32_t row) const;
   const Tile& tile(std::uint32_t column, std::uint32_t row) const;
   std::unique_ptr<const Tile> make_tile(std::uint32_t column, std::uint32_t row) const;
   void release_oldest() const;
@@ -70,7 +72,7 @@ class CoverTrees {
   double lowest_m_, highest_m_;               ///< of the terrain
   std::vector<Eigen::AlignedBox1d> heights_;  ///< of the tiles that are not in memory: bounds of their pieces' z
   mutable std::vector<std::atomic<const Tile*>> tiles_;
-  mutable std::array<Stripe, 32> stripes_;  ///< a thread that uses tiles holds its own; releasing tiles takes all
+  mutable std::array<Stripe, kStripes> stripes_;  ///< a thread that uses tiles holds its own; releasing tiles takes all
   mutable std::atomic<std::size_t> pieces_in_memory_ = 0;
   mutable std::atomic<std::uint32_t> clock_ = 0;
 };

@@ -121,6 +121,7 @@ void MovingBodies::cast_at(const Body& body, Label label, const Eigen::Vector3d&
     hits.label[k] = label;
     hits.primitive[k] = met.primitive[k];
     hits.settled[k] = met.settled[k];
+    hits.piece[k] = 0;
   }
 }
 

@@ -8,17 +8,16 @@
 namespace uwsim {
 namespace {
 
-constexpr double kLargest = 1e9;   // N and N m
 constexpr double kForever = 1e18;  // steps
 
 }  // namespace
 
 void Simulation::apply_wrench(std::size_t index, const Vector6d& wrench, bool in_world_axes, double duration_s) {
   Vehicle& pushed = changeable(index);
-  require(wrench.allFinite() && wrench.cwiseAbs().maxCoeff() <= kLargest, "vehicle '" + pushed.name + "' wrench",
-          wrench.transpose(), "must be at most 1e9 N and N m");
+  require(wrench.allFinite() && wrench.cwiseAbs().maxCoeff() <= AppliedWrench::kLargest,
+          "vehicle '" + pushed.name + "' wrench", wrench.transpose(), "must be at most 1e9 N and N m");
   require(duration_s >= 0, "duration_s", duration_s, "must not be negative");
-  const double steps = std::min(std::round(duration_s / spec_.step_s), kForever);
+  const double steps = duration_s > 0 ? std::clamp(std::round(duration_s / spec_.step_s), 1.0, kForever) : 0;
   pushed.commanded = {wrench, in_world_axes, tick_, tick_ + static_cast<std::uint64_t>(steps)};
 }
 

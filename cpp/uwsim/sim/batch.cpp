@@ -73,7 +73,10 @@ std::shared_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
     require(vehicle && vehicle->craft, "vehicles.craft", "none", "must be set");
     simulation->add_vehicle(*vehicle);
   }
-  for (const auto& object : spec.objects) simulation->add_object(*object);
+  for (const auto& object : spec.objects) {
+    require(object && object->body.craft, "objects.craft", "none", "must be set");
+    simulation->add_object(*object);
+  }
   if (spec.link) simulation->set_link(*spec.link);
   return simulation;
 }

@@ -82,6 +82,8 @@ void Simulation::exchange_applied(StateArchive& archive) {
     archive(commanded.in_world_axes);
     archive(commanded.from_tick);
     archive(commanded.until_tick);
+    require(commanded.wrench.allFinite() && commanded.wrench.cwiseAbs().maxCoeff() <= AppliedWrench::kLargest,
+            "state.wrench", commanded.wrench.transpose(), "must be at most 1e9 N and N m");
   }
   bodies_.exchange_last_step(archive);
 }

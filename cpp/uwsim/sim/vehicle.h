@@ -17,8 +17,9 @@ namespace uwsim {
 
 /// A wrench that something else exerts on a body, at the body's origin, from one tick until before another.
 struct AppliedWrench {
-  Vector6d wrench = Vector6d::Zero();  ///< [N, N m]
-  bool in_world_axes = false;          ///< otherwise, axes turn with the body
+  static constexpr double kLargest = 1e9;  ///< N and N m
+  Vector6d wrench = Vector6d::Zero();      ///< [N, N m]
+  bool in_world_axes = false;              ///< otherwise, axes turn with the body
   std::uint64_t from_tick = 0, until_tick = 0;
 };
 

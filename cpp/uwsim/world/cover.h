@@ -23,7 +23,8 @@ struct CoverRange {
 };
 
 /// Many small pieces of one kind that lie or grow on the terrain. The layer states how they are distributed; where each
-/// piece is follows from the layer, its seed and the terrain alone (rays/cover_plan.h).
+/// piece is follows from the layer, its seed, the terrain and the solids, and from the density of all layers together,
+/// by which the terrain is divided into tiles (rays/cover_plan.h).
 struct CoverLayer {
   std::string name;
   /// The shapes, of which each piece has one. Their origin lies on the bed, z up, and their largest extent is 1, so

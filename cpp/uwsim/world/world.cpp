@@ -7,6 +7,11 @@
 #include "uwsim/core/check.h"
 
 namespace uwsim {
+namespace {
+
+constexpr double kMostCoverPerM2 = 5000, kMostCover = 1e9;
+
+}  // namespace
 
 void World::set_terrain(Heightfield terrain) { terrain_ = std::make_shared<const Heightfield>(std::move(terrain)); }
 
@@ -34,6 +39,13 @@ Label World::add_cover(CoverLayer layer) {
   require(labels_end() < std::numeric_limits<Label>::max(), "cover", cover_.size(), "too many layers");
   for (const std::string& known : label_names())
     require(known != layer.name, "cover.name", layer.name, "must be unique");
+  double density_per_m2 = layer.density_per_m2;
+  for (const auto& other : cover_) density_per_m2 += other->density_per_m2;
+  require(density_per_m2 <= kMostCoverPerM2, "cover.density_per_m2", density_per_m2,
+          "of all layers together must be at most 5000");
+  const double pieces = density_per_m2 * (terrain_->far_corner_m() - terrain_->origin_m()).prod();
+  require(pieces <= kMostCover, "cover.density_per_m2", density_per_m2,
+          "makes " + std::to_string(pieces) + " pieces on this terrain, must be at most 1e9");
   cover_.push_back(std::make_shared<const CoverLayer>(std::move(layer)));
   return static_cast<Label>(labels_end() - 1);
 }

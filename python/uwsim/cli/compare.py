@@ -94,8 +94,9 @@ def compare(
     """
     import ast
 
-    from uwsim.flight.benchmark import HELD_OUT, SEEDS, load_benchmark, write_submission
+    from uwsim.flight.benchmark import HELD_OUT, SEEDS, SUBMISSION, load_benchmark, write_submission
     from uwsim.flight.compare import compare as fly_all
+    from uwsim.flight.folder import made_folder
     from uwsim.flight.mission_file import parsed_arguments
     from uwsim.flight.paired import MORE_IS_BETTER
     from uwsim.flight.terminal import Terminal
@@ -113,6 +114,8 @@ def compare(
     elif task is not None and (set(numbers) & set(HELD_OUT) if not held_out else set(numbers) - set(HELD_OUT)):
         rule = f"held-out seeds are {HELD_OUT[0]} to {HELD_OUT[-1]}, and only with --held-out"
         raise ValueError(f"--seeds {seeds}: {rule}")
+    if held_out:
+        made_folder(out, (SUBMISSION,))  # before hours of flights
     screen = Terminal()
     if task is not None:
         screen.message(f"{task.name}: {task.task}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -53,6 +54,9 @@ class Benchmark(Model):
         for value in self.values:
             if value not in MORE_IS_BETTER:
                 raise broken(f"must be among {', '.join(MORE_IS_BETTER)}", at=("values",), value=value)
+        for part in ("water", *(["terrain"] if self.seeds_terrain else [])):
+            if not isinstance(value := self.changes.get(part, {}), Mapping):
+                raise broken("must be a mapping", at=("changes", part), value=value)
         return self
 
     @property

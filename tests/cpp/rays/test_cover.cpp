@@ -82,6 +82,21 @@ TEST(Cover, RaysMeetPiecesAsTheyMeetEqualSolids) {
   EXPECT_GT(pieces, 500);
 }
 
+TEST(Cover, RaysMeetPiecesOverACoarseBed) {
+  World world;  // whose nodes are farther apart than its tiles are wide
+  world.set_terrain(Heightfield(std::vector<float>(7 * 7, -kDepth_m), 7, 7, 10.0, {-30, -30}));
+  CoverLayer layer = *bed_with_boxes().cover()[0];
+  layer.density_per_m2 = 50;
+  world.add_cover(layer);
+  const RayScene scene(world);
+  int pieces = 0;
+  for (const PlacedPiece& piece : scene.cover_in({Eigen::Vector2d(-8, -8), Eigen::Vector2d(8, 8)})) {
+    if (++pieces % 100 != 0) continue;
+    EXPECT_EQ(scene.cast({piece.position_world_m + Eigen::Vector3d(0, 0, 5), -Eigen::Vector3d::UnitZ()}, 60).label, 2);
+  }
+  EXPECT_GT(pieces, 5000);
+}
+
 TEST(Cover, PicturesAndShadowsAgreeWithExactRays) {
   const RayScene scene(bed_with_boxes());
   const std::vector<Ray> rays = rays_from_above(1600);
@@ -210,6 +225,8 @@ TEST(Cover, BadLayersAreRefused) {
   refused([](CoverLayer& bad) { bad.density_per_m2 = -1; });
   refused([](CoverLayer& bad) { bad.density_per_m2 = std::nan(""); });
   refused([](CoverLayer& bad) { bad.size_m = {1, 0.5}; });
+  refused([](CoverLayer& bad) { bad.size_m = {1e-60, 1}; });
+  refused([](CoverLayer& bad) { bad.depth_m = {2, 1}; });
   refused([](CoverLayer& bad) { bad.meshes.clear(); });
   refused([](CoverLayer& bad) { bad.patch_share = 0; });
   refused([](CoverLayer& bad) { bad.name = "terrain"; });

@@ -11,7 +11,7 @@ from uwsim.bridges.ardusub_options import ArduSubOptions
 from uwsim.bridges.requested import Bridges, PlayedBridges
 from uwsim.cli.autopilots import Autopilots
 
-NEED_LIVE = {"mavlink", "video", "video_camera"}
+NEED_LIVE = {"mavlink", "nmea", "nmea_rate", "video", "video_camera"}
 
 
 def test_a_recording_is_offered_to_all_bridges_but_those_that_need_a_simulator() -> None:

@@ -101,7 +101,7 @@ def test_no_line_of_help_is_cut(command: list[str]) -> None:
 def test_each_command_is_listed_once_under_a_heading() -> None:
     sections = re.findall(r"^([A-Z][\w ]+):\n((?:  .*\n)+)", uwsim("--help").stdout, flags=re.MULTILINE)
     by_heading = {
-        heading: re.findall(r"^  ([a-z]\w*)", lines, flags=re.MULTILINE)
+        heading: re.findall(r"^  ([a-z][\w-]*)", lines, flags=re.MULTILINE)
         for heading, lines in sections
         if heading not in ("Options", "Exit codes")
     }

@@ -100,6 +100,10 @@ def test_a_push_conserves_momentum() -> None:
     assert speeds == pytest.approx([0.2, 0.3], rel=1e-3)
 
 
+def test_parameters_are_those_without_objects() -> None:
+    assert list(site(body("box", "crate", [0, 0, -5], density_kg_m3=1400.0)).parameters) == list(site().parameters)
+
+
 def test_instruments_perceive_loose_bodies_where_they_are() -> None:
     sim = site(
         body("box", "wall", [-5, 0, -5], density_kg_m3=1000.0, size_m=[1, 4, 4], drag_coefficient=10.0),

@@ -35,7 +35,7 @@ def test_a_command_is_listed_explained_completed_and_run(plugins: Path) -> None:
     environment = with_plugins(plugins)
     listed, explained, run = uwsim_in_another_process(["--help"], ["toy", "--help"], ["toy", "pool"], env=environment)
     assert listed.stderr == ""
-    assert "From other packages:\n  toy          List the sensors of each vehicle of a scenario.\n" in listed.stdout
+    assert "From other packages:\n  toy            List the sensors of each vehicle of a scenario.\n" in listed.stdout
     assert "Name of a scenario" in explained.stdout
     assert "rov: imu" in run.stdout
     completing = {"_UWSIM_COMPLETE": "complete_bash", "COMP_WORDS": "uwsim to", "COMP_CWORD": "1"}

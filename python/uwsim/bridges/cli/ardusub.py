@@ -27,7 +27,9 @@ def ardusub(
     record: Record = None,
     threads: Threads = None,
 ) -> None:
-    """Start a compiled ArduSub, which flies a vehicle; a ground station finds it at UDP 14550.
+    """Start a compiled ArduSub, which flies a vehicle.
+
+    A ground station finds it at UDP 14550.
 
     The program navigates by the vehicle's own instruments, without GPS. Ctrl-C ends both. For ROS and pages beside it,
     give `--ardusub --ardusub-binary` to `uwsim serve`.

@@ -55,7 +55,9 @@ def ardusub_check(
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for report.md, flights.csv and the picture.")] = Path("check"),
 ) -> None:
-    """Compare two ArduSubs, or two parameter files, in the same sea; or a log with the model.
+    """Compare two ArduSubs or parameter files in the same sea.
+
+    Or a log with the model.
 
     Each flies the same flight, with the sensors' errors of each seed: ALT_HOLD, STABILIZE ahead, POSHOLD. A log's servo
     outputs drive the model, whose motion is compared with the log's.

@@ -37,7 +37,7 @@ def nodes(
         ),
     ] = False,
 ) -> None:
-    """Run the paper's mapping pipeline as ROS nodes over rosbridge.
+    """Run the paper's mapping pipeline as nodes over rosbridge.
 
     The nodes convert depth strings and poses into a map file. Ctrl-C stops them.
 

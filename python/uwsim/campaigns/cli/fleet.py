@@ -42,7 +42,7 @@ def fleet(
         bool, typer.Option("--retry-failed", help="With --resume: also fly those that failed.")
     ] = False,
 ) -> None:
-    """Survey an area in tiles, on many workers, and merge the maps.
+    """Survey an area in tiles on many workers; merge the maps.
 
     Each tile is surveyed by a separate vehicle, and the whole map is scored. A worker builds only its tile's part of
     the terrain, so the area may exceed the memory of one process. The bytes of the map do not depend on the number of

@@ -48,7 +48,7 @@ class Mesh(NamedTuple):
 def mesh_file(model: VehicleModel) -> Mesh:
     """Return the model's own mesh file, which viewers on this machine can open."""
     factor, shift_m = hull_placement(model)
-    turn = quaternions.about_z(QUARTER_TURNS[model.mesh_forward] * 0.5 * math.pi)
+    turn = quaternions.about_z(QUARTER_TURNS[model.mesh_forward or "x"] * 0.5 * math.pi)
     if is_y_up(model.mesh, model.mesh_up):
         turn = quaternions.product(turn, quaternions.about_x(0.5 * math.pi))
     return Mesh(model.mesh.resolve().as_uri(), factor * model.mesh_scale, shift_m, turn)

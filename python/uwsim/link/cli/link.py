@@ -27,7 +27,7 @@ def link(
     depth: Annotated[float, typer.Option(help="Depth of the vehicle [m].", callback=within(0.5, 10_000, "m"))] = 10.0,
     seed: Seed = None,
 ) -> None:
-    """Test a link with a vehicle that moves away from the station.
+    """Test a link with a vehicle that moves away from a station.
 
     Its modem sends as much data as it can. Draws delay, delivery and goodput against range and time, and the sonar
     equation's prediction for open water.

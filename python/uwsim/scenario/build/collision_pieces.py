@@ -33,7 +33,7 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
     assert model.collision_pieces is not None
     in_body, _ = vehicle_hull(model)
     factor, shift = hull_placement(model)
-    in_file = load_pieces(model.collision_pieces, scale=model.mesh_scale, forward=model.mesh_forward)
+    in_file = load_pieces(model.collision_pieces, scale=model.mesh_scale, forward=model.mesh_forward or "x")
     pieces = [factor * piece + shift for piece in in_file]
     size_m, hull_m = np.ptp(np.concatenate(pieces), axis=0), np.ptp(in_body, axis=0)
     if not np.all((size_m <= MAX_STRETCH * hull_m) & (size_m * MAX_STRETCH >= hull_m)):

@@ -67,7 +67,7 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
 
 def hull_placement(model: VehicleModel) -> tuple[float, NDArray[np.float64]]:
     """Return the factor and the shift (3,) [m] from the file's scaled and turned mesh to the body frame."""
-    in_file, _ = load_mesh(model.mesh, model.mesh_scale, model.mesh_up, model.mesh_forward)
+    in_file, _ = load_mesh(model.mesh, model.mesh_scale, model.mesh_up, model.mesh_forward or "x")
     in_body, _ = vehicle_hull(model)
     factor = float(np.ptp(in_body[:, 0]) / np.ptp(in_file[:, 0]))
     return factor, in_body.min(axis=0) - factor * in_file.min(axis=0)
@@ -83,7 +83,7 @@ def _placed(model: VehicleModel) -> _Hull:
     file = model.mesh.stat() if model.mesh.is_file() else None
     version = (file.st_mtime_ns, file.st_size) if file else None
     hull = _placed_hull(
-        *(model.mesh, version, model.mesh_scale, model.mesh_up, model.mesh_forward),
+        *(model.mesh, version, model.mesh_scale, model.mesh_up, model.mesh_forward or "x"),
         *(model.volume_m3, model.centre_of_buoyancy_m),
     )
     size_m = np.ptp(hull.vertices_m, axis=0)

@@ -61,10 +61,11 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
 
 
 def _applied(wrench: AppliedWrench, step_s: float) -> _core.AppliedWrench:
-    """Return a scheduled wrench, with its times rounded to steps."""
+    """Return a scheduled wrench, with its times rounded to steps, of which it lasts at least one."""
     until_s = FOREVER_S if wrench.until_s is None else wrench.until_s
     parts = np.array([*wrench.force_n, *wrench.torque_nm])
-    return _core.AppliedWrench(parts, wrench.axes == "world", round(wrench.from_s / step_s), round(until_s / step_s))
+    first = round(wrench.from_s / step_s)
+    return _core.AppliedWrench(parts, wrench.axes == "world", first, max(first + 1, round(until_s / step_s)))
 
 
 def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.VehicleSpec) -> ControlSettings:

@@ -93,7 +93,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     outward. Buoyancy acts on its triangles, and collisions use it. It also determines the volume, and the inertia (as a
     solid of uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's
     axis that points up; by default y for glTF, the declared axis for FBX, z for all others. mesh_forward: the direction
-    of the bow, seen with z up. mass_kg: mass of the
+    of the bow, seen with z up; by default x. mass_kg: mass of the
     vehicle, without ballast and water inside; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3:
     instead, mean density over the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole
     hull displaces in the scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box.
@@ -124,7 +124,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     mesh: AssetFile
     mesh_scale: Factor = 1.0
     mesh_up: Literal["y", "z"] | None = None
-    mesh_forward: Literal["x", "-x", "y", "-y"] = "x"
+    mesh_forward: Literal["x", "-x", "y", "-y"] | None = None
     collision: Literal["hull", "box", "pieces"] = "hull"
     collision_pieces: AssetFile | None = None
 

@@ -42,10 +42,12 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "seed",
             "step_s",
             "dynamics",
+            "earth",
             "terrain",
             "ground",
             "obstacles",
             "cover",
+            "objects",
             "water_targets",
             "link",
             "survey",
@@ -56,7 +58,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
-    VehicleEntry: frozenset({"name", "start", "failsafe", "trim"}),
+    VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches"}),
     VehicleModel: frozenset(
         [
             "builds_on",

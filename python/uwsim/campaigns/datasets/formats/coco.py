@@ -30,7 +30,8 @@ def annotations_of(
         if class_of_label[label] < len(STUFF):
             continue
         alike = labels == label
-        for piece in [0] if pieces is None else np.unique(pieces[alike]).tolist():
+        seen, counts = ([0], [min_pixels]) if pieces is None else np.unique(pieces[alike], return_counts=True)
+        for piece in [int(number) for number, count in zip(seen, counts, strict=True) if count >= min_pixels]:
             mask = alike if pieces is None else alike & (pieces == piece)
             area = int(mask.sum())
             if area >= min_pixels:
