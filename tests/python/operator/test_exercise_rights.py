@@ -2,6 +2,7 @@
 
 import json
 import time
+from concurrent.futures import Future
 
 import numpy as np
 import pytest
@@ -141,7 +142,7 @@ def test_the_page_of_a_pilot_has_no_more_rights(exercise):
             assert CLOSED in ada.call("command", name=name, args=arguments)["message"], name
         plan = ada.call("plan", action="fly", vehicle="rov", points_m=[[0, 0, -2]])
         assert plan["message"] == "autopilot: refused: the exercise does not allow this aid"
-        hold = ada.call("command", name="hold", vehicle="rov", args={"depth": True})
+        hold = ada.call("command", name="hold", vehicle="rov", args={})
         assert hold["message"] == "hold: refused: the exercise does not allow this aid"
         assert ada.call("command", name="hold", vehicle="rov", args={})["success"], "ending holds is no aid"
         assert ada.call("control", action="begin")["message"].startswith("begin: the attempt has begun")
@@ -155,7 +156,7 @@ def test_allowed_aids_are_counted_in_seconds_and_cost_their_points(tmp_path):
         station.run_exercise(hover(*aids, time_s=20.0))
         running = station.present()
         begin(ada)
-        assert ada.call("command", name="hold", vehicle="rov", args={"depth": True})["success"]
+        assert ada.call("command", name="hold", vehicle="rov", args={})["success"]
         until(lambda: running.live.time_ns > 4e9, "four seconds")
         assert ada.call("command", name="hold", vehicle="rov", args={})["success"]
         assert ada.call("plan", action="fly", vehicle="rov", points_m=[[0, 0, -2.5]])["success"]
@@ -201,6 +202,47 @@ def test_what_the_instructor_does_is_listed_and_a_changed_world_is_not_valid(tmp
                             ("paused", "resumed", "inject fault")]  # fmt: skip
             state = ada.call("exercise")
             assert state["attempt"] == 2 and state["is_valid"] and not state["has_begun"]
+
+
+def test_a_log_that_cannot_be_written_stops_neither_all_stop_nor_the_pilot(tmp_path, caplog):
+    with serving(tmp_path, instructor_token=TOKEN) as (station, server):
+        station.start({"scenario": "pool"})
+        (tmp_path / "instructor-log.jsonl").mkdir()
+        live = station.present().live
+        with page(server) as ada:
+            ada.call("take_control")
+            assert ada.call("command", name="hold", vehicle="rov", args={})["success"]
+            assert ada.call("all_stop", vehicle="rov", on=True)["success"]
+            assert live.read(lambda sim: sim.rov.all_stopped).result()
+        until(lambda: "log could not be written" in caplog.text, "a warning")
+
+
+def test_repeats_are_logged_once_briefly_and_a_refusal_is_not_an_act(tmp_path):
+    with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, _):
+        station.run_exercise(hover())
+        own, done = station.instructor, Future()
+        for _ in range(20):
+            own.note(1.0, "Ada", "all stop", {})
+            own.note(1.0, "Ada", "aim", {"elevation_rad": 0.1})
+        own.note(1.0, "Ada", "hold", {"depth": "x" * 9999}, done)
+        assert "hold" not in [entry["action"] for entry in own.log]
+        done.set_result({"success": False, "message": "args.depth: must be true or false"})
+        until(lambda: len(own.log) == 2, "both acts")
+    lines = (tmp_path / "instructor-log.jsonl").read_text().splitlines()
+    assert [json.loads(line)["text"].split(":")[0] for line in lines] == ["all stop", "hold, refused"]
+    assert max(map(len, lines)) < 900
+
+
+def test_an_attempt_that_the_instructor_flies_is_not_valid(tmp_path):
+    with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, server):
+        station.run_exercise(hover())
+        with page(server) as ada, page(server, "Bob") as bob:
+            assert bob.call("supervise", token=TOKEN)["success"]
+            begin(ada)
+            assert bob.call("instruct", action="hand_over", args={"to": ada.id})["success"]
+            assert ada.call("exercise")["is_valid"], "the trainee flies"
+            assert bob.call("instruct", action="hand_over", args={"to": bob.id})["success"]
+            assert not ada.call("exercise")["is_valid"]
 
 
 def test_an_all_stop_of_another_is_listed_and_is_no_aid(tmp_path):

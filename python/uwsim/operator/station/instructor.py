@@ -10,8 +10,9 @@ import hmac
 import json
 import logging
 import math
+import time
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -35,6 +36,9 @@ LOG_SHOWN = 50
 TIMEOUT_S = 10.0
 TEXT_MAX = 200  # letters of a message to the trainee
 TOKEN_MIN = 8
+REPEAT_S = 1.0  # a member's act is logged once in this time, however often it is repeated
+ARGS_MAX = 500  # letters of an act's arguments in the log
+UNLOGGED = ("aim", "aim_camera")  # sent several times a second while a key is held
 WRONG_TOKEN = "the instructor's token is wrong"
 
 
@@ -52,6 +56,8 @@ class Instructor:
     log: list[Values] = field(default_factory=list)
     _guessing: set[str] = field(default_factory=set)  # clients whose wrong token is not answered yet
     _rare: RareLog = field(default_factory=lambda: RareLog(logging.getLogger(__name__)))
+    _noted: dict[tuple[str, str, bool], tuple[float, Values]] = field(default_factory=dict)  # members' latest acts
+    _writer: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "uwsim-instructor-log"))
 
     def __post_init__(self) -> None:
         if len(self.token) < TOKEN_MIN or not self.token.isprintable() or not self.token.isascii():
@@ -96,20 +102,47 @@ class Instructor:
         with running.live.privileged():
             outcome = ACTIONS[action](self, sessions, running, arguments)
         if running.judged is not None and action != "command":  # the course itself notes commands
-            running.judged.note_instruction(outcome)
-        self.note(time_s, "instructor", action, arguments, outcome)
+            running.judged.note_instruction(outcome, changed=action == "return_to")
+        self._writer.submit(self._write, _entry(time_s, "instructor", action, arguments, outcome)).result()
         return outcome
 
-    def note(self, time_s: float, by: str, action: str, arguments: Values, text: str) -> None:
-        """Write an act to the log. by: "instructor", or the pilot's name."""
-        clock = datetime.now().astimezone().isoformat(timespec="seconds")
-        entry = {
-            "time_s": round(time_s, 3), "clock": clock, "by": by, "action": action, "args": arguments, "text": text,
-        }  # fmt: skip
+    def note(self, time_s: float, by: str, act: str, arguments: Values, response: Future[Values] | None = None) -> None:
+        """Note a member's act in the log, on a thread of its own, so that no act waits for a disk.
+
+        The file has the first of repeats within REPEAT_S; the log shown has the last. by: the member's name.
+        response: its outcome is awaited and noted, so that a refused act does not appear as done.
+        """
+        if act in UNLOGGED:
+            return
+        if response is None:
+            response = Future()
+            response.set_result({"success": True})
+
+        def note(done: Future[Values]) -> None:
+            found, name = done.result(), act.replace("_", " ")
+            text = name if found["success"] else f"{name}, refused: {found['message']}"
+            entry = _entry(time_s, by, act, arguments, text)
+            self._writer.submit(self._merge, time.monotonic(), (by, act, found["success"]), entry)
+
+        response.add_done_callback(note)
+
+    def _merge(self, now_s: float, kind: tuple[str, str, bool], entry: Values) -> None:
+        self._noted = {each: last for each, last in self._noted.items() if now_s - last[0] < REPEAT_S}
+        if kind in self._noted:
+            self._noted[kind][1].update(args=entry["args"], text=entry["text"])
+        else:
+            self._noted[kind] = now_s, entry
+            self._write(entry)
+
+    def _write(self, entry: Values) -> None:
+        """Add an entry to the log. If it cannot be written, warn: the simulation does not depend on it."""
         self.log = [*self.log[1 - LOG_SHOWN :], entry]
-        self.folder.mkdir(parents=True, exist_ok=True)
-        with (self.folder / LOG).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with (self.folder / LOG).open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry) + "\n")
+        except OSError as error:
+            self._rare.warning(f"the instructor's log could not be written: {error}")
 
     def overview(self, running: Running) -> Values:
         """Return the instructor's overview of the simulation, including the truth."""
@@ -117,6 +150,14 @@ class Instructor:
         exercise = None if running.judged is None else running.judged.state()
         moments = [{"name": moment.name, "time_s": moment.time_s} for moment in running.moments]
         return {**seen, "exercise": exercise, "moments": moments, "log": self.log[::-1]}
+
+
+def _entry(time_s: float, by: str, action: str, arguments: Values, text: str) -> Values:
+    """Return an entry of the log, as wire_training.Instruction."""
+    clock = datetime.now().astimezone().isoformat(timespec="seconds")
+    given = json.dumps(arguments)
+    kept = arguments if len(given) <= ARGS_MAX else {"cut": given[:ARGS_MAX]}
+    return {"time_s": round(time_s, 3), "clock": clock, "by": by, "action": action, "args": kept, "text": text}
 
 
 def parameters(live: LiveSimulator) -> Values:

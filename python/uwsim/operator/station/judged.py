@@ -88,9 +88,9 @@ class Judged:
         except (NotRunningError, FutureTimeoutError):
             self._conclude(because)
 
-    def note_instruction(self, text: str) -> None:
-        """Note an instructor's act on time."""
-        self.course.note_outside(text, "the instructor", changed=text.startswith("returned"))
+    def note_instruction(self, text: str, *, changed: bool) -> None:
+        """Note an instructor's act. changed: whether it spoils the score."""
+        self.course.note_outside(text, "the instructor", changed=changed)
 
     def stop(self) -> None:
         """End the attempt, and wait for the sheets still being written. Called before the simulator stops."""

@@ -95,11 +95,13 @@ class Services:
             is_silent = self._sessions.node.silence_s(self._lease.pilot) > DEAD_S
             self._lease.request(caller, time.monotonic(), is_silent=is_silent)
             self._sessions.change_pilot()
+            self._note_helm()
         return {"success": True, "message": ""}
 
     def _hand_over(self, caller: str, request: Values) -> Values:
         self._lease.hand_over(caller, request.get("to", ""))
         self._sessions.change_pilot()
+        self._note_helm()
         self._publish()
         return {"success": True, "message": ""}
 
@@ -116,10 +118,11 @@ class Services:
         running = self._sessions.present()
         if not is_stop(request):
             self._lease.require_pilot(caller)
-        elif caller != self._lease.pilot and running.judged is not None:
+        response = running.pilot.all_stop(request, _sent(running))
+        if caller != self._lease.pilot and running.judged is not None:
             running.judged.note_stop(self._lease.members.get(caller, "a watcher"), "all stop")
-        self._note_act(caller, "all stop" if is_stop(request) else "all stop released", {})
-        return running.pilot.all_stop(request, _sent(running))
+        self._note_act(caller, "all stop" if is_stop(request) else "all stop released", {}, response)
+        return response
 
     def _command(self, caller: str, request: Values) -> Future[Values]:
         self._lease.require_pilot(caller)
@@ -138,12 +141,13 @@ class Services:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
             text = _sent(running)
         future = live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given)
-        self._note_act(caller, name, given)
         if COMMANDS[name].steers:
             running.end_plan("the pilot has taken over")
         if name == "hold" and isinstance(vehicle, str):
             running.pilot.note_holds(vehicle, given)
-        return answered(live, future, text=text)
+        response = answered(live, future, text=text)
+        self._note_act(caller, name, given, response)
+        return response
 
     def _plan(self, caller: str, request: Values) -> Values:
         running, action = self._sessions.present(), request.get("action")
@@ -172,8 +176,8 @@ class Services:
             raise ValueError("a plan cannot be flown over a link: its control loop runs at the station")
         if running.plan is not None and running.plan.is_on:
             raise ValueError("a plan is flown already: stop it first")
-        self._note_act(caller, "plan", {"points": len(plan.points_world_m)})
         running.plan = PlanFlight(running.live, str(name), plan)
+        self._note_act(caller, "plan", {"points": len(plan.points_world_m)})
         return self._planned(running)
 
     def _planned(self, running: Running) -> Values:
@@ -185,12 +189,17 @@ class Services:
             raise ValueError("this station has no instructor")
         return self._instructor
 
-    def _note_act(self, caller: str, act: str, arguments: Values) -> None:
+    def _note_act(self, caller: str, act: str, arguments: Values, response: Future[Values] | None = None) -> None:
         """Write a member's act to the instructor's log, if there is an instructor."""
         if self._instructor is not None:
             time_s = 1e-9 * self._sessions.present().live.time_ns
-            by = self._lease.members.get(caller, "a watcher")
-            self._instructor.note(time_s, by, act, arguments, act.replace("_", " "))
+            self._instructor.note(time_s, self._lease.members.get(caller, "a watcher"), act, arguments, response)
+
+    def _note_helm(self) -> None:
+        """Note that the instructor flies an attempt, whose score then does not count."""
+        running, own = self._sessions.running, self._instructor
+        if running is not None and running.judged is not None and own is not None and self._lease.pilot in own.clients:
+            running.judged.note_instruction("took the controls", changed=True)
 
     def _supervise(self, caller: str, request: Values) -> Future[Values]:
         return self._required_instructor().admit(caller, request.get("token"))
@@ -199,6 +208,8 @@ class Services:
         own = self._required_instructor()
         own.require(caller)
         message = own.act(self._sessions, request)
+        if request.get("action") == "hand_over":
+            self._note_helm()
         self._publish()
         return {"success": True, "message": message, "tick": self._sessions.present().live.tick}
 
@@ -269,6 +280,8 @@ class Services:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(self._controls())}")
         live = self._sessions.present().live
         said = CONTROLS[action](self._sessions, request)
+        if action == "begin":
+            self._note_helm()
         self._note_act(caller, action, {})
         self._publish()
         return {"success": True, "message": said or "", "tick": live.tick}
