@@ -27,6 +27,7 @@ import {
 } from '../../python/uwsim/operator/station/page/views/chart_frame.js';
 import { contours } from '../../python/uwsim/operator/station/page/views/chart_ground.js';
 import { together, wayTo } from '../../python/uwsim/operator/station/page/views/chart_marks.js';
+import { Telemetry } from '../../python/uwsim/operator/station/page/telemetry.js';
 import { Closing, soonest } from '../../python/uwsim/operator/station/page/views/closing.js';
 import {
   Fan,
@@ -88,6 +89,27 @@ const around = new Map([
 ]);
 assert.equal(soonest(around).name, 'fore');
 assert.equal(soonest(new Map([['port', around.get('port')]])), null);
+
+// The bed below is no obstacle around the vehicle, and a proximity sensor that has failed does not keep a warning.
+const heard = new Map();
+const watched = new Telemetry({
+  bridge: { subscribe: (topic, _, take) => heard.set(topic, take) },
+  state: { factor: 1 },
+});
+watched.watch({ name: 'rov', telemetry: '/telemetry', proximities: [{ name: 'fore', topic: '/fore' }] });
+const passes = (sec, range) => {
+  const header = { stamp: { sec, nanosec: 0 } };
+  heard.get('/telemetry')({ header, distance_to_seabed: 0.5 });
+  if (range) heard.get('/fore')({ header, range, max_range: 10 });
+};
+passes(0);
+assert.ok(Number.isNaN(watched.nearest_m));
+for (const sec of [0, 1, 2]) passes(sec, 5 - sec);
+assert.equal(watched.nearest_m, 3);
+assert.equal(watched.contact.name, 'fore');
+passes(5);
+assert.ok(Number.isNaN(watched.nearest_m));
+assert.equal(watched.contact, null);
 
 // A collision stays until it is acknowledged; each alarm is logged once, when it begins; another run begins empty.
 const log = new AlarmLog();

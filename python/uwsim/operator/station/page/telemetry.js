@@ -5,12 +5,12 @@ import { STRINGS } from './strings.js';
 import { Closing, soonest } from './views/closing.js';
 
 const LATE_MS = 1500;
-const LATE_SIM_S = 2; // lag behind the simulated time, for example over an acoustic link
+const LATE_SIM_S = 2; // at a factor of up to 1: of telemetry behind the time, of a range behind telemetry
 
 export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
-  #ranges = new Map(); // of each proximity sensor: { range_m, reach_m }
+  #ranges = new Map(); // of each proximity sensor: { range_m, reach_m, at_s }
   /** @type {import('./wire/messages.js').Telemetry | null} */
   message = null;
   vehicle = ''; // the vehicle's name
@@ -53,7 +53,7 @@ export class Telemetry extends EventTarget {
           'sensor_msgs/Range',
           ({ header, range, max_range: reach_m }) => {
             const range_m = range < reach_m ? range : NaN;
-            this.#ranges.set(name, { range_m, reach_m });
+            this.#ranges.set(name, { range_m, reach_m, at_s: seconds(header.stamp) });
             this.#approach(name, range_m, header);
           },
           { throttle_rate: 150 },
@@ -63,14 +63,18 @@ export class Telemetry extends EventTarget {
 
   // The next contact: { name, time_s }, or null if none is imminent.
   get contact() {
-    return soonest(this.#closings);
+    const silent = [...this.#ranges.keys()].filter((name) => !this.#hasRecent(name));
+    return soonest(new Map([...this.#closings].filter(([name]) => !silent.includes(name))));
   }
 
-  // The nearest echo around the vehicle [m], and the range of the sensor to port [m]; NaN if there is none.
+  // The nearest recent echo around the vehicle [m], the bed's aside, and the range of the sensor to port [m]; NaN if
+  // there is none.
   get nearest_m() {
-    const { distance_to_port: port = NaN, distance_to_seabed: bed = NaN } = this.message ?? {};
-    const port_m = port < this.portReach_m ? port : NaN;
-    const found = [port_m, bed, ...[...this.#ranges.values()].map(({ range_m }) => range_m)].filter(Number.isFinite);
+    const { distance_to_port: port = NaN } = this.message ?? {};
+    const recent = [...this.#ranges].filter(([name]) => this.#hasRecent(name));
+    const found = [port < this.portReach_m ? port : NaN, ...recent.map(([, { range_m }]) => range_m)].filter(
+      Number.isFinite,
+    );
     return found.length ? Math.min(...found) : NaN;
   }
 
@@ -99,15 +103,21 @@ export class Telemetry extends EventTarget {
     return Math.max(0, this.station.state.time - this.stamp_s);
   }
 
+  // Whether a proximity sensor has measured lately; a failed one must not keep a warning.
+  #hasRecent(name) {
+    return Math.abs(this.stamp_s - this.#ranges.get(name).at_s) <= this.#late_s;
+  }
+
+  get #late_s() {
+    return LATE_SIM_S * Math.max(1, this.station.state.factor || 1);
+  }
+
   // Whether the values are late.
   get isStale() {
     const { state, isBlind } = this.station;
     if (!this.message || isBlind) return true;
     if (state.paused) return false;
     const slow = state.factor > 0 && state.factor < 1 ? 1 / state.factor : 1;
-    return (
-      performance.now() - this.#receivedMs > LATE_MS * Math.min(slow, 20) ||
-      this.lag_s > LATE_SIM_S * Math.max(1, state.factor || 1)
-    );
+    return performance.now() - this.#receivedMs > LATE_MS * Math.min(slow, 20) || this.lag_s > this.#late_s;
   }
 }
