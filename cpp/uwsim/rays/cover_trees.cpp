@@ -17,7 +17,7 @@
 namespace uwsim {
 namespace {
 
-/// A mesh in an Embree tree of its own. Vertices are padded by one float, as Embree may read four.
+/// A mesh in an Embree tree of its own.
 RayTree mesh_tree(RTCDeviceTy* device, const std::vector<Eigen::Vector3f>& vertices,
                   const std::vector<Triangle>& triangles) {
   GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
@@ -255,7 +255,6 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
     const std::uint32_t left = number(west, 0, -reach, plan_.columns()),
                         right = number(east, 0, reach, plan_.columns());
     for (std::uint32_t column = left; column <= right; ++column) {
-      if (heights_[std::size_t{row} * plan_.columns() + column].isEmpty()) continue;
       if (first_entry(box_of(column, row)) == kInfinity) continue;
       const Tile& next = tile(column, row);
       const double first = next.pieces.empty() ? kInfinity : first_entry(next.box);
@@ -276,11 +275,7 @@ void CoverTrees::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits
   for (std::size_t p = 0; p < rays.size(); ++p) {
     Walk walk(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m);
     for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
-      RTCRayHit16 packet;
-      fill(walk, tile.middle_m, lanes, packet.ray);
-      std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
-      std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
-      intersect(tile.tree.get(), {}, RayOrder::kIncoherent, lanes.data(), packet);
+      const RTCRayHit16 packet = met(tile.tree.get(), walk, tile.middle_m, lanes);
       for (std::size_t k = 0; k < kPacketRays; ++k) {
         if (lanes[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
         const CoverPiece& piece = tile.pieces[packet.hit.instID[0][k]];
@@ -300,11 +295,7 @@ void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& ra
   Walk walk(anchor_world_m, rays, hits.distance_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) walk.near_m[k] = rays.near_m[k];
   for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
-    RTCRayHit16 packet;
-    fill(walk, tile.middle_m, lanes, packet.ray);
-    std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
-    std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
-    intersect(tile.tree.get(), {}, RayOrder::kIncoherent, lanes.data(), packet);
+    const RTCRayHit16 packet = met(tile.tree.get(), walk, tile.middle_m, lanes);
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       if (lanes[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
       const CoverPiece& piece = tile.pieces[packet.hit.instID[0][k]];

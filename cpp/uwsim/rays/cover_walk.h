@@ -9,6 +9,7 @@
 #include "uwsim/core/infinity.h"
 #include "uwsim/rays/cover_trees.h"
 #include "uwsim/rays/embree.h"
+#include "uwsim/rays/embree_cast.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/tolerances.h"
 
@@ -84,6 +85,18 @@ void fill(const Walk& walk, const Eigen::Vector3d& middle_m, const std::array<st
     ray.id[k] = static_cast<unsigned>(k);
     ray.flags[k] = 0;
   }
+}
+
+/// Embree's hits on the pieces of a tile.
+template <typename Walk>
+RTCRayHit16 met(RTCScene tree, const Walk& walk, const Eigen::Vector3d& middle_m,
+                const std::array<std::int32_t, kPacketRays>& lanes) {
+  RTCRayHit16 packet;
+  fill(walk, middle_m, lanes, packet.ray);
+  std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
+  std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
+  intersect(tree, {}, RayOrder::kIncoherent, lanes.data(), packet);
+  return packet;
 }
 
 /// A hit on a piece, computed in double on the triangle that Embree found.

@@ -67,8 +67,8 @@ def test_the_screens_are_our_stations_page_in_a_browser(sim, tmp_path):
     assert "Taken now" in start.caption and "Taken now" in main.caption
     assert dict(main.rows)["proximity warning"] is True
     pixels = np.asarray(Image.open(tmp_path / "fig05.png").convert("RGB"), int)
-    amber = (np.abs(pixels - (245, 180, 40)).max(axis=-1) < 25)[:250, 1130:]
-    assert amber.sum() > 100  # the lit lamp on the panel
+    amber = (np.abs(pixels - (255, 194, 71)).max(axis=-1) < 25)[200:450, 1030:1120]
+    assert amber.sum() > 100  # the altitude on its tape
     assert picture(tmp_path / "fig04.png").std() > 10
 
 

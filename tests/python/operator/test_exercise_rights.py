@@ -142,7 +142,7 @@ def test_the_page_of_a_pilot_has_no_more_rights(exercise):
             assert CLOSED in ada.call("command", name=name, args=arguments)["message"], name
         plan = ada.call("plan", action="fly", vehicle="rov", points_m=[[0, 0, -2]])
         assert plan["message"] == "autopilot: refused: the exercise does not allow this aid"
-        hold = ada.call("command", name="hold", vehicle="rov", args={})
+        hold = ada.call("command", name="hold", vehicle="rov", args={"depth": True})
         assert hold["message"] == "hold: refused: the exercise does not allow this aid"
         assert ada.call("command", name="hold", vehicle="rov", args={})["success"], "ending holds is no aid"
         assert ada.call("control", action="begin")["message"].startswith("begin: the attempt has begun")
@@ -156,7 +156,7 @@ def test_allowed_aids_are_counted_in_seconds_and_cost_their_points(tmp_path):
         station.run_exercise(hover(*aids, time_s=20.0))
         running = station.present()
         begin(ada)
-        assert ada.call("command", name="hold", vehicle="rov", args={})["success"]
+        assert ada.call("command", name="hold", vehicle="rov", args={"depth": True})["success"]
         until(lambda: running.live.time_ns > 4e9, "four seconds")
         assert ada.call("command", name="hold", vehicle="rov", args={})["success"]
         assert ada.call("plan", action="fly", vehicle="rov", points_m=[[0, 0, -2.5]])["success"]

@@ -77,12 +77,12 @@ def test_a_schedule_pushes_as_commands_do() -> None:
 
 
 def test_a_push_shorter_than_a_step_lasts_a_step() -> None:
-    with Simulator("pool") as sim:
-        sim.rov.apply_wrench([30.0, 0.0, 0.0], duration_s=0.1 * sim.step_s)
-        sim.step()
-        assert sim.rov.forces["applied"].force_body_n[0] == pytest.approx(30.0)
-        sim.step()
-        assert sim.rov.forces["applied"].force_body_n[0] == 0.0
+    sim = puddle()
+    sim.rov.apply_wrench([30.0, 0.0, 0.0], duration_s=0.1 * sim.step_s)
+    sim.step()
+    assert sim.rov.forces["applied"].force_body_n[0] == pytest.approx(30.0)
+    sim.step()
+    assert sim.rov.forces["applied"].force_body_n[0] == 0.0
 
 
 def test_arrows_show_the_forces_to_scale() -> None:

@@ -59,8 +59,8 @@ def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
     )  # fmt: skip
     main = Figure(
         5, "The main screen",
-        "The vehicle in flight above the pipeline: camera feeds, the vehicle's parameters, and the proximity warning "
-        f"lit. {source}; the values are those of the place where the flight begins.",
+        "The vehicle in flight above the pipeline: camera feeds, the vehicle's parameters, and the altitude "
+        f"marked as near the bed. {source}; the values are those of the place where the flight begins.",
         "Theirs is a window of Unity; ours is a page in a browser, which also has the sonar and the growing map.",
         columns=("panel", "value"), rows=[
             ("depth [m]", round(panel.depth_m, 2)), ("distance to seabed [m]", round(panel.distance_to_seabed_m, 2)),

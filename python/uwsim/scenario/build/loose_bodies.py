@@ -29,7 +29,7 @@ PANELS = 800
 """Panels for added mass, which is then at most 2 % too low for boxes, cylinders and plates: see `added_mass`."""
 ELEMENTS = 2000
 SKIN_FRICTION = 0.005
-"""Of a turbulent boundary layer at a Reynolds number of 7e5, 0.074 Re^(-1/5) (Schlichting 1979, "Boundary-Layer
+"""That of a turbulent boundary layer at a Reynolds number of 7e5, 0.074 Re^(-1/5) (Schlichting 1979, "Boundary-Layer
 Theory", ch. 21)."""
 
 Floats = NDArray[np.float64]

@@ -63,8 +63,8 @@ export class Telemetry extends EventTarget {
 
   // The next contact: { name, time_s }, or null if none is imminent.
   get contact() {
-    const silent = [...this.#ranges.keys()].filter((name) => !this.#hasRecent(name));
-    return soonest(new Map([...this.#closings].filter(([name]) => !silent.includes(name))));
+    const silent = new Set([...this.#ranges.keys()].filter((name) => !this.#hasRecent(name)));
+    return soonest(new Map([...this.#closings].filter(([name]) => !silent.has(name))));
   }
 
   // The nearest recent echo around the vehicle [m], the bed's aside, and the range of the sensor to port [m]; NaN if
@@ -103,7 +103,7 @@ export class Telemetry extends EventTarget {
     return Math.max(0, this.station.state.time - this.stamp_s);
   }
 
-  // Whether a proximity sensor has measured lately; a failed one must not keep a warning.
+  // True if a proximity sensor has measured lately; a failed one must not keep a warning.
   #hasRecent(name) {
     return Math.abs(this.stamp_s - this.#ranges.get(name).at_s) <= this.#late_s;
   }
