@@ -5,6 +5,6 @@ COPY . .
 RUN apt-get update && apt-get install -y --no-install-recommends ca-certificates \
   && tools/setup && find build -name '*.o' -delete && rm -rf /var/lib/apt/lists/*
 ENV PATH=/uwsim/.venv/bin:$PATH
-WORKDIR /work
+WORKDIR /data
 ENTRYPOINT ["uwsim"]
 CMD ["--help"]
