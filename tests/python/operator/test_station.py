@@ -13,6 +13,7 @@ from browser import until
 from station_pages import PATIENCE_S, page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator, replay
+from uwsim.operator.station.running import Running
 from uwsim.recording.replay import replay as replay_recording
 
 
@@ -47,6 +48,25 @@ def test_from_the_start_screen_to_a_flight_and_back():
         assert ada.call("start", scenario="pool")["success"]
         ada.message("/telemetry", lambda message: message["header"]["stamp"]["secs"] >= 0)  # still subscribed
         assert ada.call("describe")["session"] > state["session"]
+
+
+def test_a_page_that_sees_the_start_screen_may_start_at_once(monkeypatch):
+    with serving() as (station, server), page(server) as ada:
+        station.start({"scenario": "pool"})
+        ada.subscribe("/station/state")
+        ada.message("/station/state", lambda state: state["phase"] == "running")
+        stop = Running.stop
+
+        def slowly(running):
+            station.sessions._publish()
+            assert ada.message("/station/state", lambda state: state["phase"] != "running")["phase"] == "starting"
+            stop(running)
+
+        monkeypatch.setattr(Running, "stop", slowly)
+        station.sessions.quit()
+        monkeypatch.undo()
+        ada.message("/station/state", lambda state: state["phase"] == "idle")
+        assert ada.call("start", scenario="pool")["success"]
 
 
 def test_what_is_wrong_is_said_at_its_field():

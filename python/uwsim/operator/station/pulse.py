@@ -85,7 +85,7 @@ class Pulse:
     def _state(self, running: Running | None) -> Values:
         sessions, lease = self._sessions, self._lease
         state = {
-            "phase": sessions.phase if running is not None or sessions.phase != "running" else "idle",
+            "phase": sessions.phase if running is not None or sessions.phase != "running" else "starting",
             "session": sessions.number,
             "edition": 0 if running is None else running.edition,
             "pilot": lease.pilot,

@@ -116,7 +116,7 @@ class Sessions:
         with _errors_of("flight", ValueError, OSError):
             timeline = self.flights.timeline(name)
             live = LiveSimulator(timeline.simulator(), speed=speed)
-            self.run(lambda: live, replay=Replay(live, timeline, name, self.flights))
+        self.run(lambda: live, replay=Replay(live, timeline, name, self.flights))
 
     def branch(self) -> str:
         """Start flying from the current moment of a replay, in a new session; return a text with the starting point.
@@ -215,7 +215,7 @@ class Sessions:
         finally:
             if running is not None and self.running is not running:  # something failed
                 running.stop()
-            self.phase = before
+            self.phase = "idle" if before == "running" and self.running is None else before
             self._starting.release()  # first, since a page that sees the phase may start the next one at once
             self._publish()
 
@@ -245,9 +245,12 @@ class Sessions:
         if self.is_fixed:
             raise ValueError("this server runs one scenario: there is nothing else to show")
         with self._starting:
-            self._end()
-            self._offer(None)
-            self.phase = "idle"
+            self.phase = "starting"  # until all has ended: a page that sees "idle" may start the next one at once
+            try:
+                self._end()
+                self._offer(None)
+            finally:
+                self.phase = "idle"
         self._publish()
 
     def close(self) -> None:
