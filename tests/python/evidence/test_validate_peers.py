@@ -9,7 +9,7 @@ import pytest
 
 from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate import peers
-from uwsim.evidence.validate.peers import added_mass, occupancy
+from uwsim.evidence.validate.peers import added_mass, lamp_light, occupancy
 
 
 @pytest.mark.parametrize("peer", peers.PEERS)
@@ -30,6 +30,15 @@ def test_capytaine_recomputes_its_stored_results() -> None:
         kept = read_json(added_mass.RESULTS)["added_mass"][name][0]
         found = make["added_mass"](*added_mass.HULLS[name](added_mass.LEVELS[0]))
         np.testing.assert_allclose(found, kept, rtol=1e-4)
+
+
+def test_mitsuba_recomputes_its_stored_results() -> None:
+    pytest.importorskip("mitsuba", reason="pip install mitsuba")
+    make = runpy.run_path(str(Path(__file__).parents[1] / "data/make_mitsuba_radiance.py"))
+    name, scene = next(iter(lamp_light.SCENES.items()))
+    kept = read_json(lamp_light.RESULTS)["single"][name]["II"][0][1]
+    found, error = make["radiance"](scene, 0.0, make["medium"]("II", 1), 2, 1 << 12)
+    assert abs(found / kept - 1.0) < 4.0 * error / kept + 0.02
 
 
 def test_a_missing_peer_is_reported_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,6 +19,7 @@ PEERS = {
     "occupancy": ("uwsim", "uwsim"),
     "wave_loads": ("uwsim", "uwsim"),
     "added_mass": ("uwsim", "uwsim"),
+    "lamp_light": ("uwsim", "uwsim"),
     "sea_water": ("gsw", "gsw"),
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),
