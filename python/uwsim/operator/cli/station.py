@@ -54,7 +54,7 @@ def station(
         typer.Argument(
             help="Scenario preselected on the start screen: a name or a YAML file.", autocompletion=scenarios
         ),
-    ] = "lake",
+    ] = "tarn",
     port: Annotated[
         int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
     ] = 9090,
