@@ -13,6 +13,7 @@ from uwsim.figures import style, truth_and_map
 from uwsim.scenario import build_world, load
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+os.environ["UWSIM_LOGBOOK"] = ""  # attempts in tests are not the user's
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")
 

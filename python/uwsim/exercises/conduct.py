@@ -1,4 +1,4 @@
-"""Conduct: everything in an attempt at an exercise that was not the pilot's own steering: outside acts, and aids."""
+"""Conduct: what was done in an attempt at an exercise besides steering: the pilot's acts, outside acts, and aids."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from uwsim.channels.authority.rights import AidKind
 from uwsim.exercises.exercise import Aid
 
 ACTS_MAX = 1000
+AGAIN_S = 1.0  # an act repeated within this time is listed once
+UNLISTED = ("aim", "aim_camera")  # sent several times a second while a key is held
 
 
 class OutsideAct(NamedTuple):
@@ -21,19 +23,31 @@ class OutsideAct(NamedTuple):
     changed: bool
 
 
+class PilotAct(NamedTuple):
+    """A command to the vehicle other than an effort, such as a lamp's switch. time_s: since the beginning."""
+
+    time_s: float
+    text: str
+
+
 @dataclass
 class Conduct:
-    """The outside acts and the aids of one attempt.
+    """The acts and the aids of one attempt.
 
     It is not part of a saved moment: what was done remains, even if the instructor returns to a time before. allowed:
-    the aids that the exercise allows. omitted: the number of acts beyond ACTS_MAX, which are only counted.
+    the aids that the exercise allows. acts: those of others than the pilot. pilot_acts: commands to the vehicle.
+    omitted, pilot_omitted: the numbers of acts beyond ACTS_MAX, which are only counted.
     """
 
     allowed: Sequence[Aid]
     acts: list[OutsideAct] = field(default_factory=list)
     omitted: int = 0
+    pilot_acts: list[PilotAct] = field(default_factory=list)
+    pilot_omitted: int = 0
+    _last: dict[str, float] = field(default_factory=dict)
     used_s: dict[AidKind, float] = field(default_factory=dict)
     _changed_by: list[str] = field(default_factory=list)
+    _other_pilots: list[str] = field(default_factory=list)
 
     def note(self, act: OutsideAct) -> None:
         """Add an outside act."""
@@ -43,6 +57,22 @@ class Conduct:
             self.acts.append(act)
         else:
             self.omitted += 1
+
+    def note_command(self, time_s: float, name: str, text: str) -> None:
+        """Add a command to the vehicle, unless it repeats one by less than AGAIN_S."""
+        again_s = time_s - self._last.get(text, -AGAIN_S)
+        self._last[text] = time_s
+        if name in UNLISTED or again_s < AGAIN_S:
+            return
+        if len(self.pilot_acts) < ACTS_MAX:
+            self.pilot_acts.append(PilotAct(time_s, text))
+        else:
+            self.pilot_omitted += 1
+
+    def note_pilot(self, name: str) -> None:
+        """Note that another person than the one who began has the controls."""
+        if name not in self._other_pilots:
+            self._other_pilots.append(name)
 
     def note_aid(self, kind: AidKind, duration_s: float) -> None:
         """Add a time for which an aid was in use."""
@@ -57,6 +87,7 @@ class Conduct:
     def invalid_because(self) -> str:
         """Why the score is not valid; "" if it is."""
         reasons = [f"the world was changed by {who}" for who in self._changed_by]
+        reasons += [f"{name} had the controls, too" for name in self._other_pilots]
         kinds = [aid.kind for aid in self.allowed]
         reasons += [f"{kind} was used, an aid that is not allowed" for kind in self.used_s if kind not in kinds]
         return "; ".join(reasons)
@@ -72,6 +103,9 @@ class Conduct:
             for kind in dict.fromkeys((*costs, *self.used_s))
         ]  # fmt: skip
 
-    def outside_acts(self) -> list[dict[str, Any]]:
-        """Return the outside acts, in order."""
-        return [act._asdict() for act in self.acts]
+    def listed(self) -> dict[str, Any]:
+        """Return all acts in order, as in the score sheet."""
+        return {
+            "acts": [act._asdict() for act in self.pilot_acts], "acts_omitted": self.pilot_omitted,
+            "outside_acts": [act._asdict() for act in self.acts], "outside_acts_omitted": self.omitted,
+        }  # fmt: skip

@@ -16,7 +16,7 @@ from uwsim.channels.authority.rights import AidKind
 from uwsim.exercises.conduct import Conduct, OutsideAct
 from uwsim.exercises.exercise import Event, Exercise
 from uwsim.exercises.goal import Progress
-from uwsim.exercises.limits import AGAIN_S
+from uwsim.exercises.limits import AGAIN_S, LimitModel
 from uwsim.exercises.moment import Moment
 from uwsim.simulator.simulator import Simulator
 
@@ -229,10 +229,15 @@ class Course:
         return own | set(self._other_aids())
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Note a command that changes the world, unless it is an event of the exercise; see CommandObserver."""
-        if name in COMMANDS and COMMANDS[name].changes_world and not self._issues:
-            given = ", ".join(f"{key} {value}" for key, value in arguments.items())
-            self.note_outside(f"{name.replace('_', ' ')}: {given}"[:200], self._outsider, changed=True)
+        """Note a command, unless it is an event of the exercise; see CommandObserver."""
+        if name not in COMMANDS or self._issues or self.is_over or not self.has_begun:
+            return
+        given = ", ".join(f"{key} {value}" for key, value in arguments.items())
+        text = f"{name.replace('_', ' ')}: {given}"[:200]
+        if COMMANDS[name].changes_world:
+            self.note_outside(text, self._outsider, changed=True)
+        else:
+            self.conduct.note_command(self._elapsed_s, name, text)
 
     def note_outside(self, text: str, by: str, *, changed: bool) -> None:
         """Note an act of another than the pilot. changed: whether it changed the world."""
@@ -327,9 +332,14 @@ class Course:
             for h in self._now.log
         ]  # fmt: skip
         return {
-            **self.state(), "seed": self.sim.seed, "scenario": self.exercise.scenario, "goals": goals, "log": log,
-            "outside_acts": self.conduct.outside_acts(), "outside_acts_omitted": self.conduct.omitted,
+            **self.state(), "seed": self.sim.seed, "scenario": self.exercise.scenario, "goals": goals,
+            "limits": [self._limit_figures(limit) for limit in self.exercise.limits], "log": log,
+            **self.conduct.listed(),
         }  # fmt: skip
+
+    def _limit_figures(self, limit: LimitModel) -> dict[str, Any]:
+        times = sum(h.kind == "limit" and h.text == limit.title for h in self._now.log)
+        return {"title": limit.title, "kind": limit.kind, "cost": limit.cost, "ends": limit.ends, "broken": times}
 
     @property
     def track(self) -> np.ndarray[Any, np.dtype[np.float64]]:

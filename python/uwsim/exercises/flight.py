@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 from uwsim.base.agenda import NEVER, Rank
 from uwsim.exercises import Course, Exercise, load_exercise
+from uwsim.exercises.certified import certified_sheet, checked_person
+from uwsim.exercises.logbook import log_attempt
 from uwsim.exercises.sheet import remove_stale_sheet, require_room, write_sheet
 from uwsim.flight.fly import fly
 from uwsim.flight.missions import AnyMission
@@ -27,6 +29,7 @@ def fly_exercise(
     mission: AnyMission,
     out: str | Path | None = None,
     *,
+    person: str = "",
     threads: int | None = None,
     screen: Silent | None = None,
     **options: Any,
@@ -34,11 +37,12 @@ def fly_exercise(
     """Fly a mission as the pilot of an exercise, and judge it against the truth.
 
     exercise: a packaged name, a path or an Exercise. mission: see uwsim.fly. out: folder for sheet.html, score.json and
-    the flight's files. options: other arguments of uwsim.fly, such as `function`, `estimate` or `record`. The flight
+    the flight's files. person: on the sheet, and in the log book, which has no attempts without a name. options: other arguments of uwsim.fly, such as `function`, `estimate` or `record`. The flight
     ends when the mission does, or when the exercise's time is up. If the mission fails, its error is raised once the
     sheet has been written. Raises ValueError, ScenarioError or OSError.
     """
     found = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
+    person = checked_person(person) if person else ""
     if out is not None:
         require_room(Path(out))
     sim = Simulator(found.made_scenario(), threads=threads)
@@ -53,18 +57,20 @@ def fly_exercise(
     except Exception as error:
         if sim.tick > begun_tick:
             course.finish(f"the pilot failed: {error}")
-            _write(out, course)
+            _write(out, course, person)
         raise
     finally:
         course.detach()
     course.finish(f"the pilot ended: {record.ended_because}")
-    _write(out, course)
+    _write(out, course, person)
     return FlownExercise(course, record)
 
 
-def _write(out: str | Path | None, course: Course) -> None:
+def _write(out: str | Path | None, course: Course, person: str) -> None:
+    sheet = certified_sheet(course, person)
     if out is not None:
-        write_sheet(Path(out), course)
+        write_sheet(Path(out), course, sheet)
+    log_attempt(sheet)
 
 
 class _StaleSheet:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -23,6 +23,9 @@ class LimitModel(Model):
 
     cost: Points = 5.0
     ends: bool = False
+
+    if TYPE_CHECKING:
+        kind: str
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """Return whether the limit is broken at a moment. collisions_before: the number up to the previous moment."""

@@ -1,22 +1,23 @@
-"""Writes the score sheet of an exercise: score.json, sheet.html with its figures, and the true track."""
+"""Writes the score sheet of an exercise: score.json, sheet.txt, sheet.html with its figures, and the true track."""
 
 from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import require_own
 from uwsim.exercises.course import Course
+from uwsim.exercises.sheet_text import sheet_lines
 
 TEMPLATE = Path(__file__).with_name("sheet.html.j2")
-SCORE, SHEET, TRACK = "score.json", "sheet.html", "true-track.csv"
-NAMES = (SCORE, SHEET, TRACK)
+SCORE, SHEET, TEXT, TRACK = "score.json", "sheet.html", "sheet.txt", "true-track.csv"
+NAMES = (SCORE, SHEET, TEXT, TRACK)
 TRACK_COLUMNS = "time_s,x_m,y_m,z_m,yaw_rad,altitude_m\n"
 LOGGER = logging.getLogger("uwsim.exercises")
 
@@ -42,29 +43,30 @@ def remove_stale_sheet(out: Path) -> None:
         (out / name).unlink(missing_ok=True)
 
 
-def write_sheet(out: Path, course: Course) -> list[Path]:
+def write_sheet(out: Path, course: Course, sheet: Mapping[str, Any]) -> list[Path]:
     """Write the files into a folder; return their paths. Without matplotlib, sheet.html is left out. Raises OSError.
 
-    A figure that cannot be drawn is replaced by the reason.
+    sheet: the course's, certified. A figure that cannot be drawn is replaced by the reason.
     """
     out.mkdir(parents=True, exist_ok=True)
     remove_stale_sheet(out)
-    text = json.dumps(course.sheet(), indent=1)
+    text = json.dumps(sheet, indent=1)
     write_atomically(out / SCORE, f"{text}\n".encode())
+    write_atomically(out / TEXT, ("\n".join(sheet_lines(sheet)) + "\n").encode())
     rows = [",".join(f"{value:.6g}" for value in row) + "\n" for row in course.track.tolist()]
     write_atomically(out / TRACK, (TRACK_COLUMNS + "".join(rows)).encode())
-    written = [out / SCORE, out / TRACK]
+    written = [out / SCORE, out / TEXT, out / TRACK]
     if find_spec("matplotlib") is not None:
-        write_atomically(out / SHEET, sheet_html(course).encode())
+        write_atomically(out / SHEET, sheet_html(course, sheet).encode())
         written.append(out / SHEET)
     return written
 
 
-def sheet_html(course: Course) -> str:
-    """Return the self-contained page. Raises OSError."""
+def sheet_html(course: Course, sheet: Mapping[str, Any]) -> str:
+    """Return the self-contained page of a certified sheet. Raises OSError."""
     from uwsim.figures.html_page import filled_page
 
-    return filled_page(TEMPLATE, sheet=course.sheet(), figures=_figures(course))
+    return filled_page(TEMPLATE, sheet=sheet, figures=_figures(course))
 
 
 def _figures(course: Course) -> list[SheetFigure]:

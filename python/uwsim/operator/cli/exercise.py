@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -41,6 +41,13 @@ def exercise(
         ),
     ] = None,
     serve: Annotated[bool, typer.Option("--serve", help="Serve it at the operator's station, for a person.")] = False,
+    person: Annotated[
+        str | None,
+        typer.Option(
+            help="Name of the pilot, on the score sheet and in the log book (uwsim logbook). With --serve, by default "
+            "the name that the pilot gives on the page."
+        ),
+    ] = None,
     out: Out = Path("out"),
     record: Record = None,
     port: Annotated[
@@ -66,6 +73,7 @@ def exercise(
     score is too low to pass.
     """
     from uwsim.exercises import exercise_names, load_exercise
+    from uwsim.exercises.certified import checked_person
 
     if name is None:
         for each in exercise_names():
@@ -78,18 +86,22 @@ def exercise(
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
     found = load_exercise(name)
+    named = "" if person is None else checked_person(person)
     if serve:
         if record is not None:
             raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
         secret_instructor = secret("--instructor-token", instructor_token, instructor_token_file, INSTRUCTOR_VARIABLE)
         shown = secret_instructor and (instructor_token or "TOKEN")
-        _serve(found, out, 9090 if port is None else port, tokens, secret_instructor, shown, bounds, threads)
+        _serve(found, out, 9090 if port is None else port, tokens, secret_instructor, shown, bounds, threads, named)
         return
     from uwsim.exercises.flight import fly_exercise
+    from uwsim.exercises.sheet_text import score_lines
     from uwsim.flight.terminal import Terminal
 
-    course, flown = fly_exercise(found, pilot, out, threads=threads, record=record, screen=Terminal())
+    course, flown = fly_exercise(
+        found, pilot, out, person=named, threads=threads, record=record, screen=Terminal()
+    )
     for row in score_lines(course.sheet()):
         typer.echo(row)
     typer.echo(f"{out / 'score.json'}  {out / 'sheet.html'}")
@@ -97,23 +109,6 @@ def exercise(
         raise typer.Exit(INTERRUPTED)
     if not course.has_passed:
         raise typer.Exit(INCOMPLETE)
-
-
-def score_lines(sheet: dict[str, Any]) -> list[str]:
-    """Return the score as lines of text."""
-    lines = [f"{goal['scored']:6.1f} of {goal['points']:g}  {goal['title']}" for goal in sheet["goals"]]
-    lines += [
-        f"{-each['cost']:6.1f}       {each['title']}, broken at {each['time_s']:.1f} s" for each in sheet["broken"]
-    ]
-    lines += [
-        f"{-aid['cost']:6.1f}       {aid['kind']}, used for {aid['used_s']:.1f} s"
-        for aid in sheet["aids"]
-        if aid["used_s"]
-    ]
-    verdict = "passed" if sheet["has_passed"] else f"not passed, which takes {sheet['pass_points']:g}"
-    if not sheet["is_valid"]:
-        verdict = f"not valid: {sheet['invalid_because']}"
-    return [*lines, f"{sheet['score']:6.1f} of {sheet['points']:g}  {verdict}; {sheet['ended_because']}"]
 
 
 def _serve(
@@ -125,6 +120,7 @@ def _serve(
     shown: str | None,
     bounds: Bounds,
     threads: int | None,
+    person: str,
 ) -> None:
     from uwsim.bridges import RosbridgeServer
     from uwsim.bridges.admission import has_token
@@ -143,7 +139,7 @@ def _serve(
     secret_token = accessible["token"]
     site = Site(hub, lambda request: secret_token is None or has_token(request, secret_token))
     with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):
-        hub.run_exercise(found)
+        hub.run_exercise(found, person)
         url = page_url(server.url, tokens.token)
         where = f"the exercise is at {url}{instructor_text(url, shown)}; its sheets will be in {out}"
         wait_for_interrupt(f"{where}; Ctrl-C ends it")

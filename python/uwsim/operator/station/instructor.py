@@ -38,6 +38,7 @@ TEXT_MAX = 200  # letters of a message to the trainee
 TOKEN_MIN = 8
 REPEAT_S = 1.0  # a member's act is logged once in this time, however often it is repeated
 ARGS_MAX = 500  # letters of an act's arguments in the log
+LOG_MAX_BYTES = 20_000_000  # of the file, over all sessions in its folder; further acts are shown, but not written
 UNLOGGED = ("aim", "aim_camera")  # sent several times a second while a key is held
 WRONG_TOKEN = "the instructor's token is wrong"
 
@@ -139,8 +140,12 @@ class Instructor:
         self.log = [*self.log[1 - LOG_SHOWN :], entry]
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
+            line = json.dumps(entry) + "\n"
             with (self.folder / LOG).open("a", encoding="utf-8") as file:
-                file.write(json.dumps(entry) + "\n")
+                if file.tell() + len(line) > LOG_MAX_BYTES:
+                    self._rare.warning(f"the instructor's log is full at {LOG_MAX_BYTES} bytes: acts are not written")
+                    return
+                file.write(line)
         except OSError as error:
             self._rare.warning(f"the instructor's log could not be written: {error}")
 

@@ -13,7 +13,9 @@ from typing import Any
 from uwsim.channels.authority.rights import OF_EXERCISE, AidKind, Rights
 from uwsim.channels.guest import Values
 from uwsim.exercises import Course, Exercise
+from uwsim.exercises.certified import certified_sheet
 from uwsim.exercises.course import PERIOD_S
+from uwsim.exercises.logbook import log_attempt
 from uwsim.exercises.sheet import SCORE, SHEET, write_sheet
 from uwsim.live import LiveSimulator, NotRunningError
 
@@ -28,6 +30,8 @@ class Judged:
     An attempt begins when the pilot presses Begin; until then, time stands still. It ends with the exercise, with a
     restart, or with the simulator. folder: receives the score sheets, in subfolders sheet-1, sheet-2 and so on.
     instructor: whether an instructor may change the world. aids: returns the aids in use that the station knows.
+    pilot: returns the name of the member who has the controls; another than the one who began makes a score invalid.
+    person: the name on the sheet and in the log book, by default that of the member who began.
     """
 
     def __init__(
@@ -39,8 +43,11 @@ class Judged:
         *,
         instructor: bool = False,
         aids: Callable[[], set[AidKind]] = set,
+        pilot: Callable[[], str] = str,
+        person: str = "",
     ) -> None:
-        self.live, self._folder, self._aids = live, folder, aids
+        self.live, self._folder, self._aids, self._pilot = live, folder, aids, pilot
+        self._person, self._began = person, ""
         outsider = "the instructor" if instructor else "the program that runs the simulator"
         self.course = Course(exercise, live.simulator, self._command, outsider=outsider, aids=self._aids_in_use)
         self.course.wait_to_begin(1)
@@ -67,6 +74,7 @@ class Judged:
             if self.course.has_begun:
                 raise ValueError("begin: the attempt has begun: restart for another one")
             self.course.restart()
+            self._began = self._pilot()
             self._sheet, self._error = None, ""
             self._judge()  # at time 0, when events may be due
 
@@ -133,6 +141,8 @@ class Judged:
             acts, self._acts = self._acts, Counter()
             has_program, self._has_program = self._has_program, False
         time_s = self.course.time_s
+        if (name := self._pilot()) and name != self._began:
+            self.course.conduct.note_pilot(name)
         for (by, text), count in acts.items():
             self.course.note_outside(text if count == 1 else f"{text}, {count} times", by, changed=False)
         if has_program:
@@ -161,15 +171,17 @@ class Judged:
 
     def _write(self, course: Course) -> None:
         """Write a sheet on a thread of its own."""
-        writing = threading.Thread(target=self._write_now, args=(course,), name="uwsim-sheet", daemon=True)
+        sheet = certified_sheet(course, self._person or self._began)
+        writing = threading.Thread(target=self._write_now, args=(course, sheet), name="uwsim-sheet", daemon=True)
         writing.start()  # before `close`, on another thread, may join it
         self._writing = [*(each for each in self._writing if each.is_alive()), writing]
 
-    def _write_now(self, course: Course) -> None:
+    def _write_now(self, course: Course, sheet: Values) -> None:
         try:
             folder = self._new_folder()
-            write_sheet(folder, course)
+            write_sheet(folder, course, sheet)
             self._sheet = folder
+            log_attempt(sheet)
         except Exception as error:
             self._error = f"the score sheet could not be written: {error}"
             LOGGER.exception("the score sheet could not be written")

@@ -144,8 +144,11 @@ class Sessions:
         self.run(make, prepare, notes={"branched_from": where})
         return where
 
-    def run_exercise(self, exercise: Exercise) -> None:
-        """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError."""
+    def run_exercise(self, exercise: Exercise, person: str = "") -> None:
+        """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError.
+
+        person: the name on the sheets and in the log book, by default that of the member who begins the attempt.
+        """
 
         def make() -> LiveSimulator:
             sim = Simulator(exercise.made_scenario(), threads=self._threads)
@@ -156,6 +159,7 @@ class Sessions:
             running.judged = Judged(
                 running.live, exercise, self.folder, running.table.rights,
                 instructor=self._is_supervised, aids=running.aids_in_use,
+                pilot=lambda: self._lease.pilot_name, person=person,
             )  # fmt: skip
             running.scene.hidden = frozenset(exercise.hidden)
 

@@ -1,0 +1,62 @@
+"""What makes a score sheet a record: a person, a date, the build, and a digest by which a change is noticed.
+
+The digest is no signature: whoever changes a sheet can compute another one. It shows slips, not fraud.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from datetime import datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from uwsim.exercises.course import Course
+from uwsim.scenario.fingerprint import build_fingerprint
+
+PERSON_MAX = 80
+SHEET_MAX_BYTES = 50_000_000
+
+
+def checked_person(name: str) -> str:
+    """Return a person's name as it is given, without spaces at its ends. Raises ValueError."""
+    found = name.strip()
+    if not found or len(found) > PERSON_MAX or not found.isprintable():
+        raise ValueError(f"person = {name[:PERSON_MAX]!r}: must have 1 to {PERSON_MAX} printable characters")
+    return found
+
+
+def certified_sheet(course: Course, person: str = "", date: datetime | None = None) -> dict[str, Any]:
+    """Return the sheet of a course with person, date, build and digest. date: of its end, by default now."""
+    sheet = {
+        **course.sheet(),
+        "person": checked_person(person) if person else "",
+        "date": (date or datetime.now().astimezone()).isoformat(timespec="seconds"),
+        "uwsim": metadata.version("uwsim"),
+        "build": build_fingerprint(),
+    }
+    return {**sheet, "digest": digest_of(sheet)}
+
+
+def digest_of(sheet: Mapping[str, Any]) -> str:
+    """Return the digest of all values of a sheet but its digest: 32 hexadecimal digits of BLAKE2b."""
+    values = {key: value for key, value in sheet.items() if key != "digest"}
+    text = json.dumps(values, sort_keys=True, separators=(",", ":"))
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def read_sheet(path: Path) -> dict[str, Any]:
+    """Return the sheet in a file score.json. Raises OSError, or ValueError if it has been changed."""
+    with path.open("rb") as file:
+        content = file.read(SHEET_MAX_BYTES + 1)
+    try:
+        sheet = json.loads(content) if len(content) <= SHEET_MAX_BYTES else None
+    except (ValueError, RecursionError):
+        sheet = None
+    if not isinstance(sheet, dict) or not isinstance(sheet.get("digest"), str):
+        raise ValueError(f"'{path}': is not a score sheet with a digest")
+    if digest_of(sheet) != sheet["digest"]:
+        raise ValueError(f"'{path}': has been changed since it was written: its content does not have its digest")
+    return sheet
