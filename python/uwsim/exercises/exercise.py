@@ -78,9 +78,9 @@ class Aid(Model):
 class Exercise(Model):
     """An exercise for a pilot.
 
-    title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. obstacles: added to the
-    scenario's. hidden: names of obstacles that the station's 3D view and chart leave out. start: the pose of the first
-    vehicle, by default as in the scenario. seed: seed of all random draws. time_s: time after which it ends. goals,
+    title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model
+    that replaces the first vehicle's. obstacles: added to the scenario's. hidden: names of obstacles that the station's
+    3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all random draws. time_s: time after which it ends. goals,
     limits, events: see their models. aids: those that the pilot may use; all others are refused. pass_points: points
     needed to pass.
     """
@@ -88,6 +88,7 @@ class Exercise(Model):
     title: str = Field(min_length=1, max_length=120)
     brief: str = Field(min_length=1, max_length=2000)
     scenario: str
+    vehicle: str | None = None
     obstacles: list[ObstacleSpec] = Field(default_factory=list)
     hidden: list[Name] = Field(default_factory=list)
     start: StartPose | None = None
@@ -130,6 +131,8 @@ class Exercise(Model):
     def made_scenario(self) -> Scenario:
         """Return the scenario with the exercise's obstacles, start, seed and time. Raises ScenarioError."""
         found = load(self.scenario)
+        if self.vehicle is not None:
+            found = found.with_changes(vehicle_model=self.vehicle)
         data = found.given()
         data["seed"] = self.seed
         data["mission_time_s"] = max(found.mission_time_s, 2 * self.time_s)
