@@ -18,6 +18,7 @@ from uwsim.channels.calls.rcl_parameters import rcl_parameter_services
 from uwsim.channels.ros import build
 from uwsim.exercises import load_exercise
 from uwsim.exercises.exercise import Aid
+from uwsim.exercises.logbook import entries
 from uwsim.live import COMMANDS
 from uwsim.operator.station.flights import Bounds
 from uwsim.recording.replay import replay
@@ -243,6 +244,33 @@ def test_an_attempt_that_the_instructor_flies_is_not_valid(tmp_path):
             assert ada.call("exercise")["is_valid"], "the trainee flies"
             assert bob.call("instruct", action="hand_over", args={"to": bob.id})["success"]
             assert not ada.call("exercise")["is_valid"]
+
+
+def test_the_instructors_log_stops_at_its_limit(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr("uwsim.operator.station.instructor.LOG_MAX_BYTES", 1000)
+    with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, _):
+        own = station.instructor
+        for k in range(20):
+            own.note(float(k), "Ada", f"act {k}", {})
+        until(lambda: len(own.log) == 20, "all acts in the log shown")
+    log = (tmp_path / "instructor-log.jsonl").read_bytes()
+    assert 800 < len(log) <= 1000 and log.endswith(b"}\n") and "log is full at 1000 bytes" in caplog.text
+
+
+def test_an_attempt_is_of_the_person_who_began_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "book.jsonl"))
+    with serving(tmp_path, is_fixed=True, truth=False) as (station, server):
+        station.run_exercise(hover())
+        with page(server) as ada, page(server, "Bob") as bob:
+            begin(ada)
+            until(lambda: station.present().live.tick > 20, "time")
+            assert ada.call("exercise")["is_valid"]
+            assert ada.call("hand_over", to=bob.id)["success"]
+            until(lambda: not ada.call("exercise")["is_valid"], "another pilot")
+    score = score_of(station)
+    assert score["person"] == "Ada" and score["invalid_because"] == "Bob had the controls, too"
+    (entry,) = entries(tmp_path / "book.jsonl")
+    assert (entry.person, entry.is_valid, entry.digest) == ("Ada", False, score["digest"])
 
 
 def test_an_all_stop_of_another_is_listed_and_is_no_aid(tmp_path):

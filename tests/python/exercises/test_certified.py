@@ -1,0 +1,118 @@
+"""A sheet names person, date and build, and a changed one is noticed; the log book has each named person's attempts."""
+
+import csv
+import io
+import json
+from datetime import datetime
+
+import pytest
+from test_sheet import exercise, still
+
+from command_line import uwsim
+from uwsim.exercises.certified import PERSON_MAX, read_sheet
+from uwsim.exercises.conduct import ACTS_MAX, Conduct
+from uwsim.exercises.exercise import Exercise
+from uwsim.exercises.flight import fly_exercise
+from uwsim.exercises.limits import Area, Collisions
+from uwsim.exercises.logbook import entries, totals
+from uwsim.missions import wait
+from uwsim.scenario.fingerprint import build_fingerprint
+
+
+@pytest.fixture
+def book(tmp_path, monkeypatch):
+    path = tmp_path / "data" / "logbook.jsonl"
+    monkeypatch.setenv("UWSIM_LOGBOOK", str(path))
+    return path
+
+
+def acting(vehicle):
+    vehicle.lamps["front"].on = True
+    for _ in range(30):
+        vehicle.command("note", text="again", category="defect", position_world_m=None)
+        yield wait(0.05)
+
+
+def limited() -> Exercise:
+    limits = [Collisions(kind="collision", cost=20), Area(kind="area", area_m=[(9, 9), (10, 9), (10, 10)], cost=3)]
+    return exercise("Hold & <b>it</b>").model_copy(update={"limits": limits})
+
+
+def test_a_sheet_has_who_when_and_with_what_limits_and_acts_and_no_change_of_it_passes(tmp_path):
+    fly_exercise(limited(), acting, tmp_path, person="Ada <L.>")
+    path = tmp_path / "score.json"
+    sheet = read_sheet(path)
+    assert (sheet["person"], sheet["seed"], sheet["build"]) == ("Ada <L.>", 0, build_fingerprint())
+    assert datetime.fromisoformat(sheet["date"]).tzinfo is not None
+    assert [(each["title"], each["cost"], each["broken"]) for each in sheet["limits"]] == [
+        ("No collision", 20.0, 0), ("Stay within the area", 3.0, 1)
+    ]  # fmt: skip
+    assert [act["text"].split(":")[0] for act in sheet["acts"]] == ["set lamp", "note"], "repeats are listed once"
+    page, text = (tmp_path / "sheet.html").read_text(), (tmp_path / "sheet.txt").read_text()
+    for shown in (sheet["date"], sheet["build"], sheet["digest"], "Stay within the area", "set lamp"):
+        assert shown in page and shown in text
+    assert "Ada &lt;L.&gt;" in page and "Ada <L.>" in text
+    for key, value in sheet.items():
+        if key != "digest":
+            path.write_text(json.dumps({**sheet, key: [value]}))
+            with pytest.raises(ValueError, match="has been changed since it was written"):
+                read_sheet(path)
+    path.write_text(json.dumps(sheet, indent=4))
+    assert read_sheet(path) == sheet, "the layout of the file does not count"
+
+
+def test_the_log_book_keeps_each_attempt_of_a_named_person(tmp_path, book):
+    for person in ("Ada", "", "Bob", "Ada"):
+        fly_exercise(limited(), still, person=person)
+    found = entries(book)
+    assert [each.person for each in found] == ["Ada", "Bob", "Ada"]
+    assert totals(found)["Ada"] == {"exercises": 1, "passed": 1, "attempts": 2, "hours": pytest.approx(2 * 1.0 / 3600.0)}
+    printed = uwsim("logbook", "--csv", "--person", "Ada")
+    assert [row["person"] for row in csv.DictReader(io.StringIO(printed.stdout))] == ["Ada", "Ada"]
+    assert [each["person"] for each in json.loads(uwsim("logbook", "--json").stdout)] == ["Ada", "Bob", "Ada"]
+    assert "1 of 1 exercises passed in 2 attempts  Ada" in uwsim("logbook").stdout
+
+
+def test_a_line_that_was_cut_short_spoils_no_later_one_and_a_strangers_file_stays_as_it_is(book):
+    fly_exercise(limited(), still, person="Ada")
+    with book.open("ab") as file:
+        file.write(b'{"date": "2026')
+    fly_exercise(limited(), still, person="Bob")
+    assert len(book.read_text().splitlines()) == 3
+    with pytest.raises(ValueError, match="line 2: is not an entry of a log book"):
+        entries(book)
+    book.write_text("my notes\n")
+    with pytest.raises(ValueError, match="line 1: is not an entry"):
+        fly_exercise(limited(), still, person="Ada")
+    assert book.read_text() == "my notes\n"
+    failed = uwsim("logbook")
+    assert failed.returncode == 1 and "line 1: is not an entry" in failed.stderr and "Traceback" not in failed.stderr
+
+
+@pytest.mark.parametrize("person", [" ", "x" * (PERSON_MAX + 1), "a\nb"])
+def test_a_name_is_bounded_and_refused_before_the_flight(tmp_path, person):
+    with pytest.raises(ValueError, match="must have 1 to 80 printable characters"):
+        fly_exercise(limited(), still, tmp_path, person=person)
+    assert not list(tmp_path.iterdir())
+
+
+def test_commands_are_bounded_and_another_pilot_spoils_the_score():
+    conduct = Conduct([])
+    for k in range(ACTS_MAX + 5):
+        conduct.note_command(float(k), "hold", f"hold: {k}")
+    assert len(conduct.listed()["acts"]) == ACTS_MAX and conduct.listed()["acts_omitted"] == 5
+    assert conduct.invalid_because == ""
+    conduct.note_pilot("Bob")
+    assert conduct.invalid_because == "Bob had the controls, too"
+
+
+def test_full_ahead_ends_at_the_wall_and_costs():
+    def ahead(vehicle):
+        vehicle.set_effort(surge=1.0)
+        yield wait(14.0)
+
+    course = fly_exercise("hover", ahead).course
+    x, y, _ = course.track[-1, 1:4]
+    assert abs(x) < 12.5 and 9.0 < abs(y) < 10.0
+    assert {each["title"]: each["broken"] for each in course.sheet()["limits"]}["Stay within the area"] == 1
+    assert course.state()["lost"] >= 30.0
