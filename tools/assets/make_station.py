@@ -1,4 +1,4 @@
-"""Generate assets/meshes/station.obj and station.glb, a moored pontoon, plain and in colours; needs manifold3d, trimesh.
+"""Generate assets/meshes/station.obj and station.glb, a moored pontoon; needs numpy, manifold3d and trimesh.
 
 Metres; x forward, z up, z = 0 at the waterline. The dock is underneath, centred at (0, 0, -5): a 1.2 x 0.8 x 0.7 m
 vehicle hangs under a roof between four posts and can leave in any direction but up.
@@ -61,7 +61,9 @@ def main() -> None:
     """Write the meshes."""
     comment = "made by tools/assets/make_station.py; metres, z = 0 is the water line"
     parts = {**platform(), (0.85, 0.66, 0.04): cage()}
-    write_obj(united([solid for solids in parts.values() for solid in solids]), ASSETS / "meshes" / "station.obj", comment)
+    write_obj(
+        united([solid for solids in parts.values() for solid in solids]), ASSETS / "meshes" / "station.obj", comment
+    )
     write_glb(*united_by_colour(parts), ASSETS / "meshes" / "station.glb")
 
 

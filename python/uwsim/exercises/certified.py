@@ -1,6 +1,6 @@
 """What makes a score sheet a record: a person, a date, the build, and a digest by which a change is noticed.
 
-The digest is no signature: whoever changes a sheet can compute another one. It shows slips, not fraud.
+The digest is no signature: anyone can change a sheet and compute another one. It shows mistakes, not fraud.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.texts.json_text import read_json
 from uwsim.exercises.course import Course
 from uwsim.scenario.fingerprint import build_fingerprint
 
 PERSON_MAX = 80
-SHEET_MAX_BYTES = 50_000_000
 
 
 def checked_person(name: str) -> str:
@@ -49,12 +49,7 @@ def digest_of(sheet: Mapping[str, Any]) -> str:
 
 def read_sheet(path: Path) -> dict[str, Any]:
     """Return the sheet in a file score.json. Raises OSError, or ValueError if it has been changed."""
-    with path.open("rb") as file:
-        content = file.read(SHEET_MAX_BYTES + 1)
-    try:
-        sheet = json.loads(content) if len(content) <= SHEET_MAX_BYTES else None
-    except (ValueError, RecursionError):
-        sheet = None
+    sheet = read_json(path)
     if not isinstance(sheet, dict) or not isinstance(sheet.get("digest"), str):
         raise ValueError(f"'{path}': is not a score sheet with a digest")
     if digest_of(sheet) != sheet["digest"]:

@@ -80,9 +80,9 @@ class Exercise(Model):
 
     title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model
     that replaces the first vehicle's. obstacles: added to the scenario's. hidden: names of obstacles that the station's
-    3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all random draws. time_s: time after which it ends. goals,
-    limits, events: see their models. aids: those that the pilot may use; all others are refused. pass_points: points
-    needed to pass.
+    3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all
+    random draws. time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot
+    may use; all others are refused. pass_points: points needed to pass.
     """
 
     title: str = Field(min_length=1, max_length=120)

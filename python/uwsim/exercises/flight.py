@@ -37,9 +37,10 @@ def fly_exercise(
     """Fly a mission as the pilot of an exercise, and judge it against the truth.
 
     exercise: a packaged name, a path or an Exercise. mission: see uwsim.fly. out: folder for sheet.html, score.json and
-    the flight's files. person: on the sheet, and in the log book, which has no attempts without a name. options: other arguments of uwsim.fly, such as `function`, `estimate` or `record`. The flight
-    ends when the mission does, or when the exercise's time is up. If the mission fails, its error is raised once the
-    sheet has been written. Raises ValueError, ScenarioError or OSError.
+    the flight's files. person: on the sheet, and in the log book, which has no attempts without a name. options: other
+    arguments of uwsim.fly, such as `function`, `estimate` or `record`. The flight ends when the mission does, or when
+    the exercise's time is up. If the mission fails, its error is raised once the sheet has been written. Raises
+    ValueError, ScenarioError or OSError.
     """
     found = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
     person = checked_person(person) if person else ""

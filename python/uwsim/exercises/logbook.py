@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import json
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict
+
+from uwsim.base.texts.json_text import json_value
 
 NAME, LINE_MAX = "logbook.jsonl", 100_000
 
@@ -90,8 +91,8 @@ def entries(path: Path) -> list[Entry]:
 
 def _entry(line: bytes, where: str) -> Entry:
     try:
-        return Entry.model_validate(json.loads(line))
-    except (ValueError, RecursionError):
+        return Entry.model_validate(json_value(line, where))
+    except ValueError:
         raise ValueError(f"{where}: is not an entry of a log book") from None
 
 

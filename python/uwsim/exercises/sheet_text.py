@@ -30,7 +30,9 @@ def sheet_lines(sheet: Mapping[str, Any]) -> list[str]:
         "seed": sheet["seed"], "attempt": sheet["attempt"], "duration": f"{sheet['time_s']:.1f} s",
         "uwsim": f"{sheet['uwsim']}, build {sheet['build']}",
     }  # fmt: skip
-    limits = [f"{-limit['cost']:6.1f} each  {limit['title']}: broken {limit['broken']} times" for limit in sheet["limits"]]
+    limits = [
+        f"{-limit['cost']:6.1f} each  {limit['title']}: broken {limit['broken']} times" for limit in sheet["limits"]
+    ]
     happened = [(each["time_s"], f"{each['kind']}: {each['text']}") for each in sheet["log"]]
     happened += [(act["time_s"], f"command: {act['text']}") for act in sheet["acts"]]
     happened += [(act["time_s"], f"{act['by']}: {act['text']}") for act in sheet["outside_acts"]]

@@ -6,9 +6,9 @@ import json
 from datetime import datetime
 
 import pytest
-from test_sheet import exercise, still
 
 from command_line import uwsim
+from test_sheet import exercise, still
 from uwsim.exercises.certified import PERSON_MAX, read_sheet
 from uwsim.exercises.conduct import ACTS_MAX, Conduct
 from uwsim.exercises.exercise import Exercise
@@ -66,7 +66,12 @@ def test_the_log_book_keeps_each_attempt_of_a_named_person(tmp_path, book):
         fly_exercise(limited(), still, person=person)
     found = entries(book)
     assert [each.person for each in found] == ["Ada", "Bob", "Ada"]
-    assert totals(found)["Ada"] == {"exercises": 1, "passed": 1, "attempts": 2, "hours": pytest.approx(2 * 1.0 / 3600.0)}
+    assert totals(found)["Ada"] == {
+        "exercises": 1,
+        "passed": 1,
+        "attempts": 2,
+        "hours": pytest.approx(2 * 1.0 / 3600.0),
+    }
     printed = uwsim("logbook", "--csv", "--person", "Ada")
     assert [row["person"] for row in csv.DictReader(io.StringIO(printed.stdout))] == ["Ada", "Ada"]
     assert [each["person"] for each in json.loads(uwsim("logbook", "--json").stdout)] == ["Ada", "Bob", "Ada"]

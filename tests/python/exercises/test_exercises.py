@@ -15,6 +15,8 @@ from uwsim.missions import dive_to, follow, goto, hold, turn_to, wait
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.schema import schema
 
+GUIDE = Path(__file__).parents[3] / "docs/guides/exercises.md"
+
 
 def hover(vehicle):
     yield from goto(vehicle, (0, 0, -2.5), within_m=0.3)
@@ -195,8 +197,10 @@ PILOTS = {
 OPTIONS = {"dvl-loss": {"estimate": "filter"}}
 
 
-def test_all_packaged_exercises_are_flown_here():
+def test_all_packaged_exercises_are_flown_here_and_described_in_the_guide():
     assert set(exercise_names()) == set(PILOTS)
+    table = GUIDE.read_text().partition("| packaged |")[2].partition("\n\n")[0]
+    assert sorted(re.findall(r"^\| `([\w-]+)`", table, re.MULTILINE)) == exercise_names()
 
 
 @pytest.mark.parametrize("name", PILOTS)
@@ -322,8 +326,7 @@ def backwards(vehicle):
 
 
 def test_the_guide_and_the_schema_list_each_kind_of_goal() -> None:
-    guide = (Path(__file__).parents[3] / "docs/guides/exercises.md").read_text()
-    table = guide.partition("| goal |")[2].partition("\n\n")[0]
+    table = GUIDE.read_text().partition("| goal |")[2].partition("\n\n")[0]
     assert re.findall(r"^\| `(\w+)`", table, re.MULTILINE) == list(GOALS.models())
     definitions = schema("exercise", {"exercise": Exercise})["definitions"]
     kinds = [definitions[model.__name__]["properties"]["kind"]["const"] for model in GOALS.models().values()]

@@ -99,9 +99,7 @@ def exercise(
     from uwsim.exercises.sheet_text import score_lines
     from uwsim.flight.terminal import Terminal
 
-    course, flown = fly_exercise(
-        found, pilot, out, person=named, threads=threads, record=record, screen=Terminal()
-    )
+    course, flown = fly_exercise(found, pilot, out, person=named, threads=threads, record=record, screen=Terminal())
     for row in score_lines(course.sheet()):
         typer.echo(row)
     typer.echo(f"{out / 'score.json'}  {out / 'sheet.html'}")

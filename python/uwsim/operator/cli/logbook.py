@@ -29,9 +29,9 @@ def logbook(
         typer.Option(help="Only check that a score.json is as it was written, by its digest.", callback=readable),
     ] = None,
 ) -> None:
-    """Print the log book: who flew which exercise, when, for how long and with which score.
+    """Print the hours and exercises of each person.
 
-    `uwsim exercise` adds each attempt of a named person. The file is uwsim/logbook.jsonl in the folder of the user's
+    The log book has each attempt of a named person that `uwsim exercise` has judged. The file is uwsim/logbook.jsonl in the folder of the user's
     data, or that in the environment variable UWSIM_LOGBOOK.
     """
     from uwsim.exercises.certified import checked_person, read_sheet
@@ -41,7 +41,9 @@ def logbook(
         if person is not None or json or csv:
             raise WithoutEffectError("--person, --json and --csv: have no effect with --check")
         sheet = read_sheet(check)
-        typer.echo(f"{check}: is as it was written: {sheet['person'] or 'not named'}, {sheet['title']}, {sheet['date']}")
+        typer.echo(
+            f"{check}: is as it was written: {sheet['person'] or 'not named'}, {sheet['title']}, {sheet['date']}"
+        )
         return
     if json and csv:
         raise WithoutEffectError("needs only one of --json and --csv")
