@@ -63,6 +63,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
     "exercise": (["hover"], {"pilot": "mission.py", "out": "out"}),
+    "logbook": ([], {}),
     "identify": (["run.mcap"], {"vehicle": "rov", "out": "out"}),
     "fleet": (["pool.yaml"], {"tile": "100", "out": "out", "workers": "0"}),
     "serve": (["pool.yaml"], {"port": "0"}),
