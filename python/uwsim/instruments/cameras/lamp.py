@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.journal import Journal
+from uwsim.base.quaternions import about_z
 from uwsim.base.sealed import Attached
 from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
+from uwsim.scenario.build.station import in_world
 from uwsim.scenario.spec.camera import Lamps
+from uwsim.scenario.spec.station import Station
 
 Floats = NDArray[np.float64]
 
@@ -63,3 +68,10 @@ class Lamp(Attached):
             position, orientation, _ = _core.mounted_pose(position_m, orientation_xyzw, spot.position_m, turn)
             lights.append(core_lamp(self.spec, position, orientation))
         return lights
+
+
+def station_lights(station: Station) -> list[_core.SpotLamp]:
+    """Return the station's lamps that are on for the renderer, in the world frame."""
+    position_m, turn = in_world(station, (0.0, 0.0, 0.0)), about_z(math.radians(station.yaw_deg))
+    switches = [Lamp(name, spec) for name, spec in station.lamps.items()]
+    return [light for lamp in switches if lamp.on for light in lamp.lights(position_m, turn)]

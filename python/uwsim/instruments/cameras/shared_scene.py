@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.journal import Journal
-from uwsim.instruments.cameras.lamp import Lamp
+from uwsim.instruments.cameras.lamp import Lamp, station_lights
 from uwsim.instruments.cameras.pan_tilt import PanTiltHead
 from uwsim.scenario import Scenario, vehicle_hull
 from uwsim.scenario.build.camera_scene import camera_scene
@@ -62,7 +62,7 @@ class SharedScene:
     """The scene that a simulator's cameras share.
 
     optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps, keyed by switch name. heads: the
-    cameras' motors, keyed by camera name. The native scene is built for the first picture, so that simulators that take
+    cameras' motors, keyed by camera name. fixed_lights: the station's lamps that are on. The native scene is built for the first picture, so that simulators that take
     no pictures avoid its cost.
     """
 
@@ -78,6 +78,7 @@ class SharedScene:
             {name: Lamp(name, spec) for name, spec in vehicle.model.lamps.items()} for vehicle in scenario.vehicles
         ]
         self.heads: dict[str, PanTiltHead] = {}
+        self.fixed_lights = station_lights(scenario.station)
         self._scenario = scenario
         self._world = world
         self._rays = rays
@@ -122,6 +123,7 @@ class SharedScene:
             self._native = self._native.again(scenario, self._world, self._rays)
         self._scenario = scenario
         self.optics = scenario.optics
+        self.fixed_lights = station_lights(scenario.station)
         for switches, vehicle in zip(self.lamps, scenario.vehicles, strict=True):
             for name, lamp in switches.items():
                 lamp.change(vehicle.model.lamps[name])
@@ -154,6 +156,7 @@ class SharedScene:
             if with_lamps and lamp.on
             for light in lamp.lights(position, orientation)
         ]
+        lamps += self.fixed_lights if with_lamps else []
         aims = {name: head.angles_rad(time_ns) for name, head in self.heads.items()}
         velocities = np.array([state.velocity_body for state in states])
         return Snapshot(time_ns, positions, orientations, velocities, lamps, self.optics, aims)

@@ -33,6 +33,7 @@ class Together:
             key = name, mount.model_copy(update=shape)
             return lenses.setdefault(key, Lens(*key)).core
 
+        self._size = size
         self._lens = _Once(lens)
         self._optics = _Once(core_optics)
         self._lamps = _Once(_mounted)
@@ -51,8 +52,10 @@ class Together:
         cameras: n, of the same name on the same vehicle. positions_m (n, v, 3), orientations_xyzw (n, v, 4): of all
         vehicles. Raises ValueError as `capture` does, naming the camera's index, as in batch[3].
         """
-        scenes = [camera.scene if camera.mount.on else None for camera in cameras]
         has_lamps, moves = "lamps" in effects, "shutter" in effects
+        if has_lamps and any(camera.scene.fixed_lights for camera in cameras):  # render_many mounts lamps on vehicles
+            return np.stack([self._alone(camera, effects, threads) for camera in cameras])
+        scenes = [camera.scene if camera.mount.on else None for camera in cameras]
         positions, orientations = _poses(cameras, positions_m, orientations_xyzw)
         velocities = np.zeros((len(cameras), 6))
         for k, camera in enumerate(cameras):
@@ -82,6 +85,10 @@ class Together:
             velocities,
             threads,
         )
+
+    def _alone(self, camera: Camera, effects: list[str], threads: int) -> NDArray[np.uint8]:
+        sized = camera if self._size is None else camera.resized(self._size[1], self._size[0])
+        return sized.capture(effects, threads=threads).rgb
 
 
 def _poses(cameras: Sequence[Camera], positions_m: Floats, orientations_xyzw: Floats) -> tuple[Floats, Floats]:

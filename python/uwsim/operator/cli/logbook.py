@@ -31,8 +31,8 @@ def logbook(
 ) -> None:
     """Print the hours and exercises of each person.
 
-    The log book has each attempt of a named person that `uwsim exercise` has judged. The file is uwsim/logbook.jsonl in the folder of the user's
-    data, or that in the environment variable UWSIM_LOGBOOK.
+    The log book has each attempt of a named person that `uwsim exercise` has judged. The file is uwsim/logbook.jsonl in
+    the folder of the user's data, or that in the environment variable UWSIM_LOGBOOK.
     """
     from uwsim.exercises.certified import checked_person, read_sheet
     from uwsim.exercises.logbook import entries, logbook_path

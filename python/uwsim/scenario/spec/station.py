@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field
 
-from uwsim.scenario.spec.camera import DECK_CAMERA, CameraMount, CameraMounts, dock_camera
+from uwsim.scenario.spec.camera import DECK_CAMERA, CameraMount, CameraMounts, LampSwitches, dock_camera
 from uwsim.scenario.spec.fields import AssetFile, Degrees, Model, Point3
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
@@ -24,7 +24,7 @@ class Station(Model):
     docked vehicle, in the station's frame; its heading is the station's x. exit_m: its origin after `undock()`, by
     default 3 m ahead of the dock. material: material of the mesh; without its colour, those of the file apply, if any.
     cameras: by name, in the station's frame; by default `station`, in the water in front of the dock, and `deck`,
-    overlooking the deck.
+    overlooking the deck. lamps: by name, in the station's frame; each shines throughout if it is `on`.
     """
 
     position_m: Point3 = (0.0, 0.0, 0.0)
@@ -34,3 +34,4 @@ class Station(Model):
     exit_m: Point3 | None = None
     material: MaterialSpec = Material.model_construct(kind="paint", colour=(0.75, 0.42, 0.07))
     cameras: CameraMounts = Field(default_factory=_cameras)
+    lamps: LampSwitches = Field(default_factory=dict)
