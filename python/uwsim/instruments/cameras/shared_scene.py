@@ -62,8 +62,8 @@ class SharedScene:
     """The scene that a simulator's cameras share.
 
     optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps, keyed by switch name. heads: the
-    cameras' motors, keyed by camera name. fixed_lights: the station's lamps that are on. The native scene is built for the first picture, so that simulators that take
-    no pictures avoid its cost.
+    cameras' motors, keyed by camera name. fixed_lights: the station's lamps that are on. The native scene is built for
+    the first picture, so that simulators that take no pictures avoid its cost.
     """
 
     def __init__(
