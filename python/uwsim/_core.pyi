@@ -146,6 +146,7 @@ __all__: list[str] = [
     "remove_outliers",
     "remove_unfinished_files",
     "render_many",
+    "run_servo_exchanges",
     "saved_build",
     "saved_notes",
     "scan_to_points",
@@ -4584,19 +4585,6 @@ class ServoExchange:
         whose change ends a run. port: 0 for any free port. Raises ValueError, or OSError if the port is not
         available.
         """
-    def run(
-        self,
-        simulation: Simulation,
-        steps: typing.SupportsInt | typing.SupportsIndex,
-        patience_s: typing.SupportsFloat | typing.SupportsIndex,
-        steers: bool,
-    ) -> tuple[bytes, bool]:
-        """
-        Make one step for each frame that arrives, at most `steps`. Return the frames' outputs as bytes, 32
-        uint16 [us] per frame, and whether a watched output changed, which ends the call. The call also ends if
-        no frame arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises
-        ValueError.
-        """
     def wait(self, patience_s: typing.SupportsFloat | typing.SupportsIndex) -> bool:
         """
         Wait until a packet has arrived, and return whether one has. From then until the next step, an autopilot
@@ -4604,6 +4592,11 @@ class ServoExchange:
         """
     @property
     def counts(self) -> ServoCounts: ...
+    @property
+    def has_frame(self) -> bool:
+        """
+        Whether a frame is in, which waits for those of other exchanges.
+        """
     @property
     def peer(self) -> str:
         """
@@ -4857,14 +4850,15 @@ def pass_through(
 
 def play_servo_frames(
     simulation: Simulation,
-    vehicle: typing.SupportsInt | typing.SupportsIndex,
-    motors: collections.abc.Sequence[ServoMotor],
-    frames: bytes,
-    steers: bool,
+    vehicles: collections.abc.Sequence[
+        tuple[typing.SupportsInt | typing.SupportsIndex, collections.abc.Sequence[ServoMotor]]
+    ],
+    frames: collections.abc.Sequence[bytes],
+    steers: collections.abc.Sequence[bool],
 ) -> None:
     """
-    Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] per frame. Releases
-    the GIL. Raises ValueError.
+    Make one step for each frame, as run_servo_exchanges does. vehicles: index and motors of each. frames: bytes
+    for each vehicle, 32 uint16 [us] per step. Releases the GIL. Raises ValueError.
     """
 
 def points_above(
@@ -4954,6 +4948,20 @@ def render_many(
     orientations_xyzw (n, 4) and velocities_camera (n, 6) of the cameras. lamps: for each scene, the lamps
     that are on, as (vehicle, lamp with its pose on that vehicle). vehicle_positions_m (n, v, 3),
     vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises ValueError.
+    """
+
+def run_servo_exchanges(
+    exchanges: collections.abc.Sequence[ServoExchange],
+    simulation: Simulation,
+    steps: typing.SupportsInt | typing.SupportsIndex,
+    patience_s: typing.SupportsFloat | typing.SupportsIndex,
+    steers: collections.abc.Sequence[bool],
+) -> tuple[list[bytes], bool]:
+    """
+    Make one step when a frame of each exchange is in, at most `steps`. Return each exchange's outputs as bytes,
+    32 uint16 [us] per step, and whether a watched output changed, which ends the call. The call also ends if a
+    frame is missing for patience_s; those that are in remain. steers: for each exchange, whether its frames
+    command the thrusters. Releases the GIL. Raises ValueError.
     """
 
 def saved_build(state: bytes) -> str:

@@ -2,9 +2,11 @@
 #include <pybind11/typing.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bindings/binders.h"
@@ -16,36 +18,60 @@ namespace {
 
 constexpr double kBriefly_s = 0.002;  // how long a call keeps the simulation to itself while no frame arrives
 
+using Exchanges = std::vector<ServoExchange*>;
+
 py::bytes as_bytes(const std::vector<ServoOutputs>& frames) {
   return {reinterpret_cast<const char*>(frames.data()), frames.size() * sizeof(ServoOutputs)};
 }
 
-py::typing::Tuple<py::bytes, bool> run(ServoExchange& exchange, OwnedSimulation& owned, std::uint64_t steps,
-                                       double patience_s, bool steers) {
+py::typing::Tuple<std::vector<py::bytes>, bool> run(const Exchanges& exchanges, OwnedSimulation& owned,
+                                                    std::uint64_t steps, double patience_s,
+                                                    const std::vector<bool>& steers) {
+  using Clock = ServoExchange::Clock;
   ServoRun all;
-  while (all.outputs_us.size() < steps && !all.changed) {
-    ServoRun part = owned.with([&](Simulation& sim) {
-      return exchange.run(sim, steps - all.outputs_us.size(), std::min(kBriefly_s, patience_s), steers);
+  all.outputs_us.resize(exchanges.size());
+  Clock::time_point since = Clock::now();
+  for (double left_s = patience_s;;) {
+    const ServoRun part = owned.with([&](Simulation& sim) {
+      return ServoExchange::run(exchanges, sim, steps - all.steps, std::min(kBriefly_s, patience_s), steers);
     });
     all.changed = part.changed;
-    all.outputs_us.insert(all.outputs_us.end(), part.outputs_us.begin(), part.outputs_us.end());
-    if (all.outputs_us.size() == steps || all.changed) break;
+    all.steps += part.steps;
+    for (std::size_t k = 0; k < exchanges.size(); ++k) {
+      all.outputs_us[k].insert(all.outputs_us[k].end(), part.outputs_us[k].begin(), part.outputs_us[k].end());
+    }
+    if (all.steps == steps || all.changed) break;
     const GilReleased unlocked;  // meanwhile, other threads may use the simulation
-    if (!exchange.wait(patience_s)) break;
+    if (part.steps > 0) since = Clock::now();
+    left_s = patience_s - std::chrono::duration<double>(Clock::now() - since).count();
+    if (left_s <= 0) break;
+    for (const ServoExchange* exchange : exchanges) {
+      if (!exchange->wait(left_s)) break;
+    }
   }
-  return py::make_tuple(as_bytes(all.outputs_us), all.changed);
+  std::vector<py::bytes> frames;
+  for (const std::vector<ServoOutputs>& each : all.outputs_us) frames.push_back(as_bytes(each));
+  return py::make_tuple(frames, all.changed);
 }
 
-void play(OwnedSimulation& owned, std::size_t vehicle, const std::vector<ServoMotor>& motors, const py::bytes& frames,
-          bool steers) {
-  const std::string_view bytes = frames;
-  require(bytes.size() % sizeof(ServoOutputs) == 0, "frames", bytes.size(), "must be a multiple of 64 bytes");
+void play(OwnedSimulation& owned, const std::vector<std::pair<std::size_t, std::vector<ServoMotor>>>& vehicles,
+          const std::vector<py::bytes>& frames, const std::vector<bool>& steers) {
+  require(vehicles.size() == frames.size() && vehicles.size() == steers.size(), "frames", frames.size(),
+          "must be as many as vehicles");
+  const std::vector<std::string_view> bytes(frames.begin(), frames.end());
+  for (const std::string_view each : bytes) {
+    require(each.size() % sizeof(ServoOutputs) == 0 && each.size() == bytes.front().size(), "frames", each.size(),
+            "must be a multiple of 64 bytes, the same for each vehicle");
+  }
   owned.with([&](Simulation& sim) {
-    ServoMotors mixer(sim, vehicle, motors);
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(ServoOutputs)) {
-      ServoOutputs outputs_us;
-      std::memcpy(outputs_us.data(), bytes.data() + at, sizeof outputs_us);
-      if (steers) mixer.command(sim, outputs_us);
+    std::vector<ServoMotors> mixers;
+    for (const auto& [index, motors] : vehicles) mixers.emplace_back(sim, index, motors);
+    for (std::size_t at = 0; !bytes.empty() && at < bytes.front().size(); at += sizeof(ServoOutputs)) {
+      for (std::size_t k = 0; k < mixers.size(); ++k) {
+        ServoOutputs outputs_us;
+        std::memcpy(outputs_us.data(), bytes[k].data() + at, sizeof outputs_us);
+        if (steers[k]) mixers[k].command(sim, outputs_us);
+      }
       sim.step();
     }
   });
@@ -88,11 +114,6 @@ void bind_autopilots(py::module_& m) {
            "imu, altimeter: indices of sensors, which are read with their errors if with_noise. watched: outputs\n"
            "whose change ends a run. port: 0 for any free port. Raises ValueError, or OSError if the port is not\n"
            "available.")
-      .def("run", &run, py::arg("simulation"), py::arg("steps"), py::arg("patience_s"), py::arg("steers"),
-           "Make one step for each frame that arrives, at most `steps`. Return the frames' outputs as bytes, 32\n"
-           "uint16 [us] per frame, and whether a watched output changed, which ends the call. The call also ends if\n"
-           "no frame arrives for patience_s. steers: whether frames command the thrusters. Releases the GIL. Raises\n"
-           "ValueError.")
       .def(
           "wait",
           [](const ServoExchange& exchange, double patience_s) {
@@ -102,16 +123,23 @@ void bind_autopilots(py::module_& m) {
           py::arg("patience_s"),
           "Wait until a packet has arrived, and return whether one has. From then until the next step, an autopilot\n"
           "in lockstep is waiting, too, so data that other sockets deliver to it do not depend on the wall clock.")
+      .def_property_readonly("has_frame", &ServoExchange::has_frame,
+                             "Whether a frame is in, which waits for those of other exchanges.")
       .def_property_readonly("port", &ServoExchange::port)
       .def_property_readonly("peer", &ServoExchange::peer,
                              "The autopilot's address and port; empty before its first frame.")
       .def_property_readonly("rate_hz", &ServoExchange::rate_hz, "The rate that the last frame announced.")
       .def_property_readonly("counts", [](const ServoExchange& e) { return e.counts(); });
 
-  m.def("play_servo_frames", &play, py::arg("simulation"), py::arg("vehicle"), py::arg("motors"), py::arg("frames"),
-        py::arg("steers"),
-        "Make one step for each frame, as ServoExchange.run does. frames: bytes, 32 uint16 [us] per frame. Releases\n"
-        "the GIL. Raises ValueError.");
+  m.def("run_servo_exchanges", &run, py::arg("exchanges"), py::arg("simulation"), py::arg("steps"),
+        py::arg("patience_s"), py::arg("steers"),
+        "Make one step when a frame of each exchange is in, at most `steps`. Return each exchange's outputs as bytes,\n"
+        "32 uint16 [us] per step, and whether a watched output changed, which ends the call. The call also ends if a\n"
+        "frame is missing for patience_s; those that are in remain. steers: for each exchange, whether its frames\n"
+        "command the thrusters. Releases the GIL. Raises ValueError.");
+  m.def("play_servo_frames", &play, py::arg("simulation"), py::arg("vehicles"), py::arg("frames"), py::arg("steers"),
+        "Make one step for each frame, as run_servo_exchanges does. vehicles: index and motors of each. frames: bytes\n"
+        "for each vehicle, 32 uint16 [us] per step. Releases the GIL. Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

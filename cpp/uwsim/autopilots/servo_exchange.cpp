@@ -16,6 +16,7 @@
 #include <iterator>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "uwsim/core/check.h"
 
@@ -23,6 +24,8 @@ namespace uwsim {
 namespace {
 
 constexpr int kPacketsAtOnce = 1000;  // so that a flood of packets does not keep a call from returning
+// A frame usually follows its line within this time, and falling asleep for it and waking up would take about as long.
+constexpr std::chrono::microseconds kAwake{200};
 // The autopilot truncates each difference of two timestamps to whole microseconds. Without this factor, it would often
 // truncate 2.4999999 ms to 2.499 ms.
 constexpr double kStretch = 1 + 4e-8;
@@ -109,35 +112,65 @@ std::string ServoExchange::peer() const {
 
 bool ServoExchange::wait(double patience_s) const {
   pollfd readable{socket_, POLLIN, 0};
-  return poll(&readable, 1, static_cast<int>(std::ceil(1e3 * patience_s))) > 0;
+  return is_in_ || poll(&readable, 1, static_cast<int>(std::ceil(1e3 * patience_s))) > 0;
 }
 
-ServoRun ServoExchange::run(Simulation& simulation, std::uint64_t steps, double patience_s, bool steers) {
+ServoRun ServoExchange::run(const std::vector<ServoExchange*>& exchanges, Simulation& simulation, std::uint64_t steps,
+                            double patience_s, const std::vector<bool>& steers) {
+  require(!exchanges.empty() && exchanges.size() == steers.size(), "steers", steers.size(), "must be as many");
+  const auto patience = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience_s));
   ServoRun made;
-  Clock::time_point since = Clock::now();
-  while (made.outputs_us.size() < steps && !made.changed) {
-    const double left_s = patience_s - seconds(Clock::now() - since);
-    if (!wait(std::max(left_s, 0.0))) break;
-    const Received received = receive();
-    if (received == Received::kAgain) send_line();
-    if (received != Received::kFrame) {
-      if (left_s <= 0) break;
-      continue;
+  made.outputs_us.resize(exchanges.size());
+  for (Clock::time_point since = Clock::now(); made.steps < steps && !made.changed; since = Clock::now()) {
+    for (ServoExchange* exchange : exchanges) {
+      if (!exchange->receive_until(since + patience)) return made;
     }
-    if (steers) motors_.command(simulation, frame_.outputs_us);
+    for (std::size_t k = 0; k < exchanges.size(); ++k) {
+      exchanges[k]->is_in_ = false;
+      if (steers[k]) exchanges[k]->motors_.command(simulation, exchanges[k]->frame_.outputs_us);
+    }
     simulation.step();
-    write_line(simulation);
-    send_line();
-    ++counts_.frames;
-    made.outputs_us.push_back(frame_.outputs_us);
-    for (const std::size_t output : spec_.watched) {
-      made.changed |= !has_watched_ || watched_us_[output] != frame_.outputs_us[output];
-      watched_us_[output] = frame_.outputs_us[output];
+    ++made.steps;
+    for (std::size_t k = 0; k < exchanges.size(); ++k) {
+      ServoExchange& exchange = *exchanges[k];
+      exchange.write_line(simulation);
+      exchange.send_line();
+      ++exchange.counts_.frames;
+      made.outputs_us[k].push_back(exchange.frame_.outputs_us);
+      made.changed |= exchange.note_watched();
     }
-    has_watched_ = true;
-    since = Clock::now();
   }
   return made;
+}
+
+/// Returns whether a frame is in, after waiting for it.
+bool ServoExchange::receive_until(Clock::time_point end) {
+  const Clock::time_point awake = std::min(end, Clock::now() + kAwake);
+  while (!is_in_) {
+    const Received received = receive();
+    is_in_ = received == Received::kFrame;
+    if (received == Received::kAgain) send_line();
+    if (received != Received::kNothing) continue;
+    const Clock::time_point now = Clock::now();
+    if (now >= end) return false;
+    if (now < awake) {
+      std::this_thread::yield();
+    } else {
+      wait(seconds(end - now));
+    }
+  }
+  return true;
+}
+
+/// Returns whether the frame changed a watched output, or is the first.
+bool ServoExchange::note_watched() {
+  bool changed = false;
+  for (const std::size_t output : spec_.watched) {
+    changed |= !has_watched_ || watched_us_[output] != frame_.outputs_us[output];
+    watched_us_[output] = frame_.outputs_us[output];
+  }
+  has_watched_ = true;
+  return changed;
 }
 
 /// Reads packets until one of them must be answered. Copies of that frame that are waiting behind it arrive too soon
@@ -229,7 +262,7 @@ void ServoExchange::send_line() {
   // A line that cannot be sent is lost, like any packet: the autopilot repeats its frame.
   [[maybe_unused]] const ssize_t sent =
       sendto(socket_, line_.data(), line_.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-  answered_ = Clock::now();
+  answered_ = heard_ = Clock::now();  // while its frame waited for others, it was not read
 }
 
 }  // namespace uwsim

@@ -32,10 +32,11 @@ struct ServoCounts {
   std::uint64_t others = 0;    ///< frames from another autopilot
 };
 
-/// The frames that one call of ServoExchange::run received, one for each step.
+/// The frames that one call of ServoExchange::run received, one of each exchange for each step.
 struct ServoRun {
-  std::vector<ServoOutputs> outputs_us;
-  bool changed = false;  ///< whether the last frame changed a watched output, or the first one set it
+  std::vector<std::vector<ServoOutputs>> outputs_us;  ///< of each exchange
+  std::uint64_t steps = 0;
+  bool changed = false;  ///< whether the last step's frames changed a watched output, or the first ones set it
 };
 
 /// The physics side of ArduPilot's JSON interface (libraries/SITL/SIM_JSON.cpp): an autopilot sends a servo packet by
@@ -49,8 +50,12 @@ struct ServoRun {
 /// Unexpected frame numbers are counted. A gap counts as lost frames, and a smaller number as a reset. The same number
 /// counts as a repeated frame, which causes no step and is answered with the last line. Another autopilot is ignored
 /// until the present one has been silent for kSilence_s.
+///
+/// Several exchanges, each with its own autopilot and vehicle, may step one simulation: see `run`.
 class ServoExchange {
  public:
+  using Clock = std::chrono::steady_clock;
+
   static constexpr double kSilence_s = 1;
   /// A repeated frame is answered only if the last line was sent at least this long ago. Otherwise that line may still
   /// be in transit, and two lines for one frame would put the autopilot one frame ahead.
@@ -69,13 +74,17 @@ class ServoExchange {
   /// The rate that the autopilot's last frame announced.
   int rate_hz() const { return frame_.rate_hz; }
 
-  /// Waits until a packet has arrived, at most `patience_s`; returns whether one has.
+  /// Whether a frame is in, which waits for the other exchanges' frames.
+  bool has_frame() const { return is_in_; }
+  /// Waits until a packet has arrived, at most `patience_s`; returns whether one has, or whether a frame is in.
   bool wait(double patience_s) const;
 
-  /// Runs one step for each frame, at most `steps`. Returns early after a frame that changed a watched output, or if no
-  /// frame arrives for `patience_s`. `steers`: whether frames command the thrusters. Throws InvalidValue if the
-  /// vehicle's motion diverges.
-  ServoRun run(Simulation& simulation, std::uint64_t steps, double patience_s, bool steers);
+  /// Runs one step when a frame of each exchange is in, at most `steps`, and then answers them in order. Returns early
+  /// after a frame that changed a watched output, or if a frame is missing for `patience_s`; frames that are in remain.
+  /// `steers`: for each exchange, whether its frames command the thrusters. Throws InvalidValue if a vehicle's motion
+  /// diverges.
+  static ServoRun run(const std::vector<ServoExchange*>& exchanges, Simulation& simulation, std::uint64_t steps,
+                      double patience_s, const std::vector<bool>& steers);
 
  private:
   enum class Received { kNothing, kFrame, kAgain };
@@ -84,10 +93,11 @@ class ServoExchange {
     std::uint16_t port = 0;
     bool operator==(const Peer&) const = default;
   };
-  using Clock = std::chrono::steady_clock;
 
+  bool receive_until(Clock::time_point end);
   Received receive();
   Received take(const ServoFrame& frame, const Peer& from);
+  bool note_watched();
   void write_line(Simulation& simulation);
   void send_line();
 
@@ -97,6 +107,7 @@ class ServoExchange {
   std::uint16_t port_ = 0;
   Peer peer_;
   bool has_peer_ = false;
+  bool is_in_ = false;  // whether frame_ waits for a step
   bool has_watched_ = false;
   Clock::time_point heard_, answered_;
   ServoFrame frame_;

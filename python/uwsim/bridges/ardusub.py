@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -18,6 +18,7 @@ from uwsim.bridges.admission import warn_beyond_loopback
 from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.servo_auxiliary import Auxiliary
 from uwsim.bridges.servo_frames import frame_of, servo_motors, thrusters_of, unpacked
+from uwsim.bridges.servo_steps import LIVE_PATIENCE_S, ServoSteps
 from uwsim.live import LiveSimulator
 from uwsim.scenario import Scenario
 from uwsim.simulator.helm import Clock, Lease, Source, Timeout
@@ -25,16 +26,15 @@ from uwsim.simulator.lockstep import FRAME_BYTES
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
-PORT = 9002
+PORT, PORTS_APART = 9002, 10
+"""UDP port of the first ArduSub, and the distance to the next one's, as between ArduPilot's instances (-I)."""
 RATE_HZ = 400
 """ArduSub's loop (SCHED_LOOP_RATE); physics with a longer step would slow it down."""
 VEHICLE = "bluerov2_heavy_outfit"
 """The model that replaces the first vehicle if it has no thrusters; it reaches the speed that its maker states."""
 NET_BUOYANCY_N = 2.0
 """Blue Robotics, BlueROV2, specifications: 0.2 kg with ballast."""
-LIVE_PATIENCE_S = 0.05  # longest time for which a live simulator's thread waits for a frame
 SILENT_S = 1.0  # silence after which the world counts as paused
-STEPS_AT_ONCE = 2000
 
 logger = logging.getLogger("uwsim.bridges.ardusub")
 
@@ -43,33 +43,43 @@ class SilentAutopilotError(TimeoutError):
     """Raised by Simulator.step if no frame arrives from the autopilot."""
 
 
-def prepared(scenario: Scenario, vehicle: str | Path | None = None) -> Scenario:
-    """Return a variant of a scenario that ArduSub can fly: steps of at most 1/400 s, a first vehicle with thrusters.
+def prepared(scenario: Scenario, vehicle: str | Path | None = None, names: Sequence[str] = ()) -> Scenario:
+    """Return a variant of a scenario that ArduSub can fly: steps of at most 1/400 s, vehicles with thrusters.
 
-    vehicle: the model that replaces the first vehicle, as a packaged name or a path; by default, a vehicle without
-    thrusters is replaced by bluerov2_heavy_outfit. Without `trim`, the new vehicle is trimmed to a net buoyancy of 2 N.
-    Raises ScenarioError.
+    vehicle: the model that replaces those of the vehicles to be flown, as a packaged name or a path; by default, only
+    those without thrusters are replaced, by bluerov2_heavy_outfit. Without `trim`, the new model is trimmed to a net
+    buoyancy of 2 N. names: of the vehicles to be flown; by default, the first. Raises ScenarioError or ValueError.
     """
+    from uwsim.scenario.read.validated import validated
     from uwsim.scenario.spec.vehicle import Trim, load_vehicle
 
-    model = None
-    if vehicle is not None or not scenario.vehicles[0].model.thrusters:
-        model = load_vehicle(VEHICLE if vehicle is None else vehicle)
-        if model.trim is None:
-            model = model.model_copy(update={"trim": Trim(net_buoyancy_n=NET_BUOYANCY_N)})
-    return scenario.with_changes(step_s=min(scenario.step_s, 1 / RATE_HZ), vehicle_model=model)
+    known = [entry.name for entry in scenario.vehicles]
+    for name in names:
+        if name not in known or list(names).count(name) > 1:
+            raise ValueError(f"vehicle = {name!r}: must be one of {', '.join(known)}, each once")
+    entries = []
+    for entry in scenario.vehicles:
+        data = entry.given()
+        if entry.name in (names or known[:1]) and (vehicle is not None or not entry.model.thrusters):
+            model = load_vehicle(VEHICLE if vehicle is None else vehicle)
+            trim = model.trim or Trim(net_buoyancy_n=NET_BUOYANCY_N)
+            data["model"] = model.model_copy(update={"trim": trim})
+        entries.append(data)
+    changes = {"step_s": min(scenario.step_s, 1 / RATE_HZ), "vehicles": entries}
+    return validated(Scenario, {**scenario.given(), **changes}).read_from(scenario.source_file)
 
 
 class ArduSub:
-    """Lets a compiled ArduSub step a simulator, through ArduPilot's "JSON" interface. Each frame makes one step.
+    """Lets a compiled ArduSub fly a vehicle and step its simulator, through ArduPilot's "JSON" interface.
 
         with Simulator(prepared(load("lagoon"))) as sim, ArduSub(sim):
             sim.advance(60)          # as fast as the firmware sends its frames
 
     The firmware sends its servo outputs by UDP and receives the vehicle's motion after one step; see ServoExchange for
-    the protocol. While it is attached, other commands that would move the vehicle raise ValueError, but all stop and
-    the failsafe take precedence over the firmware's outputs. The frames are journalled as commands, so that recordings
-    and logs are replayed byte for byte. A docked vehicle is undocked.
+    the protocol. Each frame makes one step; with several ArduSubs, a frame of each. While it is attached, other
+    commands that would move the vehicle raise ValueError, but all stop and the failsafe take precedence over the
+    firmware's outputs. The frames are journalled as commands, so that recordings and logs are replayed byte for byte. A
+    docked vehicle is undocked.
 
     simulator: a Simulator, whose `step` then waits for frames and raises SilentAutopilotError after patience_s without
     a frame; or a LiveSimulator, which pauses while the firmware is silent. vehicle: its name; by default the first.
@@ -109,22 +119,22 @@ class ArduSub:
         self.with_noise = with_noise
         self.lights, self.tilt = lights, tilt
         self.require_alive: Callable[[], object] = lambda: None
-        self._patience_s = patience_s
+        self.patience_s = patience_s
+        self._name = f"ArduSub of '{self.vehicle}'"
         self._rov = rov = sim.vehicles[self.vehicle]
         self._log = RareLog(logger)
-        self._auxiliary = Auxiliary(rov, lights, tilt, self._command, self._set_parameter, self._log)
+        self.auxiliary = Auxiliary(rov, lights, tilt, self._command, self._set_parameter, self._log)
         kinds = [sensor.kind for sensor in rov.sensors.values()]
         if "imu" not in kinds:
             raise ValueError(f"vehicle '{self.vehicle}': has no IMU, which ArduSub needs")
-        self._core = sim._core  # the exchange steps the native simulation
         self._exchange: _core.ServoExchange | None = _core.ServoExchange(
-            self._core,
+            sim._core,
             list(sim.vehicles).index(self.vehicle),
             servo_motors(self.frame, thrusters, self.vehicle),
             imu=kinds.index("imu"),
             altimeter=kinds.index("altitude") if "altitude" in kinds else None,
             with_noise=with_noise,
-            watched=self._auxiliary.watched,
+            watched=self.auxiliary.watched,
             host=host,
             port=port,
         )
@@ -134,6 +144,7 @@ class ArduSub:
         self._reported = self._exchange.counts
         self._last_frame = bytes(FRAME_BYTES)
         self._lease: Lease | None = None
+        self._steps: ServoSteps | None = None
         limit_s = patience_s if self._live is None else SILENT_S
         self._silence = Timeout(Clock.LOCKSTEP, lambda: max(limit_s, 1e-9), heard_ns=time.monotonic_ns())
         self._is_silent = False
@@ -147,6 +158,13 @@ class ArduSub:
     def flown(self) -> Vehicle:
         """The vehicle that the firmware flies."""
         return self._rov
+
+    @property
+    def exchange(self) -> _core.ServoExchange:
+        """The exchange of packets. Raises ValueError if this is closed."""
+        if self._exchange is None:
+            raise ValueError("this ArduSub is closed: make another")
+        return self._exchange
 
     @property
     def outputs_us(self) -> NDArray[np.uint16]:
@@ -169,11 +187,11 @@ class ArduSub:
         A MAVLink message sent to the firmware before that step is received at the same frame in every run. Raises
         SilentAutopilotError, or what require_alive raises.
         """
-        end_s = time.monotonic() + self._patience_s
-        while not self.is_waiting(min(LIVE_PATIENCE_S, self._patience_s)):
+        end_s = time.monotonic() + self.patience_s
+        while not self.is_waiting(min(LIVE_PATIENCE_S, self.patience_s)):
             self.require_alive()
             if self._exchange is None or time.monotonic() >= end_s:
-                raise SilentAutopilotError(f"ArduSub: no frame on UDP {self.address} for {self._patience_s:g} s")
+                raise SilentAutopilotError(f"{self._name}: no frame on UDP {self.address} for {self.patience_s:g} s")
 
     def is_ready(self) -> bool:
         """Return whether the firmware waits for a step. Without a live simulator this waits for it; see `wait`."""
@@ -212,19 +230,19 @@ class ArduSub:
             function()
 
     def _attach(self) -> None:
-        if self._exchange is None:
-            raise ValueError("this ArduSub is closed: make another")
-        if not self._sim.lockstep.is_free:
-            raise ValueError("an autopilot makes the steps of this simulator already")
+        _ = self.exchange
+        steps = ServoSteps.of(self._sim)
+        steps.require_free(self.vehicle)
         if not self._rov.released:
             self._command("undock")
-        self._sim.lockstep.attach(self._advance)
+        steps.join(self)
+        self._steps = steps
         self._lease = self._rov.helm.take(Source.AUTOPILOT, "ArduSub")
         self._silence.heard_ns = time.monotonic_ns()
 
     def _detach(self) -> None:
-        self._sim.lockstep.detach()
-        if self._lease is not None:
+        if self._steps is not None and self._lease is not None:
+            self._steps.leave(self)
             self._lease.end()
         self._command("set_effort")
         self._reported, self._exchange = self.counts, None
@@ -243,55 +261,55 @@ class ArduSub:
         else:
             self._live.command_now("set_parameter", name=name, value=value)
 
-    def _advance(self, steps: int) -> None:
-        """Make one step for each frame. In a live simulator, this ends early if the firmware is silent."""
-        while steps:
-            made = self._run(steps)
-            steps -= made
-            if not made:
-                self.require_alive()
-            is_silent = not made and not self._silence.left_ns(time.monotonic_ns())
-            if not made and self._live is not None:
-                if is_silent:
-                    self._note_silence()
-                return
-            if is_silent:
-                where = f"since {self._sim.time_s:.4f} s" if self.peer else f"on UDP {self.address}"
-                raise SilentAutopilotError(f"ArduSub: no frame {where} for {self._patience_s:g} s: is it running?")
-
-    def _run(self, steps: int) -> int:
-        """Return the number of steps made."""
-        self._auxiliary.apply()
-        tick, helm = self._sim.tick, self._rov.helm
-        patience_s = min(LIVE_PATIENCE_S, self._patience_s)
-        assert self._exchange is not None
-        frames, changed = self._exchange.run(self._core, min(steps, STEPS_AT_ONCE), patience_s, helm.admit_frames())
+    def take(self, frames: bytes, tick: int, *, changed: bool) -> None:
+        """Note the frames that made steps from a tick on. changed: whether the last may have changed lights or tilt."""
         self._report()
         if not frames:
-            return 0
-        helm.note_command()
+            return
+        self._rov.helm.note_command()
         self._last_frame = frames[-FRAME_BYTES:]
         self._sim.journal.note(SERVO_FRAMES, vehicle=self.vehicle, frame=self.frame, from_tick=tick, frames=frames)
         if changed:
-            self._auxiliary.ask(self.outputs_us)
+            self.auxiliary.ask(self.outputs_us)
         if self._is_silent:
-            logger.warning("ArduSub: frames arrive again: the world continues")
+            logger.warning("%s: frames arrive again: the world continues", self._name)
         self._silence.heard_ns, self._is_silent = time.monotonic_ns(), False
-        return len(frames) // FRAME_BYTES
+
+    @property
+    def is_live(self) -> bool:
+        """Whether the simulator is a live one."""
+        return self._live is not None
+
+    def note_missing(self) -> None:
+        """Note that no step could be made.
+
+        Raises SilentAutopilotError if this firmware has been silent too long, unless the simulator is live, or what
+        require_alive raises.
+        """
+        self.require_alive()
+        now_ns = time.monotonic_ns()
+        if self.exchange.has_frame:  # another firmware is silent
+            self._silence.heard_ns = now_ns
+        elif not self._silence.left_ns(now_ns):
+            if self._live is None:
+                where = f"since {self._sim.time_s:.4f} s" if self.peer else f"on UDP {self.address}"
+                raise SilentAutopilotError(f"{self._name}: no frame {where} for {self.patience_s:g} s: is it running?")
+            self._note_silence()
 
     def _note_silence(self) -> None:
         if not self._is_silent:
             self._is_silent = True
             if self.peer:
-                logger.warning("ArduSub: no frame for %g s: the world is paused at %.4f s", SILENT_S, self._sim.time_s)
+                text = "%s: no frame for %g s: the world is paused at %.4f s"
+                logger.warning(text, self._name, SILENT_S, self._sim.time_s)
             else:
-                logger.warning("ArduSub: waits for its first frame on UDP %s", self.address)
+                logger.warning("%s: waits for its first frame on UDP %s", self._name, self.address)
 
     def _report(self) -> None:
         """Log any problems with packets since the last call, each kind at most once a minute."""
         now, before = self.counts, self._reported
         self._reported = now
-        where = f"ArduSub: UDP {self.address}"
+        where = f"{self._name}: UDP {self.address}"
         if now.foreign > before.foreign:
             self._log.warning(f"{where}: packets that are no servo packets are ignored")
         if now.cut > before.cut:

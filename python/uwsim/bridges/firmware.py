@@ -20,7 +20,7 @@ from uwsim.bridges.mavlink.earth import Home
 
 PATIENCE_S = 1.0  # for a firmware that is asked to end
 OUTPUT, PARAMETERS = "ardusub.txt", "uwsim.parm"
-SERIALS = 9
+SERIALS, RC_PORT = 9, 5501
 PR_SET_PDEATHSIG = 1  # prctl(2)
 LIBC = ctypes.CDLL(None)
 NAVIGATION: Mapping[str, float] = MappingProxyType(
@@ -84,7 +84,7 @@ class Firmware:
         parameters: Mapping[str, float] = MappingProxyType({}),
         folder: Path | None = None,
         system: int = 1,
-        rc_port: int = 5501,
+        rc_port: int = RC_PORT,
     ) -> None:
         self.binary = checked_program(binary)
         self.files = [_listed(path) for path in files]

@@ -11,8 +11,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from uwsim.bridges.ardusub import ArduSub
-from uwsim.bridges.firmware import NAVIGATION, SIMULATED, Firmware, FirmwareError, Serials
+from uwsim.bridges.ardusub import PORTS_APART, ArduSub
+from uwsim.bridges.firmware import NAVIGATION, RC_PORT, SIMULATED, Firmware, FirmwareError, Serials
 from uwsim.bridges.firmware_link import FirmwareLink
 from uwsim.bridges.mavlink.earth import FRD, Home, place_of
 
@@ -46,7 +46,8 @@ def firmware_flying(
     It navigates by the vehicle's own estimate, without GPS. station: HOST:PORT, the UDP address to which it sends its
     MAVLink. files: parameter files, such as those of a real vehicle; what the simulated vehicle and its navigation need
     takes precedence over them, and `parameters` over that. home: by default the origin of the scenario's world, as in
-    place_of. folder, system: see Firmware. Raises FirmwareError, or ValueError for an address.
+    place_of. folder: see Firmware. system: its MAVLink system id, which differs between the firmwares of a world.
+    Raises FirmwareError, or ValueError for an address.
     """
     if home is None:
         latitude_deg, longitude_deg = map(float, place_of(ardusub.simulator.scenario).degrees(np.zeros(3)))
@@ -55,6 +56,7 @@ def firmware_flying(
         firmware = Firmware(
             binary, ardusub.port, Serials(checked_address(station), link.address), home, files=files,
             parameters={**needed(ardusub), **parameters}, folder=folder, system=system,
+            rc_port=RC_PORT + PORTS_APART * (system - 1),
         )  # fmt: skip
         with firmware:
             _await_frame(ardusub, firmware)

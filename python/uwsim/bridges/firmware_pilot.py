@@ -32,16 +32,17 @@ class FirmwarePilot:
                 pilot.mode("ALT_HOLD")
                 track = pilot.fly(20)
 
-    It is system 255, whose sticks ArduSub obeys, and sends heartbeats while has_station is True. sticks: MANUAL_CONTROL
-    at 10 Hz; None: nothing. messages: the last of each kind. texts: all STATUSTEXT. variances: the largest EKF variance
-    of each report while armed. each: called with the pilot after each 0.05 s. Methods raise FirmwareError.
+    system: the firmware's MAVLink system id. The pilot is system 255, whose sticks ArduSub obeys, and sends heartbeats
+    while has_station is True. sticks: MANUAL_CONTROL at 10 Hz; None: nothing. messages: the last of each kind. texts:
+    all STATUSTEXT. variances: the largest EKF variance of each report while armed. each: called after each 0.05 s. The
+    first program that sends something is the firmware. Methods raise FirmwareError.
     """
 
-    def __init__(self, ardusub: ArduSub) -> None:
+    def __init__(self, ardusub: ArduSub, system: int = 1) -> None:
         from pymavlink.dialects.v20 import ardupilotmega as dialect
 
         self.dialect: Any = dialect
-        self.ardusub, self.sim = ardusub, ardusub.simulator
+        self.ardusub, self.sim, self._system = ardusub, ardusub.simulator, system
         self._mav: Any = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
         self._mav.robust_parsing = True
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -83,13 +84,17 @@ class FirmwarePilot:
         for _ in range(round(seconds * RATE_HZ / CHUNK)):
             if until():
                 break
-            self.ardusub.wait()
-            self._receive()
-            self._send_regularly()
+            self.exchange()
             self.sim.step(CHUNK)
             self.each()
             track.append(self.ned_m)
         return track
+
+    def exchange(self) -> None:
+        """Take the firmware's messages, and send what is due, before its next frame; `fly` does so every 0.05 s."""
+        self.ardusub.wait()
+        self._receive()
+        self._send_regularly()
 
     def steer(self, **sticks: int) -> None:
         """Move the sticks of MANUAL_CONTROL from now on; those that are not given are neutral."""
@@ -105,12 +110,12 @@ class FirmwarePilot:
     def command(self, command: int, *values: float) -> None:
         """Send a command; the next `fly` delivers its effect."""
         filled = (*values, *[0.0] * (7 - len(values)))
-        self.send(self._mav.command_long_encode(1, 1, command, 0, *filled))
+        self.send(self._mav.command_long_encode(self._system, 1, command, 0, *filled))
 
     def set(self, name: str, value: float) -> None:
         """Set a parameter."""
         real32 = self.dialect.MAV_PARAM_TYPE_REAL32
-        self.send(self._mav.param_set_encode(1, 1, name.encode(), value, real32))
+        self.send(self._mav.param_set_encode(self._system, 1, name.encode(), value, real32))
         self.fly(0.5)
 
     def get_ready(self, seconds: float = 30.0) -> None:
@@ -139,8 +144,9 @@ class FirmwarePilot:
     def _receive(self) -> None:
         with suppress(BlockingIOError, ConnectionError):
             while True:
-                data, self._peer = self._socket.recvfrom(4096)
-                for message in self._mav.parse_buffer(data) or ():
+                data, sender = self._socket.recvfrom(4096)
+                self._peer = self._peer or sender
+                for message in (self._mav.parse_buffer(data) or ()) if sender == self._peer else ():
                     self._take(message)
 
     def _take(self, message: Any) -> None:
@@ -158,4 +164,4 @@ class FirmwarePilot:
             station = (dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID)
             self.send(self._mav.heartbeat_encode(*station, 0, 0, 0))
         if self.sticks is not None and tick % STICKS_EVERY < CHUNK:
-            self.send(self._mav.manual_control_encode(1, **self.sticks, buttons=0))
+            self.send(self._mav.manual_control_encode(self._system, **self.sticks, buttons=0))

@@ -12,14 +12,14 @@ PIECE_TICKS = 400
 
 
 class JoinedFrames:
-    """The frames that wait: the arguments of the command `servo_frames`, or None."""
+    """The frames that wait, by vehicle: the arguments of the command `servo_frames`."""
 
     def __init__(self) -> None:
-        self._waiting: dict[str, Any] | None = None
+        self._waiting: dict[str, dict[str, Any]] = {}
 
     def add(self, arguments: dict[str, Any]) -> Iterator[dict[str, Any]]:
         """Add the arguments of a command, and yield those of all pieces that are complete."""
-        waiting = self._waiting
+        waiting = self._waiting.pop(arguments["vehicle"], None)
         if waiting is not None and arguments == {
             **waiting, "from_tick": end_tick(waiting), "frames": arguments["frames"]
         }:  # fmt: skip
@@ -30,13 +30,13 @@ class JoinedFrames:
             frames, at = arguments["frames"], count * FRAME_BYTES
             yield {**arguments, "frames": frames[:at]}
             arguments = {**arguments, "from_tick": arguments["from_tick"] + count, "frames": frames[at:]}
-        self._waiting = arguments if arguments["frames"] else None
+        if arguments["frames"]:
+            self._waiting[arguments["vehicle"]] = arguments
 
     def taken(self) -> Iterator[dict[str, Any]]:
         """Yield what waits, if anything, which then waits no longer."""
-        waiting, self._waiting = self._waiting, None
-        if waiting is not None:
-            yield waiting
+        waiting, self._waiting = self._waiting, {}
+        yield from waiting.values()
 
 
 def end_tick(arguments: dict[str, Any]) -> int:

@@ -1,13 +1,13 @@
-"""Lockstep: who makes the steps of a simulation, it alone or a source of steps such as an autopilot.
+"""Lockstep: who makes the steps of a simulation, it alone or a source of steps such as autopilots.
 
 Recorded sources are repeated by entries of the group `uwsim.step_sources`, by the name of the command that holds their
-frames: functions that receive the simulator and the command's arguments, and return a source.
+frames: functions that receive the simulator, its present source and the command's arguments, and return a source.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from uwsim import _core
 from uwsim.base.commands.table import SERVO_FRAMES
@@ -16,33 +16,36 @@ from uwsim.base.sockets import load
 GROUP = "uwsim.step_sources"
 FRAME_BYTES = 64
 """32 pulse widths of 16 bits [us], little-endian; 0 for outputs that do not exist."""
-StepSource = Callable[[int], object]
-"""A function that makes steps, at most as many as its argument; a partner may make fewer."""
+
+
+class StepSource(Protocol):
+    """What makes a simulation's steps."""
+
+    def advance(self, steps: int) -> object:
+        """Make steps, at most this many; a partner may make fewer."""
 
 
 class Lockstep:
-    """Advances the native simulation, either freely or by another source. advance: the source."""
+    """Advances the native simulation, either freely or by another source. source: None if every step is made."""
 
     def __init__(self, core: _core.Simulation) -> None:
         self._free = core.step
-        self.advance: StepSource = core.step
+        self.source: StepSource | None = None
+        self.advance: Callable[[int], object] = self._free
 
     @property
     def is_free(self) -> bool:
         """True if every requested step is made."""
-        return self.advance == self._free
+        return self.source is None
 
-    def attach(self, advance: StepSource) -> None:
+    def attach(self, source: StepSource) -> None:
         """Let a source make all steps from now on."""
-        self.advance = advance
+        self.source, self.advance = source, source.advance
 
     def detach(self) -> None:
         """Make every requested step again."""
-        self.advance = self._free
+        self.source, self.advance = None, self._free
 
     def play(self, sim: Any, **arguments: Any) -> None:
         """Repeat a source that was recorded: the command `servo_frames`. Raises ValueError, changing nothing."""
-        source = load(GROUP, SERVO_FRAMES)(sim, **arguments)
-        if not self.is_free:
-            raise ValueError(f"{SERVO_FRAMES}: an autopilot makes the steps of this simulation")
-        self.attach(source)
+        self.attach(load(GROUP, SERVO_FRAMES)(sim, self.source, **arguments))

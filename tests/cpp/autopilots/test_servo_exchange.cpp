@@ -16,8 +16,8 @@
 namespace uwsim {
 namespace {
 
-/// A neutral block of 1 m with a thruster ahead and an exact IMU at its centre, in deep water.
-Simulation block() {
+/// Neutral blocks of 1 m with a thruster ahead and an exact IMU at their centre, in deep water.
+Simulation blocks(int count = 1) {
   TriangleMesh mesh;
   for (int k = 0; k < 8; ++k) mesh.vertices_m.emplace_back((k & 1) - 0.5, (k >> 1 & 1) - 0.5, (k >> 2) - 0.5);
   mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -26,7 +26,6 @@ Simulation block() {
   p.mass_kg = 1000;
   p.inertia_kg_m2.diagonal().setConstant(167);
   VehicleSpec vehicle;
-  vehicle.name = "block";
   vehicle.craft = std::make_shared<const Craft>(p, BuoyantHull(std::move(mesh)));
   vehicle.start_world_from_body.position_m = {3, 4, -5};
   vehicle.start_world_from_body.orientation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());  // heading north
@@ -43,7 +42,11 @@ Simulation block() {
   SimulationSpec spec;
   spec.step_s = 0.0025;
   Simulation simulation(world, scene, spec);
-  simulation.add_vehicle(vehicle);
+  for (int k = 0; k < count; ++k) {
+    vehicle.name = "block " + std::to_string(k);
+    vehicle.start_world_from_body.position_m.x() = 3 + 10 * k;
+    simulation.add_vehicle(vehicle);
+  }
   return simulation;
 }
 
@@ -106,9 +109,11 @@ class ServoExchangeTest : public ::testing::Test {
     spec.watched = {9};
     return spec;
   }
-  std::size_t run(std::uint64_t steps = 10) { return exchange_.run(simulation_, steps, 0.0, true).outputs_us.size(); }
+  std::size_t run(std::uint64_t steps = 10) {
+    return ServoExchange::run({&exchange_}, simulation_, steps, 0.0, {true}).steps;
+  }
 
-  Simulation simulation_ = block();
+  Simulation simulation_ = blocks();
   ServoExchange exchange_;
   Autopilot autopilot_;
 };
@@ -228,6 +233,35 @@ TEST_F(ServoExchangeTest, ARunEndsAfterAChangeOfAWatchedOutput) {
   EXPECT_EQ(run(), 1U);  // the first frame sets it
   EXPECT_EQ(run(), 2U);
   EXPECT_EQ(run(), 1U);
+}
+
+TEST_F(ServoExchangeTest, AStepNeedsAFrameOfEachExchange) {
+  Simulation simulation = blocks(2);
+  ServoExchangeSpec second = spec();
+  second.vehicle = 1;
+  second.motors.front().direction = 1;
+  ServoExchange first(simulation, spec()), other(simulation, second);
+  const Autopilot one(first.port()), two(other.port());
+  const auto run = [&] { return ServoExchange::run({&first, &other}, simulation, 10, 0.0, {true, true}); };
+  one.send(Autopilot::frame(0, 1900));
+  run();
+  one.send(Autopilot::frame(0, 1900));  // again, since the other is late
+  run();
+  EXPECT_TRUE(first.has_frame() && !other.has_frame());
+  EXPECT_EQ(simulation.tick(), 0U);
+  EXPECT_EQ(one.line(), "");
+  two.send(Autopilot::frame(4, 1700));
+  const ServoRun made = run();
+  EXPECT_EQ(simulation.tick(), 1U);
+  EXPECT_EQ(made.outputs_us[0].front()[0], 1900);
+  EXPECT_EQ(made.outputs_us[1].front()[0], 1700);
+  EXPECT_EQ(simulation.actuators(0).thrusters().front().command(), -1);
+  EXPECT_EQ(simulation.actuators(1).thrusters().front().command(), 0.5);
+  EXPECT_NEAR(numbers(one.line(), "position", 3)[1], 3, 0.01);
+  EXPECT_NEAR(numbers(two.line(), "position", 3)[1], 13, 0.01);
+  EXPECT_EQ(one.line(), "");
+  run();
+  EXPECT_EQ(simulation.tick(), 1U);  // the repeated frame makes none
 }
 
 TEST_F(ServoExchangeTest, ATakenPortIsAnError) {

@@ -240,7 +240,7 @@ def test_other_commands_are_refused_while_it_steers(sim: Simulator) -> None:
             sim.rov.set_thrusters({"front_left": 1})
         sim.rov.set_wrench((0, 0, 0))
         sim.rov.set_thrusters({})
-        with pytest.raises(ValueError, match="makes the steps of this simulator already"):
+        with pytest.raises(ValueError, match="vehicle 'rov': an autopilot flies it already"):
             ArduSub(sim, port=0).start()
     sim.rov.set_effort(surge=1)
 
