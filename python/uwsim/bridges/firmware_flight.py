@@ -27,6 +27,7 @@ BARO_RND_M = 0.02
 COMPASS_OFS = (5.0, 13.0, -18.0)
 """Offsets of the simulated compasses [mG], which they have by default (SIM_MAG1_OFS)."""
 MG_PER_UT = 10
+EEPROM, GLITCH = "eeprom.bin", "SIM_BARO_GLITCH"
 
 
 @contextmanager
@@ -45,18 +46,20 @@ def firmware_flying(
 
     It navigates by the vehicle's own estimate, without GPS. station: HOST:PORT, the UDP address to which it sends its
     MAVLink. files: parameter files, such as those of a real vehicle; what the simulated vehicle and its navigation need
-    takes precedence over them, and `parameters` over that. home: by default the origin of the scenario's world, as in
-    place_of. folder: see Firmware. system: its MAVLink system id, which differs between the firmwares of a world.
+    takes precedence over them and over what the folder has kept, and `parameters` over that. home: by default the
+    origin of the scenario's world, as in place_of. folder: see Firmware. system: its MAVLink system id, which differs between the firmwares of a world.
     Raises FirmwareError, or ValueError for an address.
     """
     if home is None:
         latitude_deg, longitude_deg = map(float, place_of(ardusub.simulator.scenario).degrees(np.zeros(3)))
         home = Home(latitude_deg, longitude_deg)
-    with FirmwareLink(home, system) as link:
+    values = {**needed(ardusub), **parameters}
+    has_kept = folder is not None and (folder / EEPROM).exists()
+    checked = {name: value for name, value in values.items() if name != GLITCH} if has_kept else {}
+    with FirmwareLink(home, system, checked) as link:
         firmware = Firmware(
             binary, ardusub.port, Serials(checked_address(station), link.address), home, files=files,
-            parameters={**needed(ardusub), **parameters}, folder=folder, system=system,
-            rc_port=RC_PORT + PORTS_APART * (system - 1),
+            parameters=values, folder=folder, system=system, rc_port=RC_PORT + PORTS_APART * (system - 1),
         )  # fmt: skip
         with firmware:
             _await_frame(ardusub, firmware)
@@ -72,7 +75,7 @@ def needed(ardusub: ArduSub) -> dict[str, float]:
     found = {
         **NAVIGATION, **SIMULATED, "FRAME_CONFIG": FRAME_CONFIG[ardusub.frame], "BARO_SPEC_GRAV": spec_grav,
         "SIM_BARO_RND": 0.0 if noisy else BARO_RND_M,
-        "SIM_BARO_GLITCH": -float(ardusub.flown.pose.position_world_m[2]),  # the surface, until FirmwareLink sets it
+        GLITCH: -float(ardusub.flown.pose.position_world_m[2]),  # the surface, until FirmwareLink sets it
     }  # fmt: skip
     compass = next((each for each in ardusub.flown.sensors.values() if each.kind == "compass"), None)
     iron_ut = compass.spec.parameters["hard_iron_ut"] if noisy and compass is not None else (0.0, 0.0, 0.0)

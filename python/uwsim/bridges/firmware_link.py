@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 import socket
+from collections.abc import Mapping
 from contextlib import suppress
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
 import numpy as np
 
 from uwsim.base.agenda import NEVER, Rank, next_tick
 from uwsim.bridges.ardusub import ArduSub
+from uwsim.bridges.firmware_kept import KeptParameters
 from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.telemetry import odometry
 from uwsim.bridges.servo_auxiliary import CENTRE_US
@@ -38,11 +40,12 @@ class FirmwareLink:
     waits for a line, so that they arrive at the same frame in every run; in a live simulator they are left out if it is
     late. The first program that sends something is the firmware, until that starts again.
 
-    home: where the world's origin is. system: the firmware's MAVLink system id. The attribute address is that to which
-    the firmware must send its MAVLink: HOST:PORT, by UDP. Raises OSError or MissingExtraError.
+    home: where the world's origin is. system: the firmware's MAVLink system id. needed: parameters, if the firmware may
+    have kept others; see KeptParameters. The attribute address is that to which the firmware must send its MAVLink:
+    HOST:PORT, by UDP. Raises OSError or MissingExtraError.
     """
 
-    def __init__(self, home: Home, system: int = 1) -> None:
+    def __init__(self, home: Home, system: int = 1, needed: Mapping[str, float] = MappingProxyType({})) -> None:
         from pymavlink.dialects.v20 import ardupilotmega as dialect
 
         self._home, self._system = home, system
@@ -57,6 +60,7 @@ class FirmwareLink:
         self._ardusub: ArduSub | None = None
         self._step_ns, self._resets, self._booted_ns = 0, 0, 0
         self._values: dict[bytes, float] = {}
+        self._kept = KeptParameters(needed, self._mav, system, self._send)
         self.has_origin = False
         self.due_tick = NEVER
 
@@ -110,6 +114,7 @@ class FirmwareLink:
                 place = (round(1e7 * each) for each in self._home)
                 self._send(self._mav.set_gps_global_origin_encode(self._system, *place, 0))
             self._send_voltage(ardusub)
+            self._kept.act()
 
     def _send_pressure(self, ardusub: ArduSub) -> None:
         """Move the height from which ArduSub computes the pressure by what separates it from the vehicle's."""
@@ -136,9 +141,10 @@ class FirmwareLink:
             while True:
                 data, sender = self._socket.recvfrom(4096)
                 self._peer = self._peer or sender
-                if sender == self._peer and not self.has_origin:  # nothing else is of interest
-                    messages = self._mav.parse_buffer(data) or ()
-                    self.has_origin = any(message.get_type() == "GPS_GLOBAL_ORIGIN" for message in messages)
+                if sender == self._peer and not (self.has_origin and self._kept.is_done):  # the rest is of no interest
+                    for message in self._mav.parse_buffer(data) or ():
+                        self.has_origin |= message.get_type() == "GPS_GLOBAL_ORIGIN"
+                        self._kept.note(message)
 
     def _send(self, message: Any) -> None:
         assert self._peer is not None

@@ -12,6 +12,7 @@ pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from mavlink_station import ALT_HOLD, DONE, GUIDED, MANUAL, Station, station_at
+from uwsim.bridges.actions import goal
 from uwsim.bridges.mavlink import MavlinkVehicle
 from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.modes import AUTO, SURFACE
@@ -120,8 +121,11 @@ def test_a_mission_goes_on_where_it_was_left(live: LiveSimulator, station: Stati
     assert station.command(dialect.MAV_CMD_DO_SET_MISSION_CURRENT, 4) == dialect.MAV_RESULT_DENIED
 
 
-def test_a_flight_that_ends_late_changes_no_state_of_the_next(live: LiveSimulator, station: Station) -> None:
-    """While the simulator is paused, the one before cannot notice its end."""
+def test_a_flight_that_ends_late_changes_no_state_of_the_next(
+    live: LiveSimulator, station: Station, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While the simulator is paused, the one before cannot notice its end, for which the next does not wait."""
+    monkeypatch.setattr(goal, "CLOSE_S", 600.0)
     x, y, _ = live.rov.pose.position_world_m
     assert upload(station, (17, (), (x, y, -3.0))) == 0
     assert station.arm() == DONE and station.mode(AUTO) == DONE

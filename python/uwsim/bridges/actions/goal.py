@@ -73,6 +73,12 @@ class Goal:
         """End the flight within a control period of simulated time, and bring the vehicle to rest."""
         self._end(_EndedError(CANCELED, "cancelled"))
 
+    def leave(self) -> None:
+        """End the flight because another command follows. It commands nothing from now on, nor waits for its thread."""
+        self._end(_EndedError(ABORTED, Reason.REPLACED))
+        if self._lease is not None:
+            self._lease.end()
+
     def close(self) -> None:
         """End the flight because the server is stopping, and wait for its thread."""
         self._end(_EndedError(ABORTED, SERVER_STOPS))

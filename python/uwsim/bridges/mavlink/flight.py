@@ -223,13 +223,14 @@ class Flight:
         else:
             self._craft.send_text(f"{NAMES[mode]} ended: {why}")
 
-    def end(self) -> None:
-        """End the flight, if there is one."""
+    def end(self) -> Goal | None:
+        """End the flight, if there is one, without waiting for its thread; return it."""
         goal, self._goal, self._target, self._flies = self._goal, None, None, MANUAL
         self._is_steering = self._is_at_surface = self._craft.is_flying = False
         if goal is not None:
-            goal.close()
+            goal.leave()
             self._mission.end(PAUSED)
+        return goal
 
     def fly_to(self, route: Route) -> None:
         """Fly to a target in GUIDED, unless the vehicle already does."""

@@ -176,7 +176,8 @@ class MavlinkVehicle(Bridge):
         if was_open:
             if self._readings is not None:
                 self._readings.cancel()
-            self._flight.end()
+            if (goal := self._flight.end()) is not None:
+                goal.close()
             self._closing.set()
             if self._thread.is_alive():
                 self._thread.join(2.0)
