@@ -16,7 +16,6 @@
 #include <iterator>
 #include <string_view>
 #include <system_error>
-#include <thread>
 
 #include "uwsim/core/check.h"
 
@@ -25,7 +24,9 @@ namespace {
 
 constexpr int kPacketsAtOnce = 1000;  // so that a flood of packets does not keep a call from returning
 // A frame usually follows its line within this time, and falling asleep for it and waking up would take about as long.
-constexpr std::chrono::microseconds kAwake{200};
+constexpr std::chrono::microseconds kAwake{100};
+// After a frame that took longer, as on a busy machine, this number of frames are awaited asleep.
+constexpr int kAsleep = 50;
 // The autopilot truncates each difference of two timestamps to whole microseconds. Without this factor, it would often
 // truncate 2.4999999 ms to 2.499 ms.
 constexpr double kStretch = 1 + 4e-8;
@@ -143,9 +144,9 @@ ServoRun ServoExchange::run(const std::vector<ServoExchange*>& exchanges, Simula
   return made;
 }
 
-/// Returns whether a frame is in, after waiting for it.
+/// Returns whether a frame is in, after waiting for it: awake at first, unless that was in vain lately.
 bool ServoExchange::receive_until(Clock::time_point end) {
-  const Clock::time_point awake = std::min(end, Clock::now() + kAwake);
+  const Clock::time_point awake = asleep_ > 0 ? Clock::time_point::min() : std::min(end, Clock::now() + kAwake);
   while (!is_in_) {
     const Received received = receive();
     is_in_ = received == Received::kFrame;
@@ -153,11 +154,9 @@ bool ServoExchange::receive_until(Clock::time_point end) {
     if (received != Received::kNothing) continue;
     const Clock::time_point now = Clock::now();
     if (now >= end) return false;
-    if (now < awake) {
-      std::this_thread::yield();
-    } else {
-      wait(seconds(end - now));
-    }
+    if (now < awake) continue;
+    asleep_ = asleep_ > 0 ? asleep_ - 1 : kAsleep;
+    wait(seconds(end - now));
   }
   return true;
 }

@@ -109,6 +109,7 @@ class ServoExchange {
   bool has_peer_ = false;
   bool is_in_ = false;  // whether frame_ waits for a step
   bool has_watched_ = false;
+  int asleep_ = 0;  // how many frames to await asleep
   Clock::time_point heard_, answered_;
   ServoFrame frame_;
   ServoOutputs watched_us_{};

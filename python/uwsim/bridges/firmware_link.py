@@ -105,14 +105,15 @@ class FirmwareLink:
             self._values.clear()
         if self._peer is None:
             return
-        estimate, velocity = ardusub.flown.estimate, ardusub.flown.estimate.velocity
+        pose, velocity = ardusub.flown.estimate.pose, ardusub.flown.estimate.velocity
         motion = np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])
-        self._send(odometry(self._mav, sim.time_ns // 1000, LOCAL_FRD, estimate.pose.world_from_body, motion))
+        place = pose.position_world_m, pose.orientation_xyzw
+        self._send(odometry(self._mav, sim.time_ns // 1000, LOCAL_FRD, *place, motion))
         self._send_pressure(ardusub)
         if tick == next_tick(tick - 1, SECOND_NS, self._step_ns):
             if not self.has_origin:
-                place = (round(1e7 * each) for each in self._home)
-                self._send(self._mav.set_gps_global_origin_encode(self._system, *place, 0))
+                origin = (round(1e7 * each) for each in self._home)
+                self._send(self._mav.set_gps_global_origin_encode(self._system, *origin, 0))
             self._send_voltage(ardusub)
             self._kept.act()
 

@@ -20,6 +20,12 @@ FRD = np.array([1.0, -1.0, -1.0])
 """Factors that convert body axes from forward, left, up to forward, right, down, or back."""
 
 
+def ned_from_frd(xyzw: Vector) -> list[float]:
+    """Return the quaternion w, x, y, z from body axes forward, right, down to NED, of one from the body (FLU) to ENU."""
+    x, y, z, w = (math.sqrt(0.5) * xyzw).tolist()
+    return [w + z, x + y, x - y, w - z]
+
+
 class Place(Protocol):
     """The world's location on Earth; see uwsim.mapping.files.georeference.Georeference."""
 

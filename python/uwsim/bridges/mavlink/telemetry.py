@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Place, Vector, euler_rad
+from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Place, Vector, euler_rad, ned_from_frd
 from uwsim.bridges.mavlink.state import CONTROLS, POSITION, PREARM, State
 
 UNKNOWN_U16, UNKNOWN_I16 = 0xFFFF, 0x7FFF
@@ -134,18 +134,18 @@ def _fix(mav: Any, f: Figures) -> Iterable[Any]:
     ]  # fmt: skip
 
 
-def odometry(mav: Any, us: int, frame: int, world_from_body: Vector, velocity_body: Vector) -> Any:
-    """Return ODOMETRY for a pose (4, 4) and velocities (6,) in body axes. frame: MAV_FRAME of the pose."""
-    turn = Rotation.from_matrix(NED_FROM_ENU @ world_from_body[:3, :3] * FRD)
-    q = turn.as_quat(scalar_first=True).tolist()
-    motion = [*(velocity_body[:3] * FRD), *(velocity_body[3:] * FRD)]
+def odometry(mav: Any, us: int, frame: int, position_world_m: Vector, xyzw: Vector, velocity_body: Vector) -> Any:
+    """Return ODOMETRY for a pose and velocities (6,) in body axes. frame: MAV_FRAME of the pose."""
+    linear, angular = velocity_body.reshape(2, 3) * FRD
     unknown = [math.nan] * 21
-    position = NED_FROM_ENU @ world_from_body[:3, 3]
-    return mav.odometry_encode(us, frame, BODY_FRD, *position, q, *motion, unknown, unknown)
+    position = (NED_FROM_ENU @ position_world_m).tolist()
+    q = ned_from_frd(xyzw)
+    return mav.odometry_encode(us, frame, BODY_FRD, *position, q, *linear.tolist(), *angular.tolist(), unknown, unknown)
 
 
 def _odometry(mav: Any, f: Figures) -> Iterable[Any]:
-    return [odometry(mav, f.us, LOCAL_NED, f.state.world_from_body, f.state.velocity_body)]
+    xyzw = Rotation.from_matrix(f.state.world_from_body[:3, :3]).as_quat()
+    return [odometry(mav, f.us, LOCAL_NED, f.state.position_world_m, xyzw, f.state.velocity_body)]
 
 
 def _pressure(mav: Any, f: Figures) -> Iterable[Any]:
