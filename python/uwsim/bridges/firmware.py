@@ -89,7 +89,7 @@ class Firmware:
         self.binary = checked_program(binary)
         self.files = [_listed(path) for path in files]
         self.parameters = dict(parameters)
-        self._folder = folder
+        self._folder, self.system = folder, system
         self._options = {
             "model": "JSON:127.0.0.1", "sim-port-out": port, "speedup": 1, "rate": 400, "sysid": system,
             "rc-in-port": rc_port, "start-time": 1600000000, "home": f"{home.lat_deg},{home.lon_deg},0,0",
@@ -113,7 +113,8 @@ class Firmware:
         if code is None:
             return
         how = f"exit code {code}" if code >= 0 else f"signal {-code} ({signal.Signals(-code).name})"
-        raise FirmwareError(f"{self.binary}: the firmware has ended with {how}{_last_words(self.folder / OUTPUT)}")
+        what = f"{self.binary}: the firmware of system {self.system}"
+        raise FirmwareError(f"{what} has ended with {how}{_last_words(self.folder / OUTPUT)}")
 
     def __enter__(self) -> Self:
         with ExitStack() as made:

@@ -194,6 +194,7 @@ def test_what_is_reported_is_what_is(live: LiveSimulator, station: Station) -> N
     station.receive("SYS_STATUS", lambda each: not each.onboard_control_sensors_health & PREARM)
     assert station.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 0) == DONE
     assert station.arm() == DONE and station.mode(MANUAL) == DONE
+    assert latest(station, "EXTENDED_SYS_STATE").landed_state == dialect.MAV_LANDED_STATE_IN_AIR
     home = station.request("HOME_POSITION")
     here = live.rov.pose.position_world_m
     assert np.linalg.norm(HOME.world_m(home.latitude / 1e7, home.longitude / 1e7, 0)[:2] - here[:2]) < 1.0
