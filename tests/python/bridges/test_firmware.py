@@ -205,7 +205,9 @@ def test_a_folder_is_used_by_one_run_and_loses_nothing(scenario: Scenario, binar
 def test_a_program_that_ends_ends_the_step_with_its_last_line(sim: Simulator, binary: Path, tmp_path: Path) -> None:
     folder = living(tmp_path / "own", frames=20, last="PANIC: out of memory", code=3)
     with (
-        pytest.raises(FirmwareError, match=r"ardusub: the firmware of system 1 has ended with exit code 3: PANIC: out of m"),
+        pytest.raises(
+            FirmwareError, match=r"ardusub: the firmware of system 1 has ended with exit code 3: PANIC: out of m"
+        ),
         ArduSub(sim, port=0) as ardusub,
         firmware_flying(ardusub, binary, folder=folder),
     ):

@@ -2,6 +2,8 @@
 
 import logging
 import os
+import socket
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -117,6 +119,27 @@ def test_while_one_is_silent_all_stop_and_readings_are_served(sim: Simulator, ca
         assert "ArduSub of 'rov'" not in caplog.text
         with Standin(two.port, late(TURN, 0)):
             until(lambda: live.tick > 100)
+
+
+def test_a_flood_of_foreign_packets_delays_no_command(sim: Simulator) -> None:
+    ends = threading.Event()
+
+    def flood(port: int) -> None:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            while not ends.is_set():
+                sender.sendto(b"noise", ("127.0.0.1", port))
+
+    with LiveSimulator(sim, speed="max", paused=True) as live, ArduSub(live, vehicle="rov", port=0) as one:
+        thread = threading.Thread(target=flood, args=[one.port])
+        thread.start()
+        try:
+            live.resume()
+            until(lambda: one.counts.foreign)
+            live.command("all_stop", vehicle="rov").result(timeout=30)
+            assert sim.vehicles["rov"].helm.all_stopped and live.tick == 0
+        finally:
+            ends.set()
+            thread.join()
 
 
 def test_recordings_and_logs_replay_to_the_byte(scenario: Scenario, tmp_path: Path) -> None:
