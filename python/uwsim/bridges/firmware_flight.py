@@ -47,7 +47,8 @@ def firmware_flying(
     It navigates by the vehicle's own estimate, without GPS. station: HOST:PORT, the UDP address to which it sends its
     MAVLink. files: parameter files, such as those of a real vehicle; what the simulated vehicle and its navigation need
     takes precedence over them and over what the folder has kept, and `parameters` over that. home: by default the
-    origin of the scenario's world, as in place_of. folder: see Firmware. system: its MAVLink system id, which differs between the firmwares of a world.
+    origin of the scenario's world, as in place_of. folder: see Firmware. system: its MAVLink system id, which differs
+    between the firmwares of a world.
     Raises FirmwareError, or ValueError for an address.
     """
     if home is None:

@@ -38,7 +38,7 @@ class KeptParameters:
 
     def note(self, message: Any) -> None:
         """Take a message of the firmware."""
-        name = message.param_id if message.get_type() == "PARAM_VALUE" else None
+        name = message.param_id if message.get_type() == "PARAM_VALUE" else ""
         if name in self._needed:
             self._unread.discard(name)
             self._wrong.discard(name)

@@ -9,7 +9,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.bridges.actions import actions_of
-from uwsim.bridges.mavlink.earth import Home, euler_rad
+from uwsim.bridges.mavlink.earth import Home, euler_rad, ned_from_frd
 from uwsim.bridges.mavlink.endpoint import Endpoint
 from uwsim.bridges.mavlink.modes import HOLDS_OF, mode_of
 from uwsim.channels.served import served_table
@@ -198,7 +198,9 @@ def test_places_and_angles_are_those_of_mavlink() -> None:
     np.testing.assert_allclose((lat, lon), gps_offset(56.0, 10.0, 600.0, 800.0), rtol=0, atol=0.004 * 0.01)
     world_from_body = np.eye(4)
     # right side down by 0.1, nose up by 0.2, heading 0.3 to the right of north
-    ned_from_frd = Rotation.from_euler("ZYX", [0.3, 0.2, 0.1]).as_matrix()
+    turn = Rotation.from_euler("ZYX", [0.3, 0.2, 0.1])
     swap = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
-    world_from_body[:3, :3] = swap.T @ ned_from_frd @ np.diag([1, -1, -1])
+    world_from_body[:3, :3] = swap.T @ turn.as_matrix() @ np.diag([1, -1, -1])
     assert euler_rad(world_from_body) == pytest.approx((0.1, 0.2, 0.3))
+    q = ned_from_frd(Rotation.from_matrix(world_from_body[:3, :3]).as_quat())
+    assert (Rotation.from_quat(q, scalar_first=True) * turn.inv()).magnitude() < 1e-12

@@ -21,7 +21,7 @@ FRD = np.array([1.0, -1.0, -1.0])
 
 
 def ned_from_frd(xyzw: Vector) -> list[float]:
-    """Return the quaternion w, x, y, z from body axes forward, right, down to NED, of one from the body (FLU) to ENU."""
+    """Return the quaternion w, x, y, z from axes forward, right, down to NED, given that of the body (FLU) in ENU."""
     x, y, z, w = (math.sqrt(0.5) * xyzw).tolist()
     return [w + z, x + y, x - y, w - z]
 
