@@ -4595,7 +4595,7 @@ class ServoExchange:
     @property
     def has_frame(self) -> bool:
         """
-        Whether a frame is in, which waits for those of other exchanges.
+        True if a frame is in, which waits for those of other exchanges.
         """
     @property
     def peer(self) -> str:

@@ -124,7 +124,7 @@ void bind_autopilots(py::module_& m) {
           "Wait until a packet has arrived, and return whether one has. From then until the next step, an autopilot\n"
           "in lockstep is waiting, too, so data that other sockets deliver to it do not depend on the wall clock.")
       .def_property_readonly("has_frame", &ServoExchange::has_frame,
-                             "Whether a frame is in, which waits for those of other exchanges.")
+                             "True if a frame is in, which waits for those of other exchanges.")
       .def_property_readonly("port", &ServoExchange::port)
       .def_property_readonly("peer", &ServoExchange::peer,
                              "The autopilot's address and port; empty before its first frame.")

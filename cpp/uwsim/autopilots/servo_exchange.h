@@ -74,7 +74,7 @@ class ServoExchange {
   /// The rate that the autopilot's last frame announced.
   int rate_hz() const { return frame_.rate_hz; }
 
-  /// Whether a frame is in, which waits for the other exchanges' frames.
+  /// True if a frame is in, which waits for the other exchanges' frames.
   bool has_frame() const { return is_in_; }
   /// Waits until a packet has arrived, at most `patience_s`; returns whether one has, or whether a frame is in.
   bool wait(double patience_s) const;

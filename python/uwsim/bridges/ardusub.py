@@ -277,7 +277,7 @@ class ArduSub:
 
     @property
     def is_live(self) -> bool:
-        """Whether the simulator is a live one."""
+        """True if the simulator is a live one."""
         return self._live is not None
 
     def note_missing(self) -> None:

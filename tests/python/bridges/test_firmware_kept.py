@@ -12,7 +12,7 @@ NEEDED = {"FRAME_CONFIG": 2.0, "BARO_SPEC_GRAV": 1.0227599143981934, "VISO_TYPE"
 
 
 def heard_by(kept: dict[str, float], seconds: int = ROUNDS + SETTLED + 3) -> list[Any]:
-    """Return what a firmware hears that has kept these values, and answers as ArduSub does."""
+    """Return the messages to a firmware that has kept these values, and answers as ArduSub does."""
     heard: list[Any] = []
     ours = KeptParameters(NEEDED, dialect.MAVLink(None), 1, heard.append)
     for _ in range(seconds):
