@@ -2,25 +2,52 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 from uwsim import _core
 from uwsim.simulator.lockstep import FRAME_BYTES
 
 if TYPE_CHECKING:
-    from uwsim.bridges.ardusub import ArduSub
+    from uwsim.bridges.servo_auxiliary import Auxiliary
     from uwsim.simulator.simulator import Simulator
+    from uwsim.simulator.vehicle import Vehicle
 
 LIVE_PATIENCE_S = 0.05  # longest time for which a live simulator's thread waits for a frame
 STEPS_AT_ONCE = 2000
 
 
+class Partner(Protocol):
+    """An autopilot and its vehicle; see ArduSub."""
+
+    vehicle: str
+    auxiliary: Auxiliary
+    patience_s: float
+
+    @property
+    def flown(self) -> Vehicle:
+        """The vehicle."""
+
+    @property
+    def exchange(self) -> _core.ServoExchange:
+        """The exchange of packets."""
+
+    @property
+    def is_live(self) -> bool:
+        """True if the simulator is a live one."""
+
+    def take(self, frames: bytes, tick: int, *, changed: bool) -> None:
+        """Note the frames that made steps from a tick on."""
+
+    def note_missing(self) -> None:
+        """Note that no step could be made."""
+
+
 class ServoSteps:
-    """A source of steps: all ArduSubs of a simulator, in the order of its vehicles."""
+    """A source of steps: all autopilots of a simulator, in the order of its vehicles."""
 
     def __init__(self, sim: Simulator) -> None:
         self._sim = sim
-        self._flown: list[ArduSub] = []
+        self._flown: list[Partner] = []
 
     @classmethod
     def of(cls, sim: Simulator) -> Self:
@@ -31,19 +58,19 @@ class ServoSteps:
         return source
 
     def require_free(self, vehicle: str) -> None:
-        """Raise ValueError if an ArduSub flies this vehicle already."""
+        """Raise ValueError if an autopilot flies this vehicle already."""
         if any(each.vehicle == vehicle for each in self._flown):
             raise ValueError(f"vehicle '{vehicle}': an autopilot flies it already")
 
-    def join(self, ardusub: ArduSub) -> None:
-        """Let no step be made without a frame of this ArduSub."""
+    def join(self, partner: Partner) -> None:
+        """Let no step be made without a frame of this partner."""
         names = list(self._sim.vehicles)
-        self._flown = sorted([*self._flown, ardusub], key=lambda each: names.index(each.vehicle))
+        self._flown = sorted([*self._flown, partner], key=lambda each: names.index(each.vehicle))
         self._sim.lockstep.attach(self)
 
-    def leave(self, ardusub: ArduSub) -> None:
-        """Make steps without this ArduSub; without any, return control to the simulator."""
-        self._flown.remove(ardusub)
+    def leave(self, partner: Partner) -> None:
+        """Make steps without this partner; without any, return control to the simulator."""
+        self._flown.remove(partner)
         if not self._flown:
             self._sim.lockstep.detach()
 
