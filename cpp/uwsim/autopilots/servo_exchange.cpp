@@ -16,6 +16,7 @@
 #include <iterator>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "uwsim/core/check.h"
 
@@ -120,11 +121,13 @@ ServoRun ServoExchange::run(const std::vector<ServoExchange*>& exchanges, Simula
                             double patience_s, const std::vector<bool>& steers) {
   require(!exchanges.empty() && exchanges.size() == steers.size(), "steers", steers.size(), "must be as many");
   const auto patience = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience_s));
+  // Awake, this thread takes a core, which another autopilot may need.
+  const bool may_stay_awake = exchanges.size() < std::thread::hardware_concurrency();
   ServoRun made;
   made.outputs_us.resize(exchanges.size());
   for (Clock::time_point since = Clock::now(); made.steps < steps && !made.changed; since = Clock::now()) {
     for (ServoExchange* exchange : exchanges) {
-      if (!exchange->receive_until(since + patience)) return made;
+      if (!exchange->receive_until(since + patience, may_stay_awake)) return made;
     }
     for (std::size_t k = 0; k < exchanges.size(); ++k) {
       exchanges[k]->is_in_ = false;
@@ -145,8 +148,9 @@ ServoRun ServoExchange::run(const std::vector<ServoExchange*>& exchanges, Simula
 }
 
 /// Returns whether a frame is in, after waiting for it: awake at first, unless that was in vain lately.
-bool ServoExchange::receive_until(Clock::time_point end) {
-  const Clock::time_point awake = asleep_ > 0 ? Clock::time_point::min() : std::min(end, Clock::now() + kAwake);
+bool ServoExchange::receive_until(Clock::time_point end, bool may_stay_awake) {
+  const bool is_awake = may_stay_awake && asleep_ == 0;
+  const Clock::time_point awake = is_awake ? std::min(end, Clock::now() + kAwake) : Clock::time_point::min();
   while (!is_in_) {
     const Received received = receive();
     is_in_ = received == Received::kFrame;

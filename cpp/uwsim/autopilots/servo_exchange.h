@@ -94,7 +94,7 @@ class ServoExchange {
     bool operator==(const Peer&) const = default;
   };
 
-  bool receive_until(Clock::time_point end);
+  bool receive_until(Clock::time_point end, bool may_stay_awake);
   Received receive();
   Received take(const ServoFrame& frame, const Peer& from);
   bool note_watched();
