@@ -4,6 +4,8 @@ import logging
 from typing import Any
 
 import pytest
+
+pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim.bridges.firmware_kept import REBOOT, ROUNDS, SETTLED, KeptParameters

@@ -13,6 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+pytest.importorskip("pymavlink", reason="needs the extra mavlink")
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+
 from servo_standin import Standin, mixed
 from uwsim import Simulator
 from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
@@ -140,6 +143,17 @@ def test_a_flood_of_foreign_packets_delays_no_command(sim: Simulator) -> None:
         finally:
             ends.set()
             thread.join()
+
+
+def test_a_pilot_takes_messages_of_its_firmware_only(sim: Simulator) -> None:
+    beat, text = dialect.MAVLink_heartbeat_message(12, 3, 0, 0, 0, 3), dialect.MAVLink_statustext_message(2, b"no")
+    with ArduSub(sim, vehicle="rov", port=0) as one, FirmwarePilot(one) as pilot, ExitStack() as stack:
+        host, port = pilot.address.split(":")
+        senders = [stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2)]
+        for sender, message in zip(senders, (beat, text), strict=True):
+            sender.sendto(message.pack(dialect.MAVLink(None, 1, 1)), (host, int(port)))
+            pilot._receive()
+        assert list(pilot.messages) == ["HEARTBEAT"] and pilot.texts == []
 
 
 def test_recordings_and_logs_replay_to_the_byte(scenario: Scenario, tmp_path: Path) -> None:
