@@ -19,7 +19,7 @@ FRAME_BYTES = 64
 
 
 class StepSource(Protocol):
-    """What makes a simulation's steps."""
+    """A source of a simulation's steps."""
 
     def advance(self, steps: int) -> object:
         """Make steps, at most this many; a partner may make fewer."""
