@@ -305,6 +305,13 @@ class Simulator(SimulatorProperties):
         self.journal.note("restore_state", state=state)
         warn_of_other_build("the saved state", _core.saved_build(state))
 
+    def take_over(self, other: Simulator) -> None:
+        """Continue from the state of a simulator of another scenario, whose world may differ.
+
+        Raises ValueError, changing nothing, unless both have the same step, seed, vehicles and parts aboard, by name.
+        """
+        self.restore_state(other._saved.save(self._origin))
+
     @property
     def _origin(self) -> tuple[str, str]:
         if self._digest is None or self._digest[0] is not self._scenario:  # it takes longer than saving the state

@@ -23,6 +23,7 @@ from uwsim.operator.station.wire import (
     Order,
     SetView,
 )
+from uwsim.operator.station.wire_editor import Edit, EditForms, EditState
 from uwsim.operator.station.wire_training import (
     ExerciseState,
     FaultKinds,
@@ -90,6 +91,8 @@ _CALLS = (
     Call("catalog", "list the options of the start screen", answer=Catalog, is_brief=False, is_start_screen=True),
     Call("check", "report the errors of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
     Call("start", "start a simulator from a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
+    Call("edit_forms", "list a scenario's kinds of parts", answer=EditForms, is_brief=False, is_start_screen=True),
+    Call("edit", "open, change, check, save or apply a scenario", Edit, EditState, is_brief=False, is_start_screen=True),
     Call(
         "control",
         "pause, step, restart, save, record and similar actions; for the pilot only",

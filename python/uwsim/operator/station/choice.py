@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from uwsim.channels.guest import Values
@@ -27,33 +29,42 @@ class ChoiceError(ValueError):
         self.errors = errors
 
 
-def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
+def chosen(
+    choice: Values, offered: str = "lake", saved: Mapping[str, Path] = MappingProxyType({})
+) -> tuple[Scenario, Speed]:
     """Return the scenario and the speed of a choice. Raises ChoiceError.
 
-    offered: a scenario that may be chosen in addition to the packaged ones. Only names are accepted, not paths, since
-    the page's user may not be allowed to read this machine's files.
+    offered: a scenario that may be chosen in addition to the packaged ones. saved: further ones by name. Only names are
+    accepted, not paths, since the page's user may not be allowed to read this machine's files.
     """
     errors: dict[str, str] = {name: "unknown field" for name in choice if name not in FIELDS}
     values = {name: choice.get(name) for name in FIELDS}
-    scenario = _try(errors, "scenario", lambda: load(_name(values["scenario"] or offered, scenarios(offered))))
+    name = values["scenario"] or offered
+    scenario = _try(errors, "scenario", lambda: load(saved.get(name) or _name(name, [*scenarios(offered), *saved])))
     speed = _try(errors, "speed", lambda: _speed(values["speed"]))
     _try(errors, "link", lambda: _link(values["link"]))
     if scenario is not None:
-        changes: dict[str, Any] = {
-            "vehicle_model": lambda: _vehicle(values["vehicle"]),
-            "sonar_model": lambda: _sonar(values["sonar"]),
-            "mission_time_s": lambda: values["mission_time_s"],
-            "seed": lambda: _whole(values["seed"], "seed"),
-            "modem": lambda: _link(values["link"]),
-        }
-        names = {"vehicle_model": "vehicle", "sonar_model": "sonar", "modem": "link"}
-        for argument, read in changes.items():
-            field = names.get(argument, argument)
-            scenario = _try(errors, field, lambda: scenario.with_changes(**{argument: read()})) or scenario  # noqa: B023
+        scenario = with_choice(scenario, values, errors)
     _rosbridge(errors, values)
     if errors or scenario is None or speed is None:
         raise ChoiceError(errors)
     return scenario, speed
+
+
+def with_choice(scenario: Scenario, values: Values, errors: dict[str, str]) -> Scenario:
+    """Return a scenario with the choice's vehicle, sonar, time, seed and link. Adds to `errors`."""
+    changes: dict[str, Any] = {
+        "vehicle_model": lambda: _vehicle(values.get("vehicle")),
+        "sonar_model": lambda: _sonar(values.get("sonar")),
+        "mission_time_s": lambda: values.get("mission_time_s"),
+        "seed": lambda: _whole(values.get("seed"), "seed"),
+        "modem": lambda: _link(values.get("link")),
+    }
+    names = {"vehicle_model": "vehicle", "sonar_model": "sonar", "modem": "link"}
+    for argument, read in changes.items():
+        field = names.get(argument, argument)
+        scenario = _try(errors, field, lambda: scenario.with_changes(**{argument: read()})) or scenario  # noqa: B023
+    return scenario
 
 
 def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
@@ -114,7 +125,7 @@ def scenarios(offered: str) -> list[str]:
 def catalog(offered: str = "lake") -> Values:
     """Return the available choices, with the settings of the scenario `offered` as defaults. The result is cached."""
     return {
-        "scenarios": [_described(name) for name in scenarios(offered)],
+        "scenarios": [described(name) for name in scenarios(offered)],
         "vehicles": [
             {"name": name, "description": load_vehicle(name).description} for name in packaged_names("vehicles")
         ],
@@ -129,8 +140,9 @@ def catalog(offered: str = "lake") -> Values:
     }  # fmt: skip
 
 
-def _described(name: str) -> Values:
-    scenario = load(name)
+def described(name: str, path: Path | None = None) -> Values:
+    """Return a scenario as the start screen lists it. path: of its file, if it is not packaged."""
+    scenario = load(path or name)
     first = scenario.vehicles[0]
     return {
         "name": name,

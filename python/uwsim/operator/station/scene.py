@@ -18,6 +18,8 @@ from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.obstacles.pipeline import Pipeline
+from uwsim.scenario.read.mesh_file import Vertices
+from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
@@ -84,10 +86,8 @@ class Scene:
         return None if colour is None else list(colour)
 
     def _outline(self, name: str, make: Callable[[], Mesh]) -> list[list[float]]:
-        for obstacle in self._scenario.obstacles:
-            if isinstance(obstacle, Pipeline) and obstacle.name == name:
-                return strip(np.asarray(obstacle.points_m) + self._origin_m[:2], obstacle.radius_m)
-        return outline(make()[0][:, :2] + self._origin_m[:2])
+        found = next((each for each in self._scenario.obstacles if each.name == name), None)
+        return plan_outline(found, lambda: make()[0], self._origin_m[:2])
 
     def grid(self) -> Terrain:
         """Return the terrain, thinned to GRID_MAX points along an edge."""
@@ -152,6 +152,15 @@ def thinned(terrain: Terrain) -> Terrain:
     """Return every n-th height along both axes, so that no edge has more than GRID_MAX points."""
     stride = -(-(max(terrain.heights_m.shape) - 1) // (GRID_MAX - 1)) or 1
     return Terrain(terrain.heights_m[::stride, ::stride], stride * terrain.spacing_m, terrain.origin_m)
+
+
+def plan_outline(
+    obstacle: ObstacleModel | None, vertices: Callable[[], Vertices], shift_m: NDArray[np.float64]
+) -> list[list[float]]:
+    """Return the outline of a solid on the chart; of a pipeline, both its sides. shift_m: added to all corners."""
+    if isinstance(obstacle, Pipeline):
+        return strip(np.asarray(obstacle.points_m) + shift_m, obstacle.radius_m)
+    return outline(vertices()[:, :2] + shift_m)
 
 
 def outline(points_m: NDArray[np.float64]) -> list[list[float]]:

@@ -14,8 +14,10 @@ from uwsim.base.commands.command import item
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.guest import GuestService, Values
 from uwsim.operator.station.calls import CALLS
-from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_flight, chosen_save
+from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_flight, chosen_save, described
 from uwsim.operator.station.control import CONTROLS, NOT_OF_REPLAYS, OF_EXERCISES, OF_REPLAYS, new_path
+from uwsim.operator.station.edit_service import EditService
+from uwsim.operator.station.editor.forms import described_forms
 from uwsim.operator.station.fault_kinds import fault_kinds
 from uwsim.operator.station.instructor import Instructor, parameters
 from uwsim.operator.station.lease import Lease
@@ -47,6 +49,7 @@ class Services:
     ) -> None:
         self._sessions, self._lease, self._instructor, self._publish = sessions, lease, instructor, publish
         self._link = link
+        self._editing = EditService(sessions, lease, instructor)
 
     def all(self) -> list[GuestService]:
         """Return the services that the station offers."""
@@ -253,18 +256,26 @@ class Services:
         found = catalog(self._sessions.offered)
         defaults = found["defaults"] | ({"link": self._link} if self._link else {})
         flights = [] if self._sessions.flights is None else self._sessions.flights.listed()
+        own = [described(name, path) for name, path in self._sessions.editor.saved.items()]
+        found = {**found, "scenarios": [*own, *found["scenarios"]]}
         return {**found, "defaults": defaults, "saves": saved_names(self._sessions.folder), "flights": flights}
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("flight") is not None:
             chosen_flight(request)
         elif request.get("saved") is None:
-            scenario, _ = chosen(request, self._sessions.offered)
+            scenario, _ = chosen(request, self._sessions.offered, self._sessions.editor.saved)
             if self._sessions.phase == "idle" and caller in self._lease.members:
                 self._sessions.prepared.prepare(scenario)
         else:
             chosen_save(request, saved_names(self._sessions.folder))
         return {"success": True, "message": "", "errors": {}}
+
+    def _edit(self, caller: str, request: Values) -> Values:
+        return self._editing.answer(caller, request)
+
+    def _edit_forms(self, caller: str, request: Values) -> Values:
+        return {"success": True, "sections": described_forms()}
 
     def _start(self, caller: str, request: Values) -> Values:
         if self._sessions.running is not None:

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 from uwsim.bridges.actions import Action, actions_of
@@ -24,17 +25,19 @@ from uwsim.operator.station.choice import (
     chosen_rosbridge,
     chosen_save,
     scenarios,
+    with_choice,
 )
+from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.flights import FlightRecording, Flights
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.prepared import Prepared
-from uwsim.operator.station.preview import preview_png
+from uwsim.operator.station.preview import draw, preview_png
 from uwsim.operator.station.replay import Replay
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import continue_maps, load_saved, saved_names
 from uwsim.operator.station.user_rosbridge import UserRosbridge
-from uwsim.scenario import ScenarioError
+from uwsim.scenario import ScenarioError, load
 from uwsim.simulator.simulator import Simulator
 
 Phase = Literal["idle", "starting", "running"]
@@ -77,6 +80,8 @@ class Sessions:
         self.running: Running | None = None
         self.phase: Phase = "starting" if is_fixed else "idle"
         self.number = 0
+        self.editor = Editor(folder, threads)
+        self.choice: Values = {}  # of which the running simulator was made, if it was from a scenario
         self._numbers = itertools.count(1)
         self._starting = threading.Lock()
 
@@ -89,10 +94,11 @@ class Sessions:
         elif choice.get("flight") is not None:
             self._replay(choice)
         else:
-            scenario, speed = chosen(choice, self.offered)
+            scenario, speed = chosen(choice, self.offered, self.editor.saved)
             rosbridge = chosen_rosbridge(choice)
             with _errors_of("scenario", ScenarioError):
                 self.run(lambda: LiveSimulator(self.prepared.release(scenario), speed=speed), rosbridge=rosbridge)
+            self.choice = choice
 
     def _continue(self, choice: Values) -> None:
         """Continue a saved session; only the speed is taken from the choice."""
@@ -144,6 +150,47 @@ class Sessions:
         self.run(make, prepare, notes={"branched_from": where})
         return where
 
+    def edit_running(self, client: str) -> None:
+        """Open the running simulator's scenario in the editor. Raises ValueError."""
+        scenario = self.present().live.simulator.scenario
+        self.editor.open_running(client, scenario, lambda found: with_choice(found, self.choice, {}) == scenario)
+
+    def rebuild(self) -> None:
+        """Put the edited scenario into the paused simulator, in a new session: vehicles, time and maps are kept.
+
+        Efforts are zero at first. Raises ScenarioError or ValueError.
+        """
+        running, errors, choice = self.present(), dict[str, str](), self.choice
+        live = running.live
+        for reason, is_so in (
+            ("a flight is replayed", running.replay is not None),
+            ("an exercise is flown", running.judged is not None),
+            ("it has joined your rosbridge", running.rosbridge is not None),
+            ("it runs: pause it first", not live.paused),
+        ):
+            if is_so:
+                raise ValueError(f"the world cannot be rebuilt: {reason}")
+        scenario = with_choice(self.editor.draft.scenario, choice, errors)
+        if errors:
+            raise ChoiceError(errors)
+
+        def make() -> LiveSimulator:
+            sim = Simulator(scenario, threads=self._threads)
+            try:
+                live.read(sim.take_over).result()
+            except ValueError as error:
+                rule = "it needs the same vehicles, with the same parts: save the scenario, and start it"
+                raise ValueError(f"the world cannot be rebuilt: {error}; {rule}") from None
+            for vehicle in sim.vehicles.values():
+                vehicle.set_effort()
+            return LiveSimulator(sim, speed=live.speed, paused=True)
+
+        with TemporaryDirectory() as folder:
+            for vehicle, ping_map in running.maps.items():
+                ping_map.write(Path(folder) / f"{vehicle}.ot")
+            self.run(make, lambda rebuilt: continue_maps(rebuilt, Path(folder)))
+        self.choice = choice
+
     def run_exercise(self, exercise: Exercise, person: str = "") -> None:
         """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError.
 
@@ -182,7 +229,7 @@ class Sessions:
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
-        before, running = self.phase, None
+        before, running, self.choice = self.phase, None, {}
         try:
             self.phase = "starting"
             self._publish()
@@ -273,6 +320,8 @@ class Sessions:
 
     def preview(self, scenario: str) -> bytes:
         """Return a PNG of an offered scenario seen from above. Raises LookupError, ScenarioError or OSError."""
+        if not self.is_fixed and (path := self.editor.saved.get(scenario)) is not None:
+            return self.prepared.afterwards(lambda: draw(load(path)))
         if self.is_fixed or scenario not in scenarios(self.offered):
             raise LookupError(scenario)
         return self.prepared.afterwards(lambda: preview_png(scenario))  # preparing a simulator has priority

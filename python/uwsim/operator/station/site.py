@@ -31,7 +31,7 @@ TYPES = {
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
-DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
@@ -100,6 +100,8 @@ class Site:
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
             return File(self._sessions.preview(asked[1]), TYPES[".png"])
+        if path == "/edit/terrain.f32":
+            return File(self._sessions.editor.draft.plan.heights(), "application/octet-stream")
         running = self._sessions.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)

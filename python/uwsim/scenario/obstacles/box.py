@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from uwsim.scenario.build.solids import created, posed
 from uwsim.scenario.spec.fields import Name, Size, YawPitchRoll
@@ -15,6 +15,8 @@ class Box(Placed):
 
     position_m: its centre (world), unless it is on_bed. size_m: edge lengths along its own x, y and z.
     """
+
+    example: ClassVar = {"on_bed": True, "size_m": [2.0, 2.0, 2.0]}
 
     kind: Literal["box"]
     name: Name

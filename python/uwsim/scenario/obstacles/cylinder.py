@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -17,6 +17,8 @@ class Cylinder(Placed):
 
     position_m: its centre (world), unless it is on_bed. radius_m, length_m: its dimensions.
     """
+
+    example: ClassVar = {"on_bed": True, "radius_m": 0.5, "length_m": 2.0}
 
     kind: Literal["cylinder"]
     name: Name

@@ -27,6 +27,8 @@ class Gate(OnBed):
 
     surface_class: ClassVar = "gate"
 
+    example: ClassVar = {"width_m": 4.0, "height_m": 3.0}
+
     kind: Literal["gate"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="paint")

@@ -22,6 +22,8 @@ class MeshObstacle(Placed):
 
     has_own_unit: ClassVar = True
 
+    example: ClassVar = {"on_bed": True, "file": "meshes/rocks.obj"}
+
     kind: Literal["mesh"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="steel")

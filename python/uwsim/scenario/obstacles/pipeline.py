@@ -28,6 +28,8 @@ class Pipeline(OnBed):
 
     surface_class: ClassVar = "pipeline"
 
+    example: ClassVar = {"radius_m": 0.3}
+
     kind: Literal["pipeline"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="concrete")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -21,6 +21,8 @@ class Sphere(Placed):
 
     position_m: its centre (world), unless it is on_bed. radius_m: its radius.
     """
+
+    example: ClassVar = {"on_bed": True, "radius_m": 1.0}
 
     kind: Literal["sphere"]
     name: Name

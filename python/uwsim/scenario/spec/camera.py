@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
@@ -111,6 +112,9 @@ class Lamps(Model):
     angle of the cone of light, outside which it is dark. soft_share: fraction of that angle over which the light fades.
     colour: red, green, blue relative to daylight white.
     """
+
+    example: ClassVar[Mapping[str, Any]] = {"flux_lm": 3000.0}
+    """Values with which a form begins, such as the scene editor's."""
 
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
     on: StrictBool = False

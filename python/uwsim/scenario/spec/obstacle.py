@@ -7,7 +7,8 @@ scores use meshes, see build/solids.py.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Protocol
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -60,6 +61,9 @@ class ObstacleModel(Model):
 
     surface_class: ClassVar[str] = "structure"
     """Its class in labelled frames: "structure", "gate" or "pipeline"."""
+
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Values with which a form for this kind begins, such as the scene editor's."""
 
     has_own_unit: ClassVar[bool] = False
     """True for a kind whose size comes from a file, so that a wrong unit is likely."""

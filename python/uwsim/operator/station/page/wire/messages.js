@@ -629,6 +629,97 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, string>} errors
  */
 
+/** A field of a kind of part. type: number (width: how many), flag, choice, text, table (columns) or yaml. low, high: bounds in unit, or null. by_default: its value if it is left out; of a table, one for each column. role: place, turn or line for what the chart moves, or "".
+ * @typedef {object} FormField
+ * @property {string} name
+ * @property {string} meaning
+ * @property {'number' | 'flag' | 'choice' | 'text' | 'table' | 'yaml'} type
+ * @property {string} unit
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {number} width
+ * @property {string[]} columns
+ * @property {any[]} choices
+ * @property {any} by_default
+ * @property {boolean} is_required
+ * @property {'' | 'place' | 'turn' | 'line'} role
+ */
+
+/** A kind of part, "" if its section has no kinds, and its fields.
+ * @typedef {object} FormKind
+ * @property {string} kind
+ * @property {FormField[]} fields
+ */
+
+/** A section of a scenario. holds: list, names or one. of_vehicle: whether each vehicle has it.
+ * @typedef {object} FormSection
+ * @property {string} name
+ * @property {'list' | 'names' | 'one'} holds
+ * @property {boolean} of_vehicle
+ * @property {FormKind[]} kinds
+ */
+
+/** The sections of a scenario that can be edited, with their kinds and fields, from its schema.
+ * @typedef {object} EditForms
+ * @property {true} success
+ * @property {FormSection[]} sections
+ */
+
+/** A request to the editor. action: open, report, set, add, remove, undo, redo, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set; null removes one. name: under which it is saved.
+ * @typedef {object} Edit
+ * @property {string} action
+ * @property {string | null} [scenario]
+ * @property {string | null} [section]
+ * @property {any[] | null} [place]
+ * @property {string | null} [kind]
+ * @property {number | null} [vehicle]
+ * @property {number[] | null} [at_m]
+ * @property {Record<string, any> | null} [values]
+ * @property {string | null} [name]
+ */
+
+/** The grid of heights in /edit/terrain.f32, in the world.
+ * @typedef {object} BedGrid
+ * @property {number} rows
+ * @property {number} columns
+ * @property {number} west_m
+ * @property {number} south_m
+ * @property {number[]} spacing_m
+ */
+
+/** A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it. is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m] and yaw [deg] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an obstacle.
+ * @typedef {object} EditedPart
+ * @property {string} section
+ * @property {any[]} place
+ * @property {string} name
+ * @property {string} kind
+ * @property {number | null} vehicle
+ * @property {boolean} is_inherited
+ * @property {number[]} frame
+ * @property {Record<string, any>} values
+ * @property {number[][]} outline_m
+ */
+
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. added: the place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
+ * @typedef {object} EditState
+ * @property {true} success
+ * @property {string} message
+ * @property {boolean} is_open
+ * @property {string} by
+ * @property {string | null} [name]
+ * @property {number | null} [edition]
+ * @property {boolean | null} [can_undo]
+ * @property {boolean | null} [can_redo]
+ * @property {boolean | null} [is_saved]
+ * @property {boolean | null} [is_of_running]
+ * @property {BedGrid | null} [grid]
+ * @property {string[] | null} [vehicles]
+ * @property {EditedPart[] | null} [parts]
+ * @property {string | null} [text]
+ * @property {any[] | null} [added]
+ * @property {string[] | null} [mistakes]
+ */
+
 /** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s: for the actions that need them.
  * @typedef {object} Control
  * @property {string} action
@@ -836,6 +927,20 @@ export const start = (
     saved,
     flight,
   });
+
+/** List a scenario's kinds of parts.
+ * @param {Caller} bridge
+ * @returns {Promise<EditForms | Refused>}
+ */
+export const editForms = (bridge) => bridge.call('/station/edit_forms');
+
+/** Open, change, check, save or apply a scenario.
+ * @param {Caller} bridge
+ * @param {Edit} request
+ * @returns {Promise<EditState | Refused>}
+ */
+export const edit = (bridge, { action, scenario, section, place, kind, vehicle, at_m, values, name }) =>
+  bridge.call('/station/edit', { action, scenario, section, place, kind, vehicle, at_m, values, name });
 
 /** Pause, step, restart, save, record and similar actions; for the pilot only.
  * @param {Caller} bridge

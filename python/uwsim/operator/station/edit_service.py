@@ -1,0 +1,74 @@
+"""The service of the scene editor: who may edit, and the requests about files and the running simulator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.channels.guest import Values
+from uwsim.operator.station.choice import scenarios
+from uwsim.operator.station.instructor import Instructor
+from uwsim.operator.station.lease import Lease
+from uwsim.operator.station.sessions import Sessions
+from uwsim.scenario.read.assets import find_yaml
+
+CHANGES = ("set", "add", "remove", "undo", "redo")
+ACTIONS = ("open", "report", *CHANGES, "check", "save", "apply", "close")
+
+
+class EditService:
+    """Handles the requests to edit a scenario.
+
+    On the start screen, a member may open one that nobody else edits; while a simulator runs, the pilot alone or, if
+    there is one, the instructor.
+    """
+
+    def __init__(self, sessions: Sessions, lease: Lease, instructor: Instructor | None) -> None:
+        self._sessions, self._lease, self._instructor = sessions, lease, instructor
+        self._editor = sessions.editor
+
+    def answer(self, caller: str, request: Values) -> Values:
+        """Return the response to a request; see wire_editor.Edit. Raises ValueError or OSError."""
+        action, message, more = request.get("action"), "", {}
+        if action not in ACTIONS:
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
+        if action != "report":
+            self._require(caller, is_open=action == "open")
+        if action == "open":
+            self._open(caller, request.get("scenario"))
+        elif action == "check":
+            more = {"mistakes": self._editor.mistakes()}
+        elif action == "save":
+            message = f"saved as {self._editor.save(request.get('name'))}"
+        elif action == "apply":
+            self._sessions.rebuild()
+            message = "the world is rebuilt"
+        elif action == "close":
+            self._editor.close(caller)
+        elif action in CHANGES:
+            more = {"added": list(self._editor.act(request))}
+        by = self._lease.members.get(self._editor.by, "")
+        return {"success": True, "message": message, **self._editor.state(by), **more}
+
+    def _require(self, caller: str, *, is_open: bool) -> None:
+        """Raise ValueError unless a client may edit now."""
+        if self._sessions.running is None:
+            if caller not in self._lease.members:
+                raise ValueError("join first")
+        elif self._instructor is not None:
+            self._instructor.require(caller)
+        else:
+            self._lease.require_pilot(caller)
+        by = self._editor.by
+        is_free = is_open and (not by or self._sessions.running is not None)  # a new pilot begins again
+        if by != caller and not is_free:
+            raise ValueError(f"{self._lease.members.get(by, 'nobody')} edits a scenario" if by else "open a scenario first")
+
+    def _open(self, caller: str, name: object) -> None:
+        if name is None:
+            self._sessions.edit_running(caller)
+            return
+        saved, offered = self._editor.saved, self._sessions.offered
+        if not isinstance(name, str) or name not in (*saved, *scenarios(offered)):
+            raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join((*saved, *scenarios(offered)))}")
+        path = saved[name] if name in saved else find_yaml(name, "scenarios")
+        self._editor.open(caller, name, Path(path))

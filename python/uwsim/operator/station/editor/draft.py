@@ -1,0 +1,257 @@
+"""The scenario being edited: its text, which is valid after every change, and the texts before and after it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path, PurePath
+from typing import Any
+
+from uwsim.base.texts.yaml_change import with_value, without
+from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted, yaml_document
+from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, start_values, unflattened
+from uwsim.operator.station.editor.ground_plan import GroundPlan
+from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
+from uwsim.scenario import Scenario, ScenarioError
+from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.validated import validated
+
+MAX_BYTES = 64_000
+"""The largest text that is edited: each change reads it twice, which takes about 10 ms per 1000 bytes."""
+STEPS_MAX = 200
+TEXT_MAX = 4000
+Place = tuple[Key, ...]
+
+
+class Draft:
+    """A scenario's text and its history. name: of the file, for messages. folder: of the files that it names.
+
+    Every change is checked as a file would be, and raises ValueError, changing nothing, if the scenario would be wrong.
+    edition: increases with every change of the text. plan: where things are.
+    """
+
+    def __init__(self, text: str, name: str, folder: Path) -> None:
+        self.name, self.folder, self.edition = name, folder, 0
+        self._texts = [_limited(text, name)]
+        self._at = 0
+        self.scenario = self.checked(text)
+        self.plan = GroundPlan()
+        self.plan.draw(self.scenario)
+
+    @property
+    def text(self) -> str:
+        """The YAML text as it is now."""
+        return self._texts[self._at]
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return self._at > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an undone change can be repeated."""
+        return self._at + 1 < len(self._texts)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The text's plain values."""
+        return self._document(self.text).values
+
+    def checked(self, text: str, folder: Path | None = None) -> Scenario:
+        """Return the scenario of a text, as if it were in a file in a folder. Raises ScenarioError."""
+        document, place = self._document(text), folder or self.folder
+        return validated(Scenario, document.values, document, folder=place).read_from(SourceFile(document))
+
+    def undo(self, steps: int = 1) -> None:
+        """Undo changes, or repeat undone ones if negative. Raises ValueError if there are none."""
+        if not 0 <= self._at - steps < len(self._texts):
+            raise ValueError("there is nothing to undo" if steps > 0 else "there is nothing to redo")
+        self._at -= steps
+        self.scenario = self.checked(self.text)
+        self.plan.draw(self.scenario)
+        self.edition += 1
+
+    def rename(self, name: str) -> None:
+        """Change the scenario's name. Raises ValueError."""
+        self._take(with_value(self.text, self.name, ("name",), name))
+
+    def set(self, section: str, place: Place, values: Mapping[str, Any]) -> None:
+        """Set fields of a part; None removes a field. Raises ValueError."""
+        own, (model, kind) = self.part(section, place), self._form(section, place)
+        text = self.text
+        if section == "starts" or is_inherited(self.values, place):  # written as a whole for the first time
+            whole = {**own, **{key: _given(model[key], value) for key, value in self._known(model, values)}}
+            whole = {key: value for key, value in whole.items() if value is not None}
+            self._take(self._with_part(text, place, whole))
+            return
+        for key, value in self._known(model, values):
+            at = (*place, key)
+            if value is not None:
+                text = with_value(text, self.name, at, _given(model[key], value))
+            elif key in own:
+                text = without(text, self.name, at)
+        self._take(text)
+
+    def add(self, section: str, kind: str, vehicle: int, at_m: Sequence[float]) -> Place:
+        """Add a part of a kind near a place (x, y) and return its place in the scenario. Raises ValueError."""
+        found = self._section(section)
+        if kind not in forms()[section]:
+            raise ValueError(f"kind = {kind[:40]!r}: must be one of {', '.join(forms()[section])}")
+        x, y = (0.0, 0.0) if found.of_vehicle else (float(at_m[0]), float(at_m[1]))  # in the vehicle's frame
+        values = start_values(section, kind, (x, y))
+        above = found.below(vehicle)
+        self._require_vehicle(above)
+        if found.holds == "names":
+            name = self._free(kind or section.removesuffix("s"), raw_parts(self.values, above, self.folder))
+            place: Place = (*above, name)
+            self._take(self._with_part(self.text, place, values))
+            return place
+        if found.holds == "one":
+            if _at(self.values, above) is not None:
+                raise ValueError(f"{dotted(above)}: exists already")
+            self._take(with_value(self.text, self.name, above, values))
+            return above
+        items = _at(self.values, above) or []
+        text = self.text
+        if isinstance(items, Mapping):  # one current, written without a list
+            text, items = with_value(without(text, self.name, above), self.name, above, [dict(items)]), [items]
+        if section == "obstacles":
+            taken = [each.get("name") for key in ("obstacles", "vehicles") for each in self.values.get(key, [])]
+            values = {"kind": kind, "name": self._free(kind, taken), **values}
+        place = (*above, len(items))
+        self._take(with_value(text, self.name, place, values))
+        return place
+
+    def remove(self, section: str, place: Place) -> None:
+        """Remove a part. Raises ValueError."""
+        self.part(section, place)
+        if section in ("starts",):
+            raise ValueError(f"{dotted(place)}: a vehicle has a start")
+        if not SECTIONS[section].of_vehicle:
+            self._take(without(self.text, self.name, place))
+            return
+        text = self.text
+        if _at(self.values, place) is not None:
+            text = without(text, self.name, place)
+        base = yaml_document(text, self.name).values
+        if place[-1] in raw_parts(base, place[:-1], self.folder):  # of the vehicle on which this one builds
+            text = self._with_part(text, place, None)
+        self._take(text)
+
+    def part(self, section: str, place: Place) -> dict[str, Any]:
+        """Return a part's own values, without defaults. Raises ValueError if there is none at this place."""
+        found = self._section(section)
+        at = found.below(int(place[1]) if found.of_vehicle and len(place) > 1 and isinstance(place[1], int) else 0)
+        depth = len(at) + (found.holds != "one")
+        value: Any = None
+        if place[: len(at)] == at and len(place) in (depth, len(at)):
+            if found.holds == "names":
+                value = raw_parts(self.values, at, self.folder).get(place[-1])
+            else:
+                value = _at(self.values, place)
+            if section == "starts" and not isinstance(value, Mapping):
+                value = {} if _at(self.values, place[:-1]) is not None else None
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{dotted(place)[:80]}: is no part of {section}")
+        return dict(value)
+
+    def shown(self, section: str, place: Place) -> dict[str, Any]:
+        """Return a part's own values as forms show them: tables by rows of numbers."""
+        own, (model, _) = self.part(section, place), self._form(section, place)
+        return {
+            key: flattened(model[key], value) if key in model and model[key]["columns"] else value
+            for key, value in own.items()
+        }
+
+    def _form(self, section: str, place: Place) -> tuple[dict[str, Any], str]:
+        kind = str(self.part(section, place).get("kind", ""))
+        fields = forms()[section].get(kind)
+        if fields is None:
+            raise ValueError(f"{dotted(place)}: of kind {kind[:40]!r}: cannot be edited here")
+        return {field["name"]: field for field in fields}, kind
+
+    def _known(self, model: Mapping[str, Any], values: Mapping[str, Any]) -> list[tuple[str, Any]]:
+        for key in values:
+            if key not in model:
+                raise ValueError(f"{str(key)[:40]}: unknown key: must be one of {', '.join(model)}")
+        return list(values.items())
+
+    def _with_part(self, text: str, place: Place, value: Any) -> str:
+        """Return a text with a vehicle's part, in a model that builds on the vehicle's own."""
+        if place[-1] == "start":
+            return with_value(text, self.name, place, value)
+        values = yaml_document(text, self.name).values
+        vehicle, key, name = place[:3], place[3], place[-1]
+        model = _at(values, vehicle)
+        if isinstance(model, str):
+            return with_value(text, self.name, vehicle, {"builds_on": model, key: {name: value}})
+        if isinstance(model.get(key), str):  # a set of sensors in a file of its own
+            return with_value(text, self.name, place[:-1], {**raw_parts(values, place[:-1], self.folder), name: value})
+        return with_value(text, self.name, place, value)
+
+    def _take(self, text: str) -> None:
+        """Take a changed text, if it is valid. Raises ValueError."""
+        scenario = self.checked(_limited(text, self.name))
+        if text == self.text:
+            return
+        self.plan.draw(scenario)
+        kept = self._texts[max(0, self._at + 1 - STEPS_MAX) : self._at + 1]
+        self._texts, self._at, self.scenario = [*kept, text], len(kept), scenario
+        self.edition += 1
+
+    def _section(self, section: str) -> Section:
+        if section not in SECTIONS:
+            raise ValueError(f"section = {section[:40]!r}: must be one of {', '.join(SECTIONS)}")
+        return SECTIONS[section]
+
+    def _require_vehicle(self, place: Place) -> None:
+        if place[0] == "vehicles" and not 0 <= int(place[1]) < len(self.values["vehicles"]):
+            raise ValueError(f"vehicle = {place[1]}: there are {len(self.values['vehicles'])}")
+
+    def _free(self, base: str, taken: Any) -> str:
+        names = (base if k == 1 else f"{base}_{k}" for k in range(1, len(taken) + 3))
+        return next(name for name in names if name not in taken)
+
+    def _document(self, text: str) -> YamlDocument:
+        try:
+            return yaml_document(text, self.name)
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
+
+
+def _at(values: Any, place: Place) -> Any:
+    for key in place:
+        if isinstance(values, dict):
+            values = values.get(key)
+        elif isinstance(values, list) and isinstance(key, int) and 0 <= key < len(values):
+            values = values[key]
+        else:
+            return None
+    return values
+
+
+def _limited(text: str, name: str) -> str:
+    size = len(text.encode())
+    if size > MAX_BYTES:
+        raise ScenarioError(f"{name}: has {size} bytes: at most {MAX_BYTES} can be edited here")
+    return text
+
+
+def _given(field: Mapping[str, Any], value: Any) -> Any:
+    """Return a value from a form as it is written into the file. Raises ValueError."""
+    if field["type"] == "yaml" and isinstance(value, str):
+        if len(value) > TEXT_MAX:
+            raise ValueError(f"{field['name']}: has {len(value)} characters: at most {TEXT_MAX}")
+        value = yaml_document(f"value: {value}", field["name"]).values.get("value")
+    _require_near(field["name"], value)
+    return unflattened(dict(field), value) if field["columns"] else value
+
+
+def _require_near(name: str, value: Any) -> None:
+    """Raise ValueError for the path of a file elsewhere: a page's user may not be allowed to read all of this machine."""
+    if isinstance(value, str):
+        path = PurePath(value)
+        if path.is_absolute() or ".." in path.parts or value.startswith("~"):
+            raise ValueError(f"{name} = {value[:80]!r}: must be a packaged file, or one below the scenario's folder")
+    for item in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
+        _require_near(name, item)

@@ -1,0 +1,202 @@
+"""The station's editor: who edits which scenario, its parts as the page shows them, and where it goes."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from uwsim.base.arguments import is_number
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.caught_warnings import caught_warnings
+from uwsim.base.texts.yaml_document import read_yaml
+from uwsim.channels.guest import Values
+from uwsim.operator.station.editor.draft import Draft, Place
+from uwsim.operator.station.editor.forms import SECTIONS
+from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
+from uwsim.scenario import Scenario, ScenarioError, start_pose
+from uwsim.scenario.dump import plain, yaml_text
+from uwsim.scenario.spec.fields import NAME
+from uwsim.simulator.simulator import Simulator
+
+PLACE_MAX = 6
+
+
+class Editor:
+    """One scenario being edited by one client at a time. folder: where it is saved. threads: of simulators.
+
+    saved: the paths of the scenarios that were saved here, by their names on the start screen. Methods may be called on
+    any thread.
+    """
+
+    def __init__(self, folder: Path, threads: int | None) -> None:
+        self.saved: dict[str, Path] = {}
+        self._folder, self._threads = folder, threads
+        self._lock, self._building = threading.Lock(), threading.Lock()
+        self._draft: Draft | None = None
+        self._base = ""  # the text that was opened or saved last
+        self._by = self._name = ""
+        self._is_of_running = False
+
+    @property
+    def by(self) -> str:
+        """The client that edits, or ""."""
+        return self._by
+
+    def open(self, client: str, name: str, path: Path) -> None:
+        """Open a scenario's file for a client. Raises ScenarioError or ValueError."""
+        self._take(client, name, lambda: Draft(read_yaml(path, path.name).text, path.name, path.resolve().parent))
+
+    def open_running(self, client: str, scenario: Scenario, is_of_file: Callable[[Scenario], bool]) -> None:
+        """Open the scenario of the running simulator: its file's text or, if that gives another, its plain values."""
+
+        def make() -> Draft:
+            document = scenario.source_file.document
+            if document is not None:
+                found = Draft(document.text, Path(document.name).name, self._folder)
+                if is_of_file(found.scenario):
+                    return found
+            return Draft(yaml_text(plain(scenario)), f"{scenario.name}.yaml", self._folder)
+
+        self._take(client, scenario.name, make)
+        self._is_of_running = True
+
+    def _take(self, client: str, name: str, make: Callable[[], Draft]) -> None:
+        with self._lock:
+            draft = make()
+            self._draft, self._base, self._by, self._name, self._is_of_running = draft, draft.text, client, name, False
+
+    def close(self, client: str) -> None:
+        """End a client's editing, and forget what was not saved."""
+        with self._lock:
+            if client == self._by:
+                self._draft, self._by = None, ""
+
+    def act(self, request: Values) -> Place:
+        """Change the scenario; return the place of a part that was added, or (). Raises ValueError."""
+        with self._lock:
+            draft, action = self.draft, request.get("action")
+            if action in ("undo", "redo"):
+                draft.undo(1 if action == "undo" else -1)
+                return ()
+            section = str(request.get("section") or "")
+            if action == "add":
+                at_m, vehicle = request.get("at_m") or [0.0, 0.0], request.get("vehicle") or 0
+                if not (isinstance(at_m, list) and len(at_m) == 2 and all(map(is_number, at_m))):
+                    raise ValueError("at_m: must be two numbers")
+                if not is_number(vehicle) or vehicle % 1:
+                    raise ValueError(f"vehicle = {str(vehicle)[:40]}: must be a whole number")
+                return draft.add(section, str(request.get("kind") or ""), int(vehicle), at_m)
+            place = _place(request.get("place"))
+            if action == "remove":
+                draft.remove(section, place)
+            else:
+                values = request.get("values")
+                if not isinstance(values, dict) or not values:
+                    raise ValueError("values: must be fields and their values")
+                draft.set(section, place, values)
+            return ()
+
+    def save(self, name: object) -> Path:
+        """Write the scenario under a name; return its path. Raises ValueError or OSError."""
+        with self._lock:
+            if not isinstance(name, str) or not NAME.fullmatch(name):
+                rule = "must be a letter followed by at most 39 letters, digits, '-' or '_'"
+                raise ValueError(f"name = {str(name)[:40]!r}: {rule}")
+            path = self._folder / f"{name}.yaml"
+            self.draft.rename(name)
+            self.draft.checked(self.draft.text, self._folder)  # the files that it names may lie elsewhere
+            self._folder.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, self.draft.text.encode())
+            self.saved[path.name] = path
+            self._base, self._name = self.draft.text, path.name
+            return path
+
+    def mistakes(self) -> list[str]:
+        """Build a simulator of the scenario, as `uwsim scenario check` does; return its mistakes and warnings."""
+        scenario = self.draft.scenario
+        with self._building:
+            try:
+                with caught_warnings() as issued:
+                    Simulator(scenario, threads=self._threads)
+            except (ScenarioError, ValueError) as error:
+                return list(getattr(error, "mistakes", ())) or [str(error)]
+        return list(dict.fromkeys(str(each.message) for each in issued if issubclass(each.category, UserWarning)))
+
+    @property
+    def draft(self) -> Draft:
+        """The scenario being edited. Raises ValueError if there is none."""
+        if self._draft is None:
+            raise ValueError("no scenario is being edited: open one")
+        return self._draft
+
+    def state(self, by: str) -> Values:
+        """Return what the page shows; see wire_editor.EditState. by: the name of the client that edits."""
+        with self._lock:
+            draft = self._draft
+            if draft is None:
+                return {"is_open": False, "by": ""}
+            return {
+                "is_open": True, "by": by, "name": self._name, "edition": draft.edition, "can_undo": draft.can_undo,
+                "can_redo": draft.can_redo, "is_saved": draft.text == self._base,
+                "is_of_running": self._is_of_running, "grid": draft.plan.grid,
+                "vehicles": [entry.name for entry in draft.scenario.vehicles], "parts": list(_parts(draft)),
+                "text": draft.text,
+            }  # fmt: skip
+
+
+def _parts(draft: Draft) -> Iterator[Values]:
+    """Yield the scenario's parts; see wire_editor.EditedPart."""
+    values, scenario = draft.values, draft.scenario
+    for section, found in SECTIONS.items():
+        for vehicle in range(len(scenario.vehicles) if found.of_vehicle else 1):
+            above = found.below(vehicle)
+            frame = _frame(scenario, vehicle) if found.of_vehicle and section != "starts" else [0.0, 0.0, 0.0]
+            for place, name in _places(draft, section, above, values):
+                own = draft.shown(section, place)
+                outline = draft.plan.outlines_m[int(place[1])] if section == "obstacles" else []
+                if section == "starts" and not own:
+                    position_m, yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
+                    own = {"position_m": list(position_m), "yaw_deg": math.degrees(yaw_rad)}
+                yield {
+                    "section": section, "place": list(place), "name": str(own.get("name", name)),
+                    "kind": str(own.get("kind", "")), "vehicle": vehicle if found.of_vehicle else None,
+                    "is_inherited": is_inherited(values, place) or (section == "starts" and not draft.part(section, place)),
+                    "frame": frame, "values": own, "outline_m": outline,
+                }  # fmt: skip
+
+
+def _places(draft: Draft, section: str, above: Place, values: Any) -> Iterator[tuple[Place, str]]:
+    """Yield the places of a section's parts, and names for those that have none of their own."""
+    holds = SECTIONS[section].holds
+    if holds == "names":
+        yield from (((*above, name), name) for name in raw_parts(values, above, draft.folder))
+        return
+    for key in above:
+        values = values.get(key) if isinstance(values, dict) else values[int(key)]
+        if values is None:
+            break
+    if section == "starts":
+        yield above, draft.scenario.vehicles[int(above[1])].name
+    elif holds == "one" and values is not None or isinstance(values, dict):
+        yield above, section
+    else:
+        yield from (((*above, k), f"{section} {k + 1}") for k in range(len(values or ())))
+
+
+def _frame(scenario: Scenario, vehicle: int) -> list[float]:
+    """Return the place and direction, x, y [m], yaw [deg], of the frame of a vehicle's parts."""
+    (x, y, _), yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
+    return [x, y, math.degrees(yaw_rad)]
+
+
+def _place(value: object) -> Place:
+    """Return a place from a request. Raises ValueError."""
+    if not isinstance(value, list) or not 1 <= len(value) <= PLACE_MAX:
+        raise ValueError("place: must be the keys of a part")
+    keys = [int(key) if isinstance(key, float) and key.is_integer() else key for key in value]
+    if not all(isinstance(key, str) or (isinstance(key, int) and not isinstance(key, bool)) for key in keys):
+        raise ValueError("place: must be the keys of a part")
+    return tuple(keys)

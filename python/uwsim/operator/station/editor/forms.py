@@ -1,0 +1,210 @@
+"""The editor's forms: the sections of a scenario, their kinds and fields, from the scenario's own JSON Schemas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from uwsim.base.texts.yaml_document import Key
+from uwsim.channels.guest import Values
+from uwsim.scenario.schema import schema
+from uwsim.scenario.spec.camera import Lamps
+from uwsim.scenario.spec.json_schema import UNIT
+from uwsim.scenario.spec.obstacle import OBSTACLES
+from uwsim.scenario.spec.vehicle_entry import StartPose
+from uwsim.scenario.spec.water import CurrentSpec
+
+Schema = Mapping[str, Any]
+NUMBERS = ("number", "integer")
+AXES = ("x", "y", "z")
+TURNS = ("yaw_deg", "yaw_pitch_roll_deg")
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a scenario: its schema, and the place of its parts, below each vehicle if of_vehicle.
+
+    holds: whether the place holds a list of parts, parts by name, or one part.
+    """
+
+    schema: str
+    place: tuple[Key, ...]
+    holds: str
+    of_vehicle: bool = False
+
+    def below(self, vehicle: int) -> tuple[Key, ...]:
+        """Return the section's place, of a vehicle if it has one for each."""
+        return ("vehicles", vehicle, *self.place) if self.of_vehicle else self.place
+
+
+SECTIONS = {
+    "obstacles": Section("obstacle", ("obstacles",), "list"),
+    "currents": Section("current", ("water", "current"), "list"),
+    "survey": Section("survey", ("survey",), "one"),
+    "starts": Section("start", ("start",), "one", of_vehicle=True),
+    **{
+        name: Section(part, ("model", name), "names", of_vehicle=True)
+        for name, part in (
+            ("sensors", "sensor"), ("cameras", "camera"), ("lamps", "lamps"), ("imaging_sonars", "imaging_sonar"),
+        )
+    },
+}  # fmt: skip
+OTHER_SCHEMAS = {"lamps": Lamps, "current": CurrentSpec, "start": StartPose}
+
+
+@cache
+def forms() -> dict[str, dict[str, list[Values]]]:
+    """Return the fields by section and kind ("" if it has no kinds); see wire_editor.FormField."""
+    return {name: dict(_kinds(schema(section.schema, OTHER_SCHEMAS))) for name, section in SECTIONS.items()}
+
+
+def described_forms() -> list[Values]:
+    """Return the sections as sent to the page; see wire_editor.FormSection."""
+    return [
+        {
+            "name": name, "holds": section.holds, "of_vehicle": section.of_vehicle,
+            "kinds": [{"kind": kind, "fields": fields} for kind, fields in forms()[name].items()],
+        }
+        for name, section in SECTIONS.items()
+    ]  # fmt: skip
+
+
+def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
+    """Return the values of a new part at a place (x, y), which a person then changes."""
+    own = OBSTACLES.models()[kind].example if section == "obstacles" else Lamps.example if section == "lamps" else {}
+    found: Values = {"kind": kind} if kind else {}
+    found |= own
+    for field in forms()[section][kind]:
+        name, width = field["name"], field["width"]
+        if name in found or not (field["is_required"] or name == "position_m") or name == "name":
+            continue
+        number = _guess(field["low"], field["high"])
+        if field["role"] == "place":
+            found[name] = [*at_m, 0.0][:width]
+        elif field["role"] == "line" and field["columns"] == ["x", "y"]:
+            found[name] = [[at_m[0] + dx, at_m[1] + dy] for dx, dy in ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))]
+        elif field["columns"]:
+            found[name] = unflattened(field, [[0.0] * len(field["columns"])])
+        elif field["type"] == "number":
+            found[name] = number if width == 1 else [number] * width
+        else:
+            found[name] = field["choices"][0] if field["choices"] else ""
+    return found
+
+
+def flattened(field: Values, rows: Any) -> Any:
+    """Return a table's rows as lists of numbers; rows of another form as they are."""
+    if not isinstance(rows, list):
+        return rows
+    return [_flat_row(field, row) if isinstance(row, Mapping) else row for row in rows]
+
+
+def _flat_row(field: Values, row: Mapping[str, Any]) -> list[Any]:
+    found: list[Any] = []
+    for column, by_default in zip(field["columns"], field["by_default"], strict=True):
+        name, _, index = column.removesuffix("]").partition("[")
+        value = row.get(name)
+        found.append(by_default if value is None else value[int(index)] if index else value)
+    return found
+
+
+def unflattened(field: Values, rows: Any) -> Any:
+    """Return lists of numbers as a table's rows: mappings, if its columns are named so. Keys at their default are left out."""
+    if not isinstance(rows, list) or not any("[" in column for column in field["columns"]):
+        return rows
+    found = []
+    for row in rows:
+        if not isinstance(row, list) or len(row) != len(field["columns"]):
+            raise ValueError(f"{field['name']}: each row must have {len(field['columns'])} values")
+        keys: dict[str, Any] = {}
+        usual: dict[str, Any] = {}
+        for column, value, by_default in zip(field["columns"], row, field["by_default"], strict=True):
+            name, _, index = column.partition("[")
+            if index:
+                keys.setdefault(name, []).append(value)
+                usual.setdefault(name, []).append(by_default)
+            else:
+                keys[name], usual[name] = value, by_default
+        found.append({key: value for key, value in keys.items() if value != usual[key]})
+    return found
+
+
+def _guess(low: float | None, high: float | None) -> float:
+    """Return a number to start with: 0, or where that is too small, 1."""
+    return 0.0 if low is None or low <= 0.0 else min(max(1.0, low), high or 1.0)
+
+
+def _kinds(whole: Schema) -> Iterator[tuple[str, list[Values]]]:
+    definitions = whole.get("definitions", {})
+    for arm in whole.get("oneOf", [whole]):
+        model = _resolved(arm, definitions)
+        kind = model["properties"].get("kind", {}).get("const", "")
+        required = model.get("required", [])
+        fields = [
+            _field(name, part, definitions, name in required)
+            for name, part in model["properties"].items()
+            if "const" not in part
+        ]
+        yield kind, sorted(fields, key=lambda field: (field["name"] != "name", not field["is_required"]))
+
+
+def _field(name: str, part: Schema, definitions: Schema, is_required: bool) -> Values:
+    arms = [_resolved(arm, definitions) for arm in part.get("anyOf", [part])]
+    arms = [arm for arm in arms if arm.get("type") != "null"]
+    inner = arms[0] if len(arms) == 1 else {}
+    items = _resolved(inner.get("items", {}), definitions) if isinstance(inner.get("items"), Mapping) else {}
+    kind, width, number = "yaml", 1, inner
+    columns: list[tuple[str, float | None]] = []
+    if _is_number(inner):
+        kind = "number"
+    elif _is_number(items) and inner.get("maxItems") == inner.get("minItems"):
+        kind, width, number = "number", int(inner["maxItems"]), items
+    elif inner.get("type") == "array" and (columns := list(_columns(items, definitions))):
+        kind, number = "table", {}
+    elif inner.get("type") == "boolean":
+        kind = "flag"
+    elif "enum" in inner:
+        kind = "choice"
+    elif inner.get("type") == "string":
+        kind = "text"
+    is_line = bool(columns) and columns[0][0] in ("x", "position_m[0]")
+    role = "place" if name == "position_m" else "turn" if name in TURNS else "line" if is_line else ""
+    return {
+        "name": name, "meaning": part.get("description", ""), "type": kind, "unit": number.get(UNIT, ""),
+        "low": number.get("minimum", number.get("exclusiveMinimum")), "high": number.get("maximum"), "width": width,
+        "columns": [column for column, _ in columns], "choices": list(inner.get("enum", [])),
+        "by_default": [value for _, value in columns] if columns else part.get("default"),
+        "is_required": is_required, "role": role,
+    }  # fmt: skip
+
+
+def _columns(item: Schema, definitions: Schema) -> Iterator[tuple[str, float | None]]:
+    """Yield the columns of a table's rows, and their defaults; none if a row has more than numbers."""
+    if _is_number(item.get("items", {})) and item.get("maxItems") == item.get("minItems"):
+        axes = AXES if item["items"].get(UNIT) == "m" else "123"
+        yield from ((axis, None) for axis in axes[: int(item["maxItems"])])
+        return
+    found: list[tuple[str, float | None]] = []
+    for name, part in item.get("properties", {}).items():
+        inner = part.get("items", {})
+        if _is_number(part):
+            found.append((name, part.get("default")))
+        elif _is_number(inner) and part.get("maxItems") == part.get("minItems"):
+            usual = part.get("default") or [None] * part["maxItems"]
+            found += [(f"{name}[{k}]", usual[k]) for k in range(part["maxItems"])]
+        else:
+            return
+    yield from found
+
+
+def _is_number(part: Any) -> bool:
+    found = part.get("type") if isinstance(part, Mapping) else None
+    return (found[0] if isinstance(found, list) else found) in NUMBERS
+
+
+def _resolved(part: Schema, definitions: Schema) -> Schema:
+    while "$ref" in part:
+        part = definitions[part["$ref"].rpartition("/")[2]]
+    return part

@@ -1,0 +1,61 @@
+"""The plan of an edited scenario for the chart: its bed and the outlines of its obstacles."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from uwsim.channels.guest import Values
+from uwsim.operator.station.scene import plan_outline, thinned
+from uwsim.scenario import Scenario
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.scenario.spec.obstacle import ObstacleModel
+from uwsim.scenario.spec.terrain import TerrainSpec
+
+
+class GroundPlan:
+    """The bed and the outlines of a scenario's obstacles, of which only those that have changed are made again."""
+
+    def __init__(self) -> None:
+        self.outlines_m: list[list[list[float]]] = []
+        self._obstacles: tuple[ObstacleModel, ...] = ()
+        self._spec: TerrainSpec | None = None
+        self._terrain: Terrain | None = None
+
+    def draw(self, scenario: Scenario) -> None:
+        """Make the plan of a scenario. Raises ScenarioError, changing nothing, if an obstacle cannot be built."""
+        is_same = scenario.terrain == self._spec and self._terrain is not None
+        terrain = self._terrain if is_same else build_terrain(scenario.terrain)
+        assert terrain is not None
+        known = list(zip(self._obstacles, self.outlines_m, strict=True)) if is_same else []
+        found = []
+        for k, obstacle in enumerate(scenario.obstacles):
+            outline = next((outline for each, outline in known if each == obstacle), None)
+            if outline is None:  # a pipeline's is drawn without its solid, which may be impossible
+                with scenario.source_file.errors_at("obstacles", k):
+                    vertices = obstacle_solid(obstacle, terrain).vertices
+                outline = plan_outline(obstacle, partial(np.asarray, vertices), np.zeros(2))
+            found.append(outline)
+        self._spec, self._terrain = scenario.terrain, terrain
+        self._obstacles, self.outlines_m = scenario.obstacles, found
+
+    @property
+    def grid(self) -> Values:
+        """The grid of the bed's heights; see wire_editor.BedGrid."""
+        grid = self._thinned()
+        rows, columns = grid.heights_m.shape
+        west_m, south_m = (float(value) for value in grid.origin_m[:2])
+        return {
+            "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
+            "spacing_m": [grid.spacing_m, grid.spacing_m],
+        }  # fmt: skip
+
+    def heights(self) -> bytes:
+        """Return the heights of the grid's points as float32, the southernmost row first."""
+        return np.asarray(self._thinned().heights_m, "<f4").tobytes()
+
+    def _thinned(self) -> Terrain:
+        assert self._terrain is not None
+        return thinned(self._terrain)

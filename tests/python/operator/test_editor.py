@@ -1,0 +1,212 @@
+"""The scene editor's laws: a file, edited, is the file that a careful hand would have left."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from station_pages import require_described
+from uwsim.operator.station import Station
+from uwsim.operator.station.calls import CALLS
+from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
+from uwsim.operator.station.editor.forms import SECTIONS, forms
+from uwsim.scenario import load, packaged_scenarios
+from uwsim.scenario.read.assets import assets_folder
+
+ROV = ("vehicles", 0, "model")
+EACH = [(section, kind) for section in SECTIONS for kind in forms()[section]]
+UNADDED = {("starts", ""), ("survey", ""), ("currents", "grid")}  # exist already, or need a file
+
+
+def draft(name: str = "pool") -> Draft:
+    path = assets_folder() / "scenarios" / f"{name}.yaml"
+    return Draft(path.read_text(), path.name, path.parent)
+
+
+def lines(before: str, after: str) -> tuple[list[str], list[str]]:
+    """Return the lines that were removed and added."""
+    found = list(difflib.ndiff(before.splitlines(), after.splitlines()))
+    return [each[2:] for each in found if each[0] == "-"], [each[2:] for each in found if each[0] == "+"]
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_every_packaged_scenario_is_edited_and_only_its_lines_change(name: str) -> None:
+    found = draft(name)
+    before = found.text
+    found.set("starts", ("vehicles", 0, "start"), {"position_m": [1.25, -2, -3], "yaw_deg": 30})
+    assert found.scenario.vehicles[0].start.position_m == (1.25, -2.0, -3.0)
+    removed, added = lines(before, found.text)
+    assert len(removed) <= 2 and len(added) <= 2
+    found.undo()
+    assert found.text == before
+
+
+@pytest.mark.parametrize(("section", "kind"), [each for each in EACH if each not in UNADDED])
+def test_each_kind_is_added_read_again_and_removed_without_a_trace(section: str, kind: str, tmp_path: Path) -> None:
+    found = draft()
+    place = found.add(section, kind, 0, [12.5, 20.0])
+    again = Draft(found.text, "again.yaml", tmp_path)
+    assert again.scenario == found.scenario and again.part(section, place) == found.part(section, place)
+    fields = {field["name"] for field in forms()[section][kind]} | {"kind"}
+    assert fields >= found.part(section, place).keys()
+    added = found.text
+    found.remove(section, place)
+    assert found.scenario == draft().scenario
+    found.undo()
+    assert found.text == added
+    found.undo()
+    assert found.text == draft().text
+    found.undo(-2)
+    assert found.scenario == draft().scenario
+
+
+def test_comments_and_untouched_lines_stay() -> None:
+    found = draft()
+    found.set("obstacles", ("obstacles", 1), {"position_m": [-57.5, -54], "lower_bar_m": 1.5})
+    found.set("survey", ("survey",), {"tilt_deg": 25})
+    found.remove("obstacles", ("obstacles", 2))
+    removed, added = lines(draft().text, found.text)
+    assert added == ["    position_m: [-57.5, -54]", "    lower_bar_m: 1.5", "  tilt_deg: 25                # nose down"]
+    assert removed[0] == "    position_m: [-58, -54]" and removed[-1] == "  tilt_deg: 30                # nose down"
+    assert "  - kind: gate                # inside the survey, 3 m below the flying height" in found.text
+
+
+def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> None:
+    found = draft()
+    dvl = (*ROV, "sensors", "dvl")
+    before = found.scenario.vehicles[0].model.sensors
+    found.set("sensors", dvl, {"position_m": [0.1, 0, -0.3]})
+    after = found.scenario.vehicles[0].model.sensors
+    assert after["dvl"].position_m == (0.1, 0.0, -0.3) and after["dvl"].channels == before["dvl"].channels
+    assert {**after, "dvl": None} == {**before, "dvl": None}
+    found.set("lamps", (*ROV, "lamps", "front"), {"spots": [[0.5, 0.3, 0.2, 0, 12, 0], [0.5, -0.3, 0.2, 0, 0, 0]]})
+    assert [spot.yaw_pitch_roll_deg[1] for spot in found.scenario.vehicles[0].model.lamps["front"].spots] == [12, 0]
+    found.remove("sensors", dvl)
+    assert "dvl" not in found.scenario.vehicles[0].model.sensors and "dvl: null" in found.text
+
+
+@pytest.mark.parametrize(
+    ("section", "place", "values", "message"),
+    [
+        ("obstacles", ("obstacles", 0), {"radius_m": -1}, r"lake.yaml:44: obstacles\[0\].radius_m = -1 m: must be in \[0.02"),
+        ("obstacles", ("obstacles", 0), {"radius_m": "1"}, r"radius_m = '1': must be a number"),
+        ("obstacles", ("obstacles", 0), {"points_m": [[0, 0], [9e3, 0]]}, r"lake.yaml:41: .*terrain"),
+        ("obstacles", ("obstacles", 0), {"width": 1}, "width: unknown key"),
+        ("obstacles", ("obstacles", 9), {"radius_m": 1}, r"obstacles\[9\]: is no part"),
+        ("obstacles", ("vehicles", 0), {"name": "x"}, "is no part of obstacles"),
+        ("obstacles", ("obstacles", 1), {"name": "gate_east"}, "already in use"),
+        ("obstacles", ("obstacles", 1), {"material": "{kind: "}, "not valid YAML"),
+        ("obstacles", ("obstacles", 1), {"material": "/etc/passwd"}, "must be a packaged file"),
+        ("lamps", (*ROV, "lamps", "front"), {"spots": [[0, 0]]}, "spots: each row must have 6 values"),
+        ("sensors", (*ROV, "sensors", "dvl"), {"range_max_m": 0}, r"range_max_m = 0 m: must be in \[0.1, 1000\]"),
+        ("hats", ("obstacles", 0), {"x": 1}, "must be one of obstacles"),
+    ],
+)
+def test_a_wrong_value_is_refused_and_nothing_changes(section, place, values, message) -> None:
+    found = draft()
+    with pytest.raises(ValueError, match=message):
+        found.set(section, place, values)
+    assert found.text == draft().text and not found.can_undo
+
+
+def test_an_alias_that_would_change_two_places_is_refused() -> None:
+    text = draft().text.replace("obstacles:\n", "obstacles:\n  - {kind: box, name: a, size_m: &s [1, 1, 1], position_m: [0, 0, -2]}\n", 1)
+    text = text.replace("  - kind: gate ", "  - {kind: box, name: b, size_m: *s, position_m: [3, 0, -2]}\n  - kind: gate ", 1)
+    found = Draft(text, "pool.yaml", Path())
+    with pytest.raises(ValueError, match="edit it by hand"):
+        found.set("obstacles", ("obstacles", 2), {"size_m": [1, 2, 1]})
+    found.set("obstacles", ("obstacles", 2), {"position_m": [4, 0, -2]})
+
+
+def test_a_large_file_is_refused_before_it_is_read() -> None:
+    with pytest.raises(ValueError, match=f"at most {MAX_BYTES}"):
+        Draft(draft().text + "#" * MAX_BYTES, "lake.yaml", Path())
+
+
+class Member:
+    """A client of a station, without a connection."""
+
+    def __init__(self, station: Station, name: str) -> None:
+        self.name, self.calls = name, {service.name: service.call for service in station.services}
+        self("join", name=name)
+
+    def __call__(self, service: str, **request):
+        answer = self.calls[f"station/{service}"](self.name, request)
+        if service in ("edit", "edit_forms"):
+            require_described(CALLS[service], answer)
+        return answer
+
+
+class Node:
+    def publish(self, *_, **__): ...
+    def offer_topics(self, topics): ...
+    def is_wanted(self, name):
+        return False
+
+    def is_awaited(self, name):
+        return False
+
+    def silence_s(self, client):
+        return 0.0
+
+
+@pytest.fixture
+def station(tmp_path: Path):
+    found = Station(offered="pool", folder=tmp_path)
+    found.connect(Node())
+    yield found
+    found.sessions.close()
+
+
+def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: Station, tmp_path: Path) -> None:
+    anna, ben = Member(station, "anna"), Member(station, "ben")
+    assert {each["name"] for each in anna("edit_forms")["sections"]} == set(SECTIONS)
+    assert anna("edit", action="open", scenario="lake")["parts"]
+    assert "anna edits" in ben("edit", action="add", section="obstacles", kind="box", at_m=[0, 0])["message"]
+    assert "anna edits" in ben("edit", action="open", scenario="pool")["message"]
+    added = anna("edit", action="add", section="obstacles", kind="box", at_m=[10, 20])
+    assert added["added"] == ["obstacles", 6] and not added["is_saved"]
+    assert anna("edit", action="check")["mistakes"] == []
+    (tmp_path / "mine.yaml").write_text("# by hand\n")
+    assert "uwsim did not write it" in anna("edit", action="save", name="mine")["message"]
+    assert "must be a letter" in anna("edit", action="save", name="../x")["message"]
+    assert anna("edit", action="save", name="my_lake")["is_saved"]
+    scenario = load(tmp_path / "my_lake.yaml")
+    assert scenario.name == "my_lake" and scenario.obstacles[6].name == "box"
+    assert (tmp_path / "mine.yaml").read_text() == "# by hand\n"
+    assert "my_lake.yaml" in [each["name"] for each in anna("catalog")["scenarios"]]
+    assert anna("check", scenario="my_lake.yaml")["success"]
+    station.left("anna")
+    assert ben("edit", action="open", scenario="my_lake.yaml")["by"] == "ben"
+
+
+def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station) -> None:
+    anna, ben = Member(station, "anna"), Member(station, "ben")
+    assert anna("start", scenario="pool", seed=7)["success"]
+    anna("take_control")
+    live = station.present().live
+    live.command("undock", vehicle="rov").result()
+    live.command("place", vehicle="rov", position_world_m=[-3.0, 3.0, -2.0]).result()
+    live.command("set_effort", vehicle="rov", surge=0.5).result()
+    anna("edit", action="open")
+    anna("edit", action="add", section="obstacles", kind="sphere", at_m=[3, 0])
+    assert "pause it first" in anna("edit", action="apply")["message"]
+    anna("control", action="pause")
+    assert "anna has the controls" in ben("edit", action="apply")["message"]
+
+    def there(sim):
+        return sim.time_s, np.array(sim.rov.pose.position_world_m), np.array(sim.rov.velocity.linear_body_m_s), sim.seed
+
+    before = live.read(there).result()
+    assert anna("edit", action="apply")["success"]
+    again = station.present().live
+    assert again is not live and again.paused
+    for one, other in zip(before, again.read(there).result(), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert [each.name for each in again.simulator.scenario.obstacles][-1] == "sphere"
+    assert anna("edit", action="add", section="sensors", kind="dvl", vehicle=0)["success"]
+    assert "state.sensors" in anna("edit", action="apply")["message"]
+    assert station.present().live is again
