@@ -13,12 +13,12 @@ from uwsim.operator.station import Station
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
 from uwsim.operator.station.editor.forms import SECTIONS, forms
-from uwsim.scenario import load, packaged_scenarios
+from uwsim.scenario import load
 from uwsim.scenario.read.assets import assets_folder
 
 ROV = ("vehicles", 0, "model")
-EACH = [(section, kind) for section in SECTIONS for kind in forms()[section]]
 UNADDED = {("starts", ""), ("survey", ""), ("currents", "grid")}  # exist already, or need a file
+EACH = [each for section in SECTIONS for kind in forms()[section] if (each := (section, kind)) not in UNADDED]
 
 
 def draft(name: str = "pool") -> Draft:
@@ -32,8 +32,8 @@ def lines(before: str, after: str) -> tuple[list[str], list[str]]:
     return [each[2:] for each in found if each[0] == "-"], [each[2:] for each in found if each[0] == "+"]
 
 
-@pytest.mark.parametrize("name", packaged_scenarios())
-def test_every_packaged_scenario_is_edited_and_only_its_lines_change(name: str) -> None:
+@pytest.mark.parametrize("name", ["cove", "lagoon", "pair", "paper", "pool", "reef"])
+def test_a_packaged_scenario_is_edited_and_only_its_lines_change(name: str) -> None:
     found = draft(name)
     before = found.text
     found.set("starts", ("vehicles", 0, "start"), {"position_m": [1.25, -2, -3], "yaw_deg": 30})
@@ -44,10 +44,10 @@ def test_every_packaged_scenario_is_edited_and_only_its_lines_change(name: str) 
     assert found.text == before
 
 
-@pytest.mark.parametrize(("section", "kind"), [each for each in EACH if each not in UNADDED])
+@pytest.mark.parametrize(("section", "kind"), EACH)
 def test_each_kind_is_added_read_again_and_removed_without_a_trace(section: str, kind: str, tmp_path: Path) -> None:
     found = draft()
-    place = found.add(section, kind, 0, [12.5, 20.0])
+    place = found.add(section, kind, 0, [0.5, -1.0])
     again = Draft(found.text, "again.yaml", tmp_path)
     assert again.scenario == found.scenario and again.part(section, place) == found.part(section, place)
     fields = {field["name"] for field in forms()[section][kind]} | {"kind"}
@@ -64,18 +64,18 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(section: str,
 
 
 def test_comments_and_untouched_lines_stay() -> None:
-    found = draft()
+    found = draft("lake")
     found.set("obstacles", ("obstacles", 1), {"position_m": [-57.5, -54], "lower_bar_m": 1.5})
     found.set("survey", ("survey",), {"tilt_deg": 25})
     found.remove("obstacles", ("obstacles", 2))
-    removed, added = lines(draft().text, found.text)
+    removed, added = lines(draft("lake").text, found.text)
     assert added == ["    position_m: [-57.5, -54]", "    lower_bar_m: 1.5", "  tilt_deg: 25                # nose down"]
     assert removed[0] == "    position_m: [-58, -54]" and removed[-1] == "  tilt_deg: 30                # nose down"
     assert "  - kind: gate                # inside the survey, 3 m below the flying height" in found.text
 
 
 def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> None:
-    found = draft()
+    found = draft("lake")
     dvl = (*ROV, "sensors", "dvl")
     before = found.scenario.vehicles[0].model.sensors
     found.set("sensors", dvl, {"position_m": [0.1, 0, -0.3]})
@@ -106,14 +106,14 @@ def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> No
     ],
 )
 def test_a_wrong_value_is_refused_and_nothing_changes(section, place, values, message) -> None:
-    found = draft()
+    found = draft("lake")
     with pytest.raises(ValueError, match=message):
         found.set(section, place, values)
-    assert found.text == draft().text and not found.can_undo
+    assert found.text == draft("lake").text and not found.can_undo
 
 
 def test_an_alias_that_would_change_two_places_is_refused() -> None:
-    text = draft().text.replace("obstacles:\n", "obstacles:\n  - {kind: box, name: a, size_m: &s [1, 1, 1], position_m: [0, 0, -2]}\n", 1)
+    text = draft("lake").text.replace("obstacles:\n", "obstacles:\n  - {kind: box, name: a, size_m: &s [1, 1, 1], position_m: [0, 0, -2]}\n", 1)
     text = text.replace("  - kind: gate ", "  - {kind: box, name: b, size_m: *s, position_m: [3, 0, -2]}\n  - kind: gate ", 1)
     found = Draft(text, "pool.yaml", Path())
     with pytest.raises(ValueError, match="edit it by hand"):
@@ -123,7 +123,7 @@ def test_an_alias_that_would_change_two_places_is_refused() -> None:
 
 def test_a_large_file_is_refused_before_it_is_read() -> None:
     with pytest.raises(ValueError, match=f"at most {MAX_BYTES}"):
-        Draft(draft().text + "#" * MAX_BYTES, "lake.yaml", Path())
+        Draft(draft("lake").text + "#" * MAX_BYTES, "lake.yaml", Path())
 
 
 class Member:

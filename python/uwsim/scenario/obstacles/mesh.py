@@ -22,7 +22,7 @@ class MeshObstacle(Placed):
 
     has_own_unit: ClassVar = True
 
-    example: ClassVar = {"on_bed": True, "file": "meshes/rocks.obj"}
+    example: ClassVar = {"on_bed": True, "file": "meshes/rocks.obj", "scale": 0.2}
 
     kind: Literal["mesh"]
     name: Name

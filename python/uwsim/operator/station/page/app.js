@@ -8,6 +8,7 @@ import { showKeys } from './dialogs/keys.js';
 import { showLayouts } from './dialogs/layouts.js';
 import { showMenu } from './dialogs/menu.js';
 import { byId, targetOf, toast, write } from './dom.js';
+import { SceneEditor } from './editor/editor.js';
 import { Bindings, keyName } from './drive/bindings.js';
 import { explainIdleKeys } from './drive/hint.js';
 import { HoldButtons } from './drive/holds.js';
@@ -63,7 +64,8 @@ const inspector = new Inspector(station);
 const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
 showRecording(station);
-const start = new StartScreen(station, (catalog) => flights.show(catalog.flights));
+const editor = new SceneEditor(station, load);
+const start = new StartScreen(station, (catalog) => flights.show(catalog.flights), editor);
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
 
@@ -248,7 +250,7 @@ function openKeys() {
 }
 
 function openMenu() {
-  showMenu(station, { keys: openKeys, gamepad: () => showGamepads(pilot.gamepads) });
+  showMenu(station, { keys: openKeys, gamepad: () => showGamepads(pilot.gamepads), edit: () => editor.open('') });
 }
 
 let instruction = '';
@@ -294,4 +296,5 @@ globalThis.station = {
   inspector,
   inspection,
   timeline,
+  editor,
 }; // for the browser's console and tests

@@ -43,6 +43,11 @@ export class Preview {
     this.image.src = url;
   }
 
+  // Ask for the picture again, as the scenario's file has changed.
+  forget() {
+    this.#shown = '';
+  }
+
   #show(isShown) {
     this.element.hidden = !isShown || this.#shown === '';
   }

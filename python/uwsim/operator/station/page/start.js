@@ -18,6 +18,8 @@ export class StartScreen {
   #timer = 0;
   #checks = 0;
   #preview = new Preview();
+  /** @type {HTMLButtonElement} */
+  edit;
   /** @type {HTMLElement} */
   ownSet;
   /** @type {HTMLElement} */
@@ -28,10 +30,11 @@ export class StartScreen {
   otherSet;
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
-  // onCatalog(catalog): called when the catalog has arrived.
-  constructor(station, onCatalog) {
+  // onCatalog(catalog): called when the catalog has arrived. editor: edits the chosen scenario.
+  constructor(station, onCatalog, editor) {
     this.station = station;
     this.onCatalog = onCatalog;
+    this.editor = editor;
     this.form = /** @type {HTMLFormElement} */ (document.getElementById('start-form'));
     this.button = first(this.form, 'button[type=submit]');
     this.form.addEventListener('submit', (event) => {
@@ -79,6 +82,7 @@ export class StartScreen {
           { wide: true },
         ),
         this.#preview.element,
+        (this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, WORDS.edit)),
         this.#field(
           'vehicle',
           WORDS.vehicle,
@@ -217,6 +221,7 @@ export class StartScreen {
     for (const { input, hint, fixedHint } of this.#fields.values()) {
       write(hint, input.selectedOptions?.[0]?.dataset.hint ?? fixedHint);
     }
+    this.edit.disabled = this.savedName !== '';
     for (const name of OF_SCENARIO) this.#fields.get(name).input.disabled = this.savedName !== '';
     const scenario = this.catalog?.scenarios.find(({ name }) => name === this.#fields.get('scenario').input.value);
     if (!scenario) return;
@@ -254,6 +259,18 @@ export class StartScreen {
       link: text('link'),
       ...rosbridge,
     };
+  }
+
+  // Edit the chosen scenario; one that is saved is then chosen.
+  #edit() {
+    this.editor.open(this.#fields.get('scenario').input.value, async (name) => {
+      if (!name) return;
+      this.#isOld = true;
+      await this.show();
+      this.#fields.get('scenario').input.value = name;
+      this.#preview.forget();
+      this.#later();
+    });
   }
 
   // The name of the saved session to continue, if one is chosen.

@@ -9,7 +9,7 @@ import { chosenLanguage, LANGUAGES, setLanguage, STRINGS } from '../strings.js';
 const WORDS = STRINGS.menu;
 const SETTINGS = STRINGS.settings;
 
-export function showMenu(station, { keys, gamepad }) {
+export function showMenu(station, { keys, gamepad, edit }) {
   const dialog = byId('menu-dialog');
   const { isPilot } = station;
   const mayPause = isPilot && station.may('pause');
@@ -58,6 +58,9 @@ export function showMenu(station, { keys, gamepad }) {
         control: 'restart',
       }),
       item(WORDS.keys, () => leave(keys), { forAll: true, hint: '?' }),
+      ...(station.description?.is_fixed || station.description?.replay || station.description?.is_supervised
+        ? []
+        : [item(WORDS.editTheScene, () => leave(edit, true), { control: 'pause' })]),
       item(WORDS.gamepad, () => leave(gamepad), { forAll: true }),
     ),
     el('hr'),

@@ -1,0 +1,292 @@
+// The editor's chart: a scenario's bed and parts, which are dragged to move and turned by the wheel.
+import { el, pen } from '../dom.js';
+import { STRINGS } from '../strings.js';
+import { ChartFrame } from '../views/chart_frame.js';
+import { ChartGround } from '../views/chart_ground.js';
+import { drawScale, drawVessel, label } from '../views/chart_marks.js';
+import { contains, cornersOf, moved, placeOf, turned, yawOf } from './geometry.js';
+
+const WORDS = STRINGS.editor;
+const NEAR_PX = 10;
+const CLICK_PX = 4;
+const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
+const PARTS_PX_M = 15; // the scale from which parts aboard are shown
+const LABEL_PX = 16; // above a part
+const VESSEL = '#ffd166';
+
+// Events: 'pick' (detail: a part's index, or -1), 'draft' (detail: values of the part while they change), 'done'.
+export class EditorChart extends EventTarget {
+  frame = new ChartFrame();
+  parts = [];
+  selected = -1;
+  /** @type {Record<string, any>} */
+  changes = {}; // of the selected part, not yet sent
+  #ground = new ChartGround(null, null, 0, []);
+  #fieldsOf;
+  /** @type {{ from: number[], corner: number, isPart: boolean, moved: number, start: Record<string, any> } | null} */
+  #drag = null;
+  #isFitted = false;
+  /** @type {[number, number, number][]} */
+  #labels = []; // places and half widths of the names
+
+  // fieldsOf(part): the fields of its kind.
+  constructor(fieldsOf) {
+    super();
+    this.#fieldsOf = fieldsOf;
+    this.canvas = el('canvas', {
+      className: 'editor-canvas',
+      tabIndex: 0,
+      role: 'application',
+      'aria-label': WORDS.chart,
+    });
+    this.#listen();
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+    addEventListener('theme', () => {
+      this.#ground.recolour();
+      this.draw();
+    });
+  }
+
+  showBed(heights, grid) {
+    this.#ground = new ChartGround(heights, grid, 0, []);
+    this.#isFitted = false;
+    this.draw();
+  }
+
+  show(parts, selected) {
+    [this.parts, this.selected] = [parts, selected];
+    this.draw();
+  }
+
+  // The part at an index, with the changes that are not yet sent.
+  at(index) {
+    const part = this.parts[index];
+    return index === this.selected ? { ...part, values: { ...part.values, ...this.changes } } : part;
+  }
+
+  fit() {
+    const { grid } = this.#ground;
+    if (!grid) return;
+    const { rows, columns, west_m, south_m, spacing_m } = grid;
+    this.frame.fit([west_m, south_m, west_m + (columns - 1) * spacing_m[0], south_m + (rows - 1) * spacing_m[1]]);
+    this.draw();
+  }
+
+  zoom(factor) {
+    const [width, height] = this.frame.size;
+    this.frame.zoom(factor, [width / 2, height / 2]);
+    this.draw();
+  }
+
+  // Bring the selected part into view; one aboard, at a scale at which it can be seen.
+  reveal() {
+    const part = this.parts[this.selected];
+    const place = part && placeOf(part, this.#fieldsOf(part));
+    if (!place) return;
+    const [x, y] = this.frame.at(place);
+    const [width, height] = this.frame.size;
+    const isAboard = part.vehicle !== null && part.section !== 'starts';
+    if (isAboard && this.frame.scale < 4 * PARTS_PX_M) this.frame.scale = 8 * PARTS_PX_M;
+    else if (x > 20 && y > 20 && x < width - 20 && y < height - 20) return;
+    this.frame.middle = place;
+  }
+
+  #listen() {
+    const { canvas } = this;
+    canvas.addEventListener('pointerdown', (event) => {
+      const at = [event.offsetX, event.offsetY];
+      canvas.setPointerCapture(event.pointerId);
+      const corner = this.#cornerAt(at);
+      const hit = corner >= 0 ? this.selected : this.#partAt(at);
+      if (hit !== this.selected) this.dispatchEvent(new CustomEvent('pick', { detail: hit }));
+      this.#drag = { from: at, corner, isPart: hit >= 0, moved: 0, start: this.at(hit) };
+    });
+    canvas.addEventListener('pointermove', (event) => {
+      if (this.#drag) this.#move([event.offsetX, event.offsetY]);
+    });
+    canvas.addEventListener('pointerup', () => {
+      const isMoved = this.#drag?.isPart && this.#drag.moved > CLICK_PX;
+      this.#drag = null;
+      if (isMoved) this.dispatchEvent(new Event('done'));
+    });
+    canvas.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
+  }
+
+  #move(at) {
+    const drag = /** @type {any} */ (this.#drag);
+    const [dx, dy] = [at[0] - drag.from[0], at[1] - drag.from[1]];
+    drag.moved = Math.max(drag.moved, Math.hypot(dx, dy));
+    if (!drag.isPart) {
+      this.frame.pan(dx, dy);
+      drag.from = at;
+    } else if (drag.moved > CLICK_PX) {
+      const by = /** @type {[number, number]} */ ([dx / this.frame.scale, -dy / this.frame.scale]);
+      const part = /** @type {any} */ (drag.start);
+      this.change(moved(part, this.#fieldsOf(part), by, drag.corner));
+    }
+    this.draw();
+  }
+
+  #wheel(event) {
+    event.preventDefault();
+    const at = [event.offsetX, event.offsetY];
+    const part = this.selected >= 0 && this.#partAt(at) === this.selected ? this.at(this.selected) : null;
+    const way = event.deltaY < 0 || event.deltaX < 0 ? 1 : -1; // shift turns the wheel aside
+    if (part) {
+      this.change(turned(part, this.#fieldsOf(part), way * (event.shiftKey ? 1 : NOTCH_DEG)));
+      this.dispatchEvent(new Event('done'));
+    } else this.frame.zoom(way > 0 ? 1.2 : 1 / 1.2, at);
+    this.draw();
+  }
+
+  // Change values of the selected part, before they are sent.
+  change(values) {
+    this.changes = { ...this.changes, ...values };
+    this.dispatchEvent(new CustomEvent('draft', { detail: values }));
+    this.draw();
+  }
+
+  #isShown(index) {
+    const { section } = this.parts[index];
+    const isAboard = this.parts[index].vehicle !== null && section !== 'starts';
+    return !isAboard || index === this.selected || this.frame.scale >= PARTS_PX_M;
+  }
+
+  #cornerAt(at) {
+    if (this.selected < 0) return -1;
+    const part = this.at(this.selected);
+    const near = (corner) => {
+      const [x, y] = this.frame.at(corner);
+      return Math.hypot(x - at[0], y - at[1]) < NEAR_PX;
+    };
+    return cornersOf(part, this.#fieldsOf(part)).findIndex(near);
+  }
+
+  // The part at a pixel: first the selected one, then the one whose position is nearest, then one that contains it.
+  #partAt(at) {
+    const point = this.frame.place(at);
+    const shown = this.parts.map((_, k) => k).filter((k) => this.#isShown(k));
+    const away = (k) => {
+      const part = this.at(k);
+      const place = placeOf(part, this.#fieldsOf(part));
+      if (!place) return Infinity;
+      const [x, y] = this.frame.at(place);
+      return Math.hypot(x - at[0], y - at[1]);
+    };
+    const inside = (k) => contains(this.#outline(k), point);
+    if (this.selected >= 0 && (away(this.selected) < NEAR_PX || inside(this.selected))) return this.selected;
+    const near = shown.filter((k) => away(k) < NEAR_PX).toSorted((a, b) => away(a) - away(b));
+    return near[0] ?? shown.find((k) => this.parts[k].section === 'obstacles' && inside(k)) ?? shown.find(inside) ?? -1;
+  }
+
+  // An obstacle's outline, moved and turned with changes that are not yet sent; of another part, its corners.
+  #outline(index) {
+    const [old, part] = [this.parts[index], this.at(index)];
+    const fields = this.#fieldsOf(part);
+    if (!old.outline_m.length) return cornersOf(part, fields);
+    if (cornersOf(part, fields).length)
+      return index === this.selected && Object.keys(this.changes).length ? [] : old.outline_m;
+    const [from, to] = [placeOf(old, fields), placeOf(part, fields)];
+    if (!from || !to) return old.outline_m;
+    const turn = (((yawOf(part, fields) ?? 0) - (yawOf(old, fields) ?? 0)) * Math.PI) / 180;
+    const [c, s] = [Math.cos(turn), Math.sin(turn)];
+    return old.outline_m.map(([x, y]) => {
+      const [dx, dy] = [x - from[0], y - from[1]];
+      return [to[0] + c * dx - s * dy, to[1] + s * dx + c * dy];
+    });
+  }
+
+  draw() {
+    const { canvas, frame } = this;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    if (!width || !height) return;
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    if (frame.size[0] !== width || frame.size[1] !== height) {
+      [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
+      frame.size = [width, height];
+      this.#isFitted = false;
+    }
+    if (this.#ground.grid && !this.#isFitted) {
+      this.#isFitted = true;
+      this.fit();
+      return;
+    }
+    const c = pen(canvas);
+    c.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.#ground.draw(c, frame, ratio, true);
+    c.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+    this.#labels = [];
+    if (this.parts[this.selected]) this.#drawPart(c, this.selected); // its name comes first ...
+    this.parts.forEach((_, k) => k !== this.selected && this.#isShown(k) && this.#drawPart(c, k));
+    if (this.parts[this.selected]) this.#drawPart(c, this.selected); // ... and it lies on top
+    drawScale(c, frame, this.#ground.colours, STRINGS.chart.north);
+  }
+
+  #drawPart(c, index) {
+    const part = this.at(index);
+    const fields = this.#fieldsOf(part);
+    const { colours } = this.#ground;
+    const isSelected = index === this.selected;
+    const colour = isSelected ? colours.flown : part.section === 'survey' ? colours.ink : colours.obstacle;
+    const outline = this.#outline(index);
+    c.strokeStyle = c.fillStyle = colour;
+    c.lineWidth = isSelected ? 2.5 : 1.4;
+    if (outline.length > 1) {
+      c.beginPath();
+      for (const point of outline) c.lineTo(...this.frame.at(point));
+      c.closePath();
+      c.globalAlpha = part.section === 'survey' ? 0.06 : 0.3;
+      if (part.outline_m.length || part.section === 'survey') c.fill();
+      c.globalAlpha = 1;
+      c.stroke();
+    }
+    const corners = cornersOf(part, fields);
+    if (isSelected && corners.length) this.#drawCorners(c, corners, part.section !== 'survey');
+    const place = placeOf(part, fields);
+    if (!place) return;
+    const at = this.frame.at(place);
+    const yaw = yawOf(part, fields);
+    if (part.section === 'starts') drawVessel(c, at, 90 - (yaw ?? 0), VESSEL);
+    else if (isSelected || part.vehicle !== null) this.#drawMount(c, at, corners.length ? null : yaw, colours);
+    if (isSelected || part.section === 'obstacles' || part.vehicle !== null) this.#label(c, part.name, at);
+  }
+
+  // Write a name where no other is in its way.
+  #label(c, name, [x, y]) {
+    const text = name.replaceAll('_', ' ');
+    const half = c.measureText(text).width / 2;
+    if (this.#labels.some(([a, b, other]) => Math.abs(a - x) < half + other && Math.abs(b - y) < LABEL_PX)) return;
+    this.#labels.push([x, y, half]);
+    label(c, text, x, y - LABEL_PX, this.#ground.colours);
+  }
+
+  // Corners, and for a line, such as a pipeline's, the line between them.
+  #drawCorners(c, corners, isLine) {
+    if (isLine) {
+      c.beginPath();
+      for (const corner of corners) c.lineTo(...this.frame.at(corner));
+      c.stroke();
+    }
+    for (const corner of corners) {
+      const [x, y] = this.frame.at(corner);
+      c.fillRect(x - 5, y - 5, 10, 10);
+    }
+  }
+
+  // A dot, and a line in the part's direction.
+  #drawMount(c, [x, y], yaw, { halo }) {
+    c.beginPath();
+    c.arc(x, y, 4, 0, 2 * Math.PI);
+    c.fill();
+    c.strokeStyle = halo;
+    c.lineWidth = 1;
+    c.stroke();
+    if (yaw === null) return;
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x + 22 * Math.cos((yaw * Math.PI) / 180), y - 22 * Math.sin((yaw * Math.PI) / 180));
+    c.strokeStyle = c.fillStyle;
+    c.lineWidth = 2;
+    c.stroke();
+  }
+}

@@ -1,0 +1,183 @@
+// The form of a part, with an input for each field of its kind.
+import { all, el, first } from '../dom.js';
+import { STRINGS } from '../strings.js';
+
+const WORDS = STRINGS.editor;
+const ROWS_MAX = 100; // of a table; longer ones are edited in the file
+
+const plain = { type: 'text', autocomplete: 'off', spellcheck: false };
+const shown = (value) =>
+  value === null || value === undefined ? '' : typeof value === 'object' ? JSON.stringify(value) : String(value);
+
+// Text that is no number is sent as it is: the server refuses it, with the reason.
+const numeric = (text) => (text.trim() === '' || Number.isNaN(Number(text)) ? text : Number(text));
+
+export class PartForm {
+  #set;
+
+  // set(values): called with the field that was changed; null for one that is to have its default again.
+  constructor(set) {
+    this.#set = set;
+    this.element = el('div', { className: 'editor-form' });
+  }
+
+  /** @param {any} part
+   * @param {import('../wire/messages.js').FormField[]} fields
+   */
+  show(part, fields) {
+    const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset?.at;
+    const scroll = this.element.scrollTop;
+    this.element.replaceChildren(
+      ...(part
+        ? [
+            el('h3', {}, `${STRINGS.editor.sections[part.section] ?? part.section}: ${part.name}`),
+            part.is_inherited ? el('p', { className: 'hint' }, WORDS.inherited) : '',
+            ...fields.map((field) => this.#field(part, field)),
+          ]
+        : [el('p', { className: 'hint' }, WORDS.pickOne)]),
+    );
+    this.element.scrollTop = scroll;
+    if (focused) [...all(this.element, '[data-at]')].find((each) => each.dataset.at === focused)?.focus();
+  }
+
+  // Show why a field was refused; '' for none.
+  refuse(name, text) {
+    for (const box of all(this.element, '[data-field]')) {
+      const isIt = box.dataset.field === name && text !== '';
+      box.toggleAttribute('data-wrong', isIt);
+      first(box, '.wrong').textContent = isIt ? text : '';
+    }
+  }
+
+  // Show values that are being changed on the chart.
+  update(values) {
+    for (const [name, value] of Object.entries(values))
+      [value].flat(2).forEach((each, k) => {
+        const input = /** @type {HTMLInputElement | undefined} */ (
+          [...all(this.element, '[data-at]')].find(({ dataset }) => dataset.at === `${name} ${k}`)
+        );
+        if (input) input.value = shown(each);
+      });
+  }
+
+  #field(part, field) {
+    const { name, unit, meaning, type, width } = field;
+    const given = part.values[name];
+    const send = (value) => this.#set({ [name]: value });
+    const inputs =
+      type === 'table'
+        ? [this.#table(field, Array.isArray(given) ? given : [], send)]
+        : type === 'flag' || type === 'choice'
+          ? [this.#choice(field, given, send)]
+          : type === 'number' && width > 1
+            ? this.#numbers(field, given, send)
+            : [this.#text(field, given, send)];
+    return el(
+      'fieldset',
+      { className: 'editor-field', title: meaning, 'data-field': name },
+      el('legend', {}, name, unit ? el('span', { className: 'unit' }, ` ${unit}`) : null),
+      el('div', { className: 'editor-inputs' }, ...inputs),
+      el('p', { className: 'wrong', role: 'alert' }),
+    );
+  }
+
+  #text(field, given, send) {
+    const isNumber = field.type === 'number';
+    return el('input', {
+      ...plain,
+      value: shown(given),
+      placeholder: shown(field.by_default),
+      'aria-label': field.name,
+      'data-at': `${field.name} 0`,
+      onchange: ({ target }) =>
+        send(target.value.trim() === '' ? null : isNumber ? numeric(target.value) : target.value),
+    });
+  }
+
+  #numbers(field, given, send) {
+    const inputs = Array.from({ length: field.width }, (_, k) =>
+      el('input', {
+        ...plain,
+        value: shown(given?.[k]),
+        placeholder: shown(field.by_default?.[k]),
+        'aria-label': `${field.name} ${k + 1}`,
+        'data-at': `${field.name} ${k}`,
+        onchange: () => {
+          const texts = inputs.map(({ value }) => value);
+          if (texts.every((text) => text.trim() === '')) send(null);
+          else send(inputs.map(({ value, placeholder }) => numeric(value.trim() === '' ? placeholder : value)));
+        },
+      }),
+    );
+    return inputs;
+  }
+
+  #choice(field, given, send) {
+    const choices = field.type === 'flag' ? [true, false] : field.choices;
+    const usual = field.by_default === null ? '–' : WORDS.usual(shown(field.by_default));
+    const select = el(
+      'select',
+      {
+        'aria-label': field.name,
+        'data-at': `${field.name} 0`,
+        onchange: () => send(choices.find((value) => String(value) === select.value) ?? null),
+      },
+      field.is_required ? null : el('option', { value: '' }, usual),
+      ...choices.map((value) => el('option', { value: String(value) }, String(value))),
+    );
+    select.value = shown(given);
+    return select;
+  }
+
+  #table(field, rows, send) {
+    const { name, columns, by_default: usual } = field;
+    if (rows.length > ROWS_MAX) return el('p', { className: 'hint' }, WORDS.tooLong(rows.length));
+    const titles = columns.map((column) =>
+      column.replace(/^(.*?)(_m|_m_s|_deg)?\[(\d)\]$/, (_, word, __, k) => `${word.split('_')[0]} ${'xyz'[k] ?? k}`),
+    );
+    const changed = (k, j, text) => send(rows.map((row, i) => (i === k ? row.with(j, numeric(text)) : row)));
+    const body = rows.map((row, k) =>
+      el(
+        'tr',
+        {},
+        ...columns.map((_, j) =>
+          el(
+            'td',
+            {},
+            el('input', {
+              ...plain,
+              value: shown(row[j]),
+              'aria-label': `${name} ${k + 1}: ${titles[j]}`,
+              'data-at': `${name} ${k * columns.length + j}`,
+              onchange: ({ target }) => changed(k, j, target.value),
+            }),
+          ),
+        ),
+        el(
+          'td',
+          {},
+          el(
+            'button',
+            { type: 'button', 'aria-label': WORDS.removeRow(k + 1), onclick: () => send(rows.toSpliced(k, 1)) },
+            '✕',
+          ),
+        ),
+      ),
+    );
+    const next = () =>
+      rows.length
+        ? rows[rows.length - 1].map((value, j) => (j === 0 ? value + 1 : value))
+        : usual.map((value) => value ?? 0);
+    return el(
+      'div',
+      { className: 'editor-rows' },
+      el(
+        'table',
+        {},
+        el('thead', {}, el('tr', {}, ...titles.map((title) => el('th', { scope: 'col' }, title)), el('td'))),
+        el('tbody', {}, ...body),
+      ),
+      el('button', { type: 'button', 'data-at': `${name} add`, onclick: () => send([...rows, next()]) }, WORDS.addRow),
+    );
+  }
+}

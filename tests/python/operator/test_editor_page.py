@@ -1,0 +1,106 @@
+"""The scene editor in a real browser: by mouse and by keys, saved, started, and put into a paused simulator."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from browser import desk, judge, shows, until, when
+from uwsim.scenario import load
+
+SENT = "station.editor.state?.parts?.find(({{ name }}) => name === '{0}')?.values.{1}"
+
+
+def chart_pixel(page, place):
+    x, y = page.evaluate("(place) => station.editor.chart.frame.at(place)", list(place))
+    box = page.locator(".editor-canvas").bounding_box()
+    return box["x"] + x, box["y"] + y
+
+
+def sent(page, name, value):
+    return page.evaluate(SENT.format(name, value))
+
+
+@pytest.fixture(scope="module")
+def here(browser, tmp_path_factory):
+    with desk(browser, tmp_path_factory.mktemp("editor")) as found:
+        yield found
+    assert not found.complaints
+
+
+@pytest.fixture(scope="module")
+def page(here):
+    page = here.open(viewport={"width": 1280, "height": 720})
+    page.wait_for_selector(".preview:not([hidden])")
+    page.click("text=Edit this scenario")
+    when(page, "station.editor.state?.is_open && station.editor.chart.frame.scale > 5")
+    return page
+
+
+def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page, tmp_path: Path):
+    page.mouse.move(*chart_pixel(page, (3, 0)))
+    page.mouse.down()
+    page.mouse.move(*chart_pixel(page, (4, 2)), steps=3)
+    page.mouse.up()
+    when(page, SENT.format("box", "position_m[1] > 1.9"))
+    np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.1)
+    page.mouse.wheel(0, -100)
+    when(page, SENT.format("box", "yaw_pitch_roll_deg?.[0] === 5"))
+    page.keyboard.press("Control+z")
+    when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
+
+    page.get_by_label("Kind").press("s")  # by keys alone from here
+    page.locator(".editor-canvas").press("a")
+    when(page, SENT.format("sphere", "on_bed"))
+    page.keyboard.press("Shift+ArrowUp")
+    page.keyboard.press("Shift+ArrowUp")
+    shows(page, ".editor-message", "terrain")  # which ends before
+    for _ in range(3):
+        page.keyboard.press("ArrowUp")
+    page.keyboard.press("PageUp")
+    when(page, SENT.format("sphere", "position_m[1] === 3"))
+    assert sent(page, "sphere", "position_m") == [0, 3, 0.5]
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    page.locator("[aria-label=radius_m]").press("ControlOrMeta+a")
+    page.keyboard.type("-1")
+    page.keyboard.press("Enter")
+    shows(page, "[data-field=radius_m] .wrong", "radius_m = -1 m: must be in [0.01, 10000] m")
+    judge(page, "the editor")
+    page.screenshot(path=tmp_path / "editor.png")
+    page.fill("[aria-label=radius_m]", "0.5")
+    page.keyboard.press("Enter")
+    when(page, SENT.format("sphere", "radius_m === 0.5"))
+    page.get_by_label("Save as").fill("mine")
+    page.keyboard.press("Control+s")
+    shows(page, ".editor-message", "saved as")
+    path = here.station.sessions.folder / "mine.yaml"
+    scenario = load(path)
+    assert scenario.obstacles[1].radius_m == 0.5 and path.read_text().startswith("# A small basin")
+
+    page.keyboard.press("Escape")
+    when(page, "document.querySelector('#field-scenario').value === 'mine.yaml'")
+    page.click("button[type=submit]")
+    when(page, "station.station.isPilot && station.telemetry.message")
+    assert [each.name for each in here.station.present().live.simulator.scenario.obstacles] == ["box", "sphere"]
+
+
+def test_a_paused_world_is_rebuilt_around_the_vehicle(here, page):
+    if here.station.sessions.running is None:  # another process may have started it in the test before
+        here.station.start({"scenario": "pool", "seed": 7})
+        page.keyboard.press("Escape")
+        when(page, "station.station.isPilot && station.telemetry.message")
+    running = here.station.present()
+    before = running.live
+    page.keyboard.press("Escape")
+    page.click("text=Edit the scene")
+    when(page, "station.editor.state?.is_of_running && document.querySelector('#editor-dialog[open]')")
+    until(lambda: before.paused, "a paused simulator")
+    page.click(".editor-table >> text=box")
+    page.locator(".editor-canvas").press("ArrowUp")
+    when(page, "station.editor.state.can_undo")
+    page.click("text=Rebuild the world")
+    until(lambda: here.station.sessions.running not in (None, running), "another world")
+    after = here.station.present().live
+    y_before, y_after = (live.simulator.scenario.obstacles[0].position_m[1] for live in (before, after))
+    assert y_after == pytest.approx(y_before + 1.0) and after.paused and after.tick == before.tick > 0
