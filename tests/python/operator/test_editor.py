@@ -17,8 +17,11 @@ from uwsim.scenario import load
 from uwsim.scenario.read.assets import assets_folder
 
 ROV = ("vehicles", 0, "model")
-UNADDED = {("starts", ""), ("survey", ""), ("currents", "grid")}  # exist already, or need a file
-EACH = [each for section in SECTIONS for kind in forms()[section] if (each := (section, kind)) not in UNADDED]
+EACH = [
+    *(("obstacles", kind) for kind in forms()["obstacles"]),
+    *(("currents", kind) for kind in ("uniform", "layers")),
+    ("sensors", "dvl"), ("sensors", "proximity"), ("cameras", ""), ("lamps", ""), ("imaging_sonars", "side_scan"),
+]  # fmt: skip
 
 
 def draft(name: str = "pool") -> Draft:
@@ -69,7 +72,11 @@ def test_comments_and_untouched_lines_stay() -> None:
     found.set("survey", ("survey",), {"tilt_deg": 25})
     found.remove("obstacles", ("obstacles", 2))
     removed, added = lines(draft("lake").text, found.text)
-    assert added == ["    position_m: [-57.5, -54]", "    lower_bar_m: 1.5", "  tilt_deg: 25                # nose down"]
+    assert added == [
+        "    position_m: [-57.5, -54]",
+        "    lower_bar_m: 1.5",
+        "  tilt_deg: 25                # nose down",
+    ]
     assert removed[0] == "    position_m: [-58, -54]" and removed[-1] == "  tilt_deg: 30                # nose down"
     assert "  - kind: gate                # inside the survey, 3 m below the flying height" in found.text
 
@@ -91,7 +98,12 @@ def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> No
 @pytest.mark.parametrize(
     ("section", "place", "values", "message"),
     [
-        ("obstacles", ("obstacles", 0), {"radius_m": -1}, r"lake.yaml:44: obstacles\[0\].radius_m = -1 m: must be in \[0.02"),
+        (
+            "obstacles",
+            ("obstacles", 0),
+            {"radius_m": -1},
+            r"lake.yaml:44: obstacles\[0\].radius_m = -1 m: must be in \[0.02, 10\] m",
+        ),
         ("obstacles", ("obstacles", 0), {"radius_m": "1"}, r"radius_m = '1': must be a number"),
         ("obstacles", ("obstacles", 0), {"points_m": [[0, 0], [9e3, 0]]}, r"lake.yaml:41: .*terrain"),
         ("obstacles", ("obstacles", 0), {"width": 1}, "width: unknown key"),
@@ -113,8 +125,10 @@ def test_a_wrong_value_is_refused_and_nothing_changes(section, place, values, me
 
 
 def test_an_alias_that_would_change_two_places_is_refused() -> None:
-    text = draft("lake").text.replace("obstacles:\n", "obstacles:\n  - {kind: box, name: a, size_m: &s [1, 1, 1], position_m: [0, 0, -2]}\n", 1)
-    text = text.replace("  - kind: gate ", "  - {kind: box, name: b, size_m: *s, position_m: [3, 0, -2]}\n  - kind: gate ", 1)
+    at = "size_m: &s [1, 1, 1], position_m: [0, 0, -2]"
+    text = draft("lake").text.replace("obstacles:\n", f"obstacles:\n  - {{kind: box, name: a, {at}}}\n", 1)
+    twin = "  - {kind: box, name: b, size_m: *s, position_m: [3, 0, -2]}\n"
+    text = text.replace("  - kind: gate ", f"{twin}  - kind: gate ", 1)
     found = Draft(text, "pool.yaml", Path())
     with pytest.raises(ValueError, match="edit it by hand"):
         found.set("obstacles", ("obstacles", 2), {"size_m": [1, 2, 1]})

@@ -55,7 +55,7 @@ def test_the_server_offers_what_is_described_and_nothing_else() -> None:
         service = offered[f"station/{call.name}"]
         assert (service.type, service.description, service.is_brief) == (call.ros_type, call.description, call.is_brief)
     fixed = {service.name for service in Station(is_fixed=True).services}
-    assert set(offered) - fixed == {"station/catalog", "station/check", "station/start"}
+    assert set(offered) - fixed == {f"station/{name}" for name, call in CALLS.items() if call.is_start_screen}
 
 
 @pytest.mark.parametrize("call", CALLS.values(), ids=lambda call: call.name)

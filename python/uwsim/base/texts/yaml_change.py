@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import StringIO
 from itertools import pairwise
@@ -16,7 +16,7 @@ from typing import Any
 
 import orjson
 from ruamel.yaml import YAML
-from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from uwsim.base.texts.yaml_document import Key, dotted
 from uwsim.base.texts.yaml_edit import Place
@@ -153,9 +153,9 @@ class _Text:
     def __init__(self, text: str) -> None:
         self.text = text
         self.newline = "\r\n" if "\r\n" in text else "\n"
-        self._root: Node = YAML(typ="rt").compose(StringIO(text))
+        self._root: Any = YAML(typ="rt").compose(StringIO(text))
 
-    def with_spans(self, make: Any) -> str:
+    def with_spans(self, make: Callable[[_Text], Iterator[_Span]]) -> str:
         text = self.text
         for span in sorted(make(self), key=lambda span: (span.start, span.end), reverse=True):
             text = text[: span.start] + span.text + text[span.end :]
@@ -190,15 +190,12 @@ class _Text:
         end = self._end(_pairs(node)[index][1])
         if node.flow_style and index > 0:
             yield _Span(self._end(_pairs(node)[index - 1][1]), end, "")
-        elif node.flow_style or (index == 0 and self.text[self._line_start(starts[0]) : starts[0]].strip()):
-            if not isinstance(node, SequenceNode) or node.flow_style:  # the first key after a dash
-                yield _Span(starts[index], starts[index + 1], "")
-                return
-            yield _Span(self._line_start(starts[0]), self._line_end(end) + len(self.newline), "")
+        elif node.flow_style or (isinstance(node, MappingNode) and self._is_after_a_dash(starts[index])):
+            yield _Span(starts[index], starts[index + 1], "")
         else:
             yield _Span(self._line_start(starts[index]), self._line_end(end) + len(self.newline), "")
 
-    def _replaced(self, node: Node, above: Node | None, value: Any) -> Iterator[_Span]:
+    def _replaced(self, node: Any, above: Any, value: Any) -> Iterator[_Span]:
         """Yield the replacement of those parts of a value that differ."""
         if isinstance(node, MappingNode) and isinstance(value, Mapping) and node.value:
             own = {key.value: inner for key, inner in node.value}
@@ -211,12 +208,11 @@ class _Text:
             for inner, item in zip(node.value, value, strict=True):
                 yield from self._replaced(inner, node, item)
             return
-        if isinstance(node, ScalarNode) and not isinstance(value, Mapping | list | tuple):
-            if _is_same(plain_values(f"v: {self._of(node)}", "")["v"], value):
-                return
-        yield from self._rewritten(node, above, value)
+        is_scalar = isinstance(node, ScalarNode) and not isinstance(value, Mapping | list | tuple)
+        if not (is_scalar and _is_same(plain_values(f"v: {self._of(node)}", "")["v"], value)):
+            yield from self._rewritten(node, above, value)
 
-    def _rewritten(self, node: Node, above: Node | None, value: Any) -> Iterator[_Span]:
+    def _rewritten(self, node: Any, above: Any, value: Any) -> Iterator[_Span]:
         """Yield the replacement of a whole value: a nested one, in a block, by lines below its key."""
         start, end = node.start_mark.index, self._end(node)
         column = 0 if above is None else above.start_mark.column
@@ -230,10 +226,9 @@ class _Text:
             yield _Span(at, at, self.newline + " " * (column + 2) + lines)
             yield _Span(len(self.text[:start].rstrip(" ")), end, "")
         else:
-            column = node.start_mark.column
-            yield _Span(start, end, block(value, column, self.newline))
+            yield _Span(start, end, block(value, node.start_mark.column, self.newline))
 
-    def _added(self, node: Node, key: Key, value: Any) -> _Span:
+    def _added(self, node: Any, key: Key, value: Any) -> _Span:
         """Return the addition of a key or an item after the last one."""
         pairs = _pairs(node)
         end = self._end(pairs[-1][1])
@@ -247,14 +242,17 @@ class _Text:
             lines = f"{key}:{_below(value, column, self.newline)}"
         return _Span(at, at, self.newline + " " * column + lines)
 
-    def _of(self, node: Node) -> str:
+    def _is_after_a_dash(self, index: int) -> bool:
+        return bool(self.text[self._line_start(index) : index].strip())
+
+    def _of(self, node: Any) -> str:
         return self.text[node.start_mark.index : node.end_mark.index]
 
-    def _end(self, node: Node) -> int:
+    def _end(self, node: Any) -> int:
         """Return where a value ends, without the comments and lines below it."""
         if _has_items(node) and not node.flow_style:
             return self._end(_pairs(node)[-1][1])
-        return node.start_mark.index + len(self._of(node).rstrip())
+        return int(node.start_mark.index) + len(self._of(node).rstrip())
 
     def _line_start(self, index: int) -> int:
         return self.text.rfind("\n", 0, index) + 1
@@ -264,17 +262,17 @@ class _Text:
         return len(self.text) if end < 0 else end
 
 
-def _pairs(node: Node) -> list[tuple[Any, Any]]:
+def _pairs(node: Any) -> list[tuple[Any, Any]]:
     if isinstance(node, MappingNode):
         return list(node.value)
     return [(k, item) for k, item in enumerate(node.value)]
 
 
-def _has_items(node: Node) -> bool:
+def _has_items(node: Any) -> bool:
     return isinstance(node, MappingNode | SequenceNode) and bool(node.value)
 
 
-def _child(node: Node, key: Key) -> Any:
+def _child(node: Any, key: Key) -> Any:
     if isinstance(node, MappingNode):
         return next((value for own, value in node.value if own.value == key), None)
     if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):

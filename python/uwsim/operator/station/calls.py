@@ -92,7 +92,9 @@ _CALLS = (
     Call("check", "report the errors of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
     Call("start", "start a simulator from a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
     Call("edit_forms", "list a scenario's kinds of parts", answer=EditForms, is_brief=False, is_start_screen=True),
-    Call("edit", "open, change, check, save or apply a scenario", Edit, EditState, is_brief=False, is_start_screen=True),
+    Call(
+        "edit", "open, change, check, save or apply a scenario", Edit, EditState, is_brief=False, is_start_screen=True
+    ),
     Call(
         "control",
         "pause, step, restart, save, record and similar actions; for the pilot only",

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from uwsim.channels.guest import Values
-from uwsim.operator.station.choice import scenarios
+from uwsim.operator.station.choice import scenarios, with_choice
 from uwsim.operator.station.instructor import Instructor
 from uwsim.operator.station.lease import Lease
+from uwsim.operator.station.rebuild import rebuild
 from uwsim.operator.station.sessions import Sessions
 from uwsim.scenario.read.assets import find_yaml
 
@@ -28,7 +29,8 @@ class EditService:
 
     def answer(self, caller: str, request: Values) -> Values:
         """Return the response to a request; see wire_editor.Edit. Raises ValueError or OSError."""
-        action, message, more = request.get("action"), "", {}
+        action, message = request.get("action"), ""
+        more: Values = {}
         if action not in ACTIONS:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
         if action != "report":
@@ -40,7 +42,7 @@ class EditService:
         elif action == "save":
             message = f"saved as {self._editor.save(request.get('name'))}"
         elif action == "apply":
-            self._sessions.rebuild()
+            rebuild(self._sessions, self._editor.draft.scenario)
             message = "the world is rebuilt"
         elif action == "close":
             self._editor.close(caller)
@@ -61,14 +63,17 @@ class EditService:
         by = self._editor.by
         is_free = is_open and (not by or self._sessions.running is not None)  # a new pilot begins again
         if by != caller and not is_free:
-            raise ValueError(f"{self._lease.members.get(by, 'nobody')} edits a scenario" if by else "open a scenario first")
+            by_name = self._lease.members.get(by, "another client")
+            raise ValueError(f"{by_name} edits a scenario" if by else "open a scenario first")
 
     def _open(self, caller: str, name: object) -> None:
         if name is None:
-            self._sessions.edit_running(caller)
+            scenario, choice = self._sessions.present().live.simulator.scenario, self._sessions.choice
+            self._editor.open_running(caller, scenario, lambda found: with_choice(found, choice, {}) == scenario)
             return
-        saved, offered = self._editor.saved, self._sessions.offered
-        if not isinstance(name, str) or name not in (*saved, *scenarios(offered)):
-            raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join((*saved, *scenarios(offered)))}")
+        saved = self._editor.saved
+        known = [*saved, *scenarios(self._sessions.offered)]
+        if not isinstance(name, str) or name not in known:
+            raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
         path = saved[name] if name in saved else find_yaml(name, "scenarios")
         self._editor.open(caller, name, Path(path))

@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 from uwsim.bridges.actions import Action, actions_of
@@ -25,7 +24,6 @@ from uwsim.operator.station.choice import (
     chosen_rosbridge,
     chosen_save,
     scenarios,
-    with_choice,
 )
 from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.flights import FlightRecording, Flights
@@ -73,7 +71,7 @@ class Sessions:
     ) -> None:
         self._lease, self._wake, self._publish = lease, wake, publish
         self.offered, self.is_fixed, self.folder, self.flights = offered, is_fixed, folder, flights
-        self._threads, self._origin, self._is_supervised, self._options = threads, origin, is_supervised, options
+        self.threads, self._origin, self._is_supervised, self._options = threads, origin, is_supervised, options
         self.prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
         self.node: Node
         self.show: Show = lambda live, channels, services, feed, actions: None
@@ -108,7 +106,7 @@ class Sessions:
         folder = self.folder / name
         with _errors_of("saved", ValueError, OSError):
             self.run(
-                lambda: LiveSimulator(load_saved(folder, self._threads), speed=speed),
+                lambda: LiveSimulator(load_saved(folder, self.threads), speed=speed),
                 lambda running: continue_maps(running, folder),
                 rosbridge=rosbridge,
             )
@@ -150,47 +148,6 @@ class Sessions:
         self.run(make, prepare, notes={"branched_from": where})
         return where
 
-    def edit_running(self, client: str) -> None:
-        """Open the running simulator's scenario in the editor. Raises ValueError."""
-        scenario = self.present().live.simulator.scenario
-        self.editor.open_running(client, scenario, lambda found: with_choice(found, self.choice, {}) == scenario)
-
-    def rebuild(self) -> None:
-        """Put the edited scenario into the paused simulator, in a new session: vehicles, time and maps are kept.
-
-        Efforts are zero at first. Raises ScenarioError or ValueError.
-        """
-        running, errors, choice = self.present(), dict[str, str](), self.choice
-        live = running.live
-        for reason, is_so in (
-            ("a flight is replayed", running.replay is not None),
-            ("an exercise is flown", running.judged is not None),
-            ("it has joined your rosbridge", running.rosbridge is not None),
-            ("it runs: pause it first", not live.paused),
-        ):
-            if is_so:
-                raise ValueError(f"the world cannot be rebuilt: {reason}")
-        scenario = with_choice(self.editor.draft.scenario, choice, errors)
-        if errors:
-            raise ChoiceError(errors)
-
-        def make() -> LiveSimulator:
-            sim = Simulator(scenario, threads=self._threads)
-            try:
-                live.read(sim.take_over).result()
-            except ValueError as error:
-                rule = "it needs the same vehicles, with the same parts: save the scenario, and start it"
-                raise ValueError(f"the world cannot be rebuilt: {error}; {rule}") from None
-            for vehicle in sim.vehicles.values():
-                vehicle.set_effort()
-            return LiveSimulator(sim, speed=live.speed, paused=True)
-
-        with TemporaryDirectory() as folder:
-            for vehicle, ping_map in running.maps.items():
-                ping_map.write(Path(folder) / f"{vehicle}.ot")
-            self.run(make, lambda rebuilt: continue_maps(rebuilt, Path(folder)))
-        self.choice = choice
-
     def run_exercise(self, exercise: Exercise, person: str = "") -> None:
         """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError.
 
@@ -198,7 +155,7 @@ class Sessions:
         """
 
         def make() -> LiveSimulator:
-            sim = Simulator(exercise.made_scenario(), threads=self._threads)
+            sim = Simulator(exercise.made_scenario(), threads=self.threads)
             Course.require_events(exercise, sim)
             return LiveSimulator(sim, paused=True)  # until the pilot begins
 

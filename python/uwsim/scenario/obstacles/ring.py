@@ -31,7 +31,12 @@ class Ring(Placed):
 
     surface_class: ClassVar = "gate"
 
-    example: ClassVar = {"on_bed": True, "yaw_pitch_roll_deg": [0.0, 0.0, 0.0], "major_radius_m": 1.5, "minor_radius_m": 0.1}
+    example: ClassVar = {
+        "on_bed": True,
+        "yaw_pitch_roll_deg": [0.0, 0.0, 0.0],
+        "major_radius_m": 1.5,
+        "minor_radius_m": 0.1,
+    }
 
     kind: Literal["ring"]
     name: Name

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwsim.base.texts.yaml_change import with_value, without
 from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted, yaml_document
+from uwsim.channels.guest import Values
 from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, start_values, unflattened
 from uwsim.operator.station.editor.ground_plan import GroundPlan
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
@@ -77,7 +78,7 @@ class Draft:
 
     def set(self, section: str, place: Place, values: Mapping[str, Any]) -> None:
         """Set fields of a part; None removes a field. Raises ValueError."""
-        own, (model, kind) = self.part(section, place), self._form(section, place)
+        own, model = self.part(section, place), self._form(section, place)
         text = self.text
         if section == "starts" or is_inherited(self.values, place):  # written as a whole for the first time
             whole = {**own, **{key: _given(model[key], value) for key, value in self._known(model, values)}}
@@ -125,7 +126,7 @@ class Draft:
     def remove(self, section: str, place: Place) -> None:
         """Remove a part. Raises ValueError."""
         self.part(section, place)
-        if section in ("starts",):
+        if section == "starts":
             raise ValueError(f"{dotted(place)}: a vehicle has a start")
         if not SECTIONS[section].of_vehicle:
             self._take(without(self.text, self.name, place))
@@ -146,7 +147,7 @@ class Draft:
         value: Any = None
         if place[: len(at)] == at and len(place) in (depth, len(at)):
             if found.holds == "names":
-                value = raw_parts(self.values, at, self.folder).get(place[-1])
+                value = raw_parts(self.values, at, self.folder).get(str(place[-1]))
             else:
                 value = _at(self.values, place)
             if section == "starts" and not isinstance(value, Mapping):
@@ -157,18 +158,18 @@ class Draft:
 
     def shown(self, section: str, place: Place) -> dict[str, Any]:
         """Return a part's own values as forms show them: tables by rows of numbers."""
-        own, (model, _) = self.part(section, place), self._form(section, place)
+        own, model = self.part(section, place), self._form(section, place)
         return {
             key: flattened(model[key], value) if key in model and model[key]["columns"] else value
             for key, value in own.items()
         }
 
-    def _form(self, section: str, place: Place) -> tuple[dict[str, Any], str]:
+    def _form(self, section: str, place: Place) -> dict[str, Values]:
         kind = str(self.part(section, place).get("kind", ""))
         fields = forms()[section].get(kind)
         if fields is None:
             raise ValueError(f"{dotted(place)}: of kind {kind[:40]!r}: cannot be edited here")
-        return {field["name"]: field for field in fields}, kind
+        return {field["name"]: field for field in fields}
 
     def _known(self, model: Mapping[str, Any], values: Mapping[str, Any]) -> list[tuple[str, Any]]:
         for key in values:
@@ -248,7 +249,7 @@ def _given(field: Mapping[str, Any], value: Any) -> Any:
 
 
 def _require_near(name: str, value: Any) -> None:
-    """Raise ValueError for the path of a file elsewhere: a page's user may not be allowed to read all of this machine."""
+    """Raise ValueError for a file elsewhere, since the page's user may not be allowed to read this machine's files."""
     if isinstance(value, str):
         path = PurePath(value)
         if path.is_absolute() or ".." in path.parts or value.startswith("~"):

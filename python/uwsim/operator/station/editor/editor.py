@@ -156,14 +156,15 @@ def _parts(draft: Draft) -> Iterator[Values]:
             frame = _frame(scenario, vehicle) if found.of_vehicle and section != "starts" else [0.0, 0.0, 0.0]
             for place, name in _places(draft, section, above, values):
                 own = draft.shown(section, place)
+                is_docked = section == "starts" and not own
                 outline = draft.plan.outlines_m[int(place[1])] if section == "obstacles" else []
-                if section == "starts" and not own:
+                if is_docked:
                     position_m, yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
                     own = {"position_m": list(position_m), "yaw_deg": math.degrees(yaw_rad)}
                 yield {
                     "section": section, "place": list(place), "name": str(own.get("name", name)),
                     "kind": str(own.get("kind", "")), "vehicle": vehicle if found.of_vehicle else None,
-                    "is_inherited": is_inherited(values, place) or (section == "starts" and not draft.part(section, place)),
+                    "is_inherited": is_docked or is_inherited(values, place),
                     "frame": frame, "values": own, "outline_m": outline,
                 }  # fmt: skip
 
@@ -180,7 +181,7 @@ def _places(draft: Draft, section: str, above: Place, values: Any) -> Iterator[t
             break
     if section == "starts":
         yield above, draft.scenario.vehicles[int(above[1])].name
-    elif holds == "one" and values is not None or isinstance(values, dict):
+    elif (holds == "one" and values is not None) or isinstance(values, dict):
         yield above, section
     else:
         yield from (((*above, k), f"{section} {k + 1}") for k in range(len(values or ())))

@@ -111,7 +111,10 @@ def _flat_row(field: Values, row: Mapping[str, Any]) -> list[Any]:
 
 
 def unflattened(field: Values, rows: Any) -> Any:
-    """Return lists of numbers as a table's rows: mappings, if its columns are named so. Keys at their default are left out."""
+    """Return lists of numbers as a table's rows. Raises ValueError.
+
+    Rows are mappings, without the keys at their default, if the columns are named so.
+    """
     if not isinstance(rows, list) or not any("[" in column for column in field["columns"]):
         return rows
     found = []
