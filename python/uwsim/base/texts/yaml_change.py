@@ -16,6 +16,7 @@ from typing import Any
 
 import orjson
 from ruamel.yaml import YAML
+from ruamel.yaml.error import StringMark
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from uwsim.base.texts.yaml_document import Key, dotted
@@ -95,13 +96,13 @@ def _item(values: Any, key: Key, name: str, place: Place) -> Any:
 
 def _put(values: Any, place: Place, value: Any, name: str) -> None:
     for key, inner in pairwise(place):
-        if isinstance(values, dict) and not isinstance(values.get(key), dict | list):
+        if isinstance(values, dict) and values.get(key) is None:
             values[key] = [] if inner == 0 else {}
         values = _item(values, key, name, place)
     if isinstance(values, list) and place[-1] == len(values):
         values.append(value)
         return
-    if isinstance(values, list):
+    if isinstance(values, list) or not isinstance(values, dict):
         _item(values, place[-1], name, place)
     values[place[-1]] = value
 
@@ -130,7 +131,7 @@ def block(value: Any, column: int, newline: str = "\n") -> str:
     gap = newline + " " * column
     if isinstance(value, Mapping) and value:
         return gap.join(f"{key}:{_below(item, column, newline)}" for key, item in value.items())
-    if isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value):
+    if isinstance(value, list | tuple) and _has_mappings(value):
         return gap.join(f"- {block(item, column + 2, newline)}" for item in value)
     return flow(value)
 
@@ -138,13 +139,18 @@ def block(value: Any, column: int, newline: str = "\n") -> str:
 def _below(value: Any, column: int, newline: str) -> str:
     """Return a key's value: on the same line if it is short and not nested deeply."""
     line = flow(value)
-    is_deep = isinstance(value, Mapping) and any(isinstance(item, Mapping) for item in value.values())
-    is_list = isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value)
-    if isinstance(value, Mapping | list) and value and (is_deep or is_list or column + len(line) > WIDTH):
+    is_deep = _has_mappings(value) or (isinstance(value, Mapping) and any(map(_has_mappings, value.values())))
+    if isinstance(value, Mapping | list) and value and (is_deep or column + len(line) > WIDTH):
         lines = block(value, column + 2, newline)
         if lines != line:
             return newline + " " * (column + 2) + lines
     return " " + line
+
+
+def _has_mappings(value: Any) -> bool:
+    """Return whether a mapping or a list holds mappings."""
+    items = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return any(isinstance(item, Mapping) for item in items)
 
 
 class _Text:
@@ -154,6 +160,15 @@ class _Text:
         self.text = text
         self.newline = "\r\n" if "\r\n" in text else "\n"
         self._root: Any = YAML(typ="rt").compose(StringIO(text))
+        self._place_nothing(self._root)
+
+    def _place_nothing(self, node: Any) -> None:
+        """Place absent values after their colon: the parser has them where the next key begins."""
+        for key, value in _pairs(node) if _has_items(node) else ():
+            if isinstance(node, MappingNode) and value.start_mark.index == value.end_mark.index:
+                index = self.text.index(":", key.end_mark.index) + 1
+                value.start_mark = value.end_mark = StringMark("", index, 0, 0, None, 0)
+            self._place_nothing(value)
 
     def with_spans(self, make: Callable[[_Text], Iterator[_Span]]) -> str:
         text = self.text

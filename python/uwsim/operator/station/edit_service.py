@@ -19,7 +19,7 @@ ACTIONS = ("open", "report", *CHANGES, "check", "save", "apply", "close")
 class EditService:
     """Handles the requests to edit a scenario.
 
-    On the start screen, a member may open one that nobody else edits; while a simulator runs, the pilot alone or, if
+    On the start screen, a member may open one if no other member edits; while a simulator runs, the pilot alone or, if
     there is one, the instructor.
     """
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
-from uwsim.base.texts.yaml_change import with_value, without
+from uwsim.base.texts.yaml_change import flow, with_value, without
 from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted, yaml_document
 from uwsim.channels.guest import Values
 from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, start_values, unflattened
@@ -45,12 +45,12 @@ class Draft:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a change to undo."""
+        """True if there is a change to undo."""
         return self._at > 0
 
     @property
     def can_redo(self) -> bool:
-        """Whether an undone change can be repeated."""
+        """True if an undone change can be repeated."""
         return self._at + 1 < len(self._texts)
 
     @property
@@ -145,7 +145,8 @@ class Draft:
         at = found.below(int(place[1]) if found.of_vehicle and len(place) > 1 and isinstance(place[1], int) else 0)
         depth = len(at) + (found.holds != "one")
         value: Any = None
-        if place[: len(at)] == at and len(place) in (depth, len(at)):
+        is_there = not found.of_vehicle or _at(self.values, at[:2]) is not None
+        if is_there and place[: len(at)] == at and len(place) in (depth, len(at)):
             if found.holds == "names":
                 value = raw_parts(self.values, at, self.folder).get(str(place[-1]))
             else:
@@ -244,6 +245,8 @@ def _given(field: Mapping[str, Any], value: Any) -> Any:
         if len(value) > TEXT_MAX:
             raise ValueError(f"{field['name']}: has {len(value)} characters: at most {TEXT_MAX}")
         value = yaml_document(f"value: {value}", field["name"]).values.get("value")
+        if len(flow(value)) > TEXT_MAX:
+            raise ValueError(f"{field['name']}: its aliases written out, must have at most {TEXT_MAX} characters")
     _require_near(field["name"], value)
     return unflattened(dict(field), value) if field["columns"] else value
 

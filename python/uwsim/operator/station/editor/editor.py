@@ -8,12 +8,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import orjson
+
 from uwsim.base.arguments import is_number
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.caught_warnings import caught_warnings
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
-from uwsim.operator.station.editor.draft import Draft, Place
+from uwsim.operator.station.editor.draft import MAX_BYTES, Draft, Place
 from uwsim.operator.station.editor.forms import SECTIONS
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
 from uwsim.scenario import Scenario, ScenarioError, start_pose
@@ -76,6 +78,8 @@ class Editor:
 
     def act(self, request: Values) -> Place:
         """Change the scenario; return the place of a part that was added, or (). Raises ValueError."""
+        if len(orjson.dumps(request)) > MAX_BYTES:  # before anything is made of it
+            raise ValueError(f"a change must have at most {MAX_BYTES} bytes")
         with self._lock:
             draft, action = self.draft, request.get("action")
             if action in ("undo", "redo"):

@@ -13,6 +13,7 @@ const LEGEND = {
 
 export class Preview {
   #shown = '';
+  #edition = 0; // of the scenarios' files
 
   constructor() {
     this.image = el('img', {
@@ -40,12 +41,13 @@ export class Preview {
       return;
     }
     this.image.alt = WORDS.picture(scenario);
-    this.image.src = url;
+    this.image.src = this.#edition ? `${url}${url.includes('?') ? '&' : '?'}edition=${this.#edition}` : url;
   }
 
   // Ask for the picture again, as the scenario's file has changed.
   forget() {
     this.#shown = '';
+    this.#edition += 1;
   }
 
   #show(isShown) {
