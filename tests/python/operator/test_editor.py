@@ -221,6 +221,10 @@ def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station) -> None:
     for one, other in zip(before, again.read(there).result(), strict=True):
         np.testing.assert_array_equal(one, other)
     assert [each.name for each in again.simulator.scenario.obstacles][-1] == "sphere"
+    anna("edit", action="set", section="obstacles", place=["obstacles", 1], values={"position_m": [-3, 3, 0]})
+    anna("edit", action="set", section="obstacles", place=["obstacles", 1], values={"radius_m": 4})
+    assert "would be inside 'sphere'" in anna("edit", action="apply")["message"]
+    assert anna("edit", action="undo")["success"]
     assert anna("edit", action="add", section="sensors", kind="dvl", vehicle=0)["success"]
     assert "state.sensors" in anna("edit", action="apply")["message"]
     assert station.present().live is again

@@ -66,6 +66,7 @@ def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page,
     page.keyboard.type("-1")
     page.keyboard.press("Enter")
     shows(page, "[data-field=radius_m] .wrong", "radius_m = -1 m: must be in [0.01, 10000] m")
+    assert page.input_value("[aria-label=radius_m]") == "-1"  # as typed, to be corrected
     judge(page, "the editor")
     page.screenshot(path=tmp_path / "editor.png")
     page.fill("[aria-label=radius_m]", "0.5")

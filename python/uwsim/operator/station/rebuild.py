@@ -37,14 +37,15 @@ def rebuild(sessions: Sessions, edited: Scenario) -> None:
         except ValueError as error:
             raise ValueError(f"the world cannot be rebuilt: {error}; {SAME}") from None
         for vehicle in sim.vehicles.values():
+            if (name := sim.world.solid_around(vehicle.pose.position_world_m)) is not None:
+                raise ValueError(f"the world cannot be rebuilt: vehicle '{vehicle.name}' would be inside '{name}'")
             vehicle.set_effort()
         return LiveSimulator(sim, speed=live.speed, paused=True)
 
     with TemporaryDirectory() as folder:
         for name, ping_map in running.maps.items():
             ping_map.write(Path(folder) / f"{name}.ot")
-        sessions.run(make, lambda rebuilt: continue_maps(rebuilt, Path(folder)))
-    sessions.choice = choice
+        sessions.run(make, lambda rebuilt: continue_maps(rebuilt, Path(folder)), choice=choice)
 
 
 def _hindrance(running: Running) -> str:

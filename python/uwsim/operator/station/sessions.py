@@ -79,7 +79,7 @@ class Sessions:
         self.phase: Phase = "starting" if is_fixed else "idle"
         self.number = 0
         self.editor = Editor(folder, threads)
-        self.choice: Values = {}  # of which the running simulator was made, if it was from a scenario
+        self.choice: Values = {}  # of which the running simulator is made, if any
         self._numbers = itertools.count(1)
         self._starting = threading.Lock()
 
@@ -95,8 +95,11 @@ class Sessions:
             scenario, speed = chosen(choice, self.offered, self.editor.saved)
             rosbridge = chosen_rosbridge(choice)
             with _errors_of("scenario", ScenarioError):
-                self.run(lambda: LiveSimulator(self.prepared.release(scenario), speed=speed), rosbridge=rosbridge)
-            self.choice = choice
+                self.run(
+                    lambda: LiveSimulator(self.prepared.release(scenario), speed=speed),
+                    rosbridge=rosbridge,
+                    choice=choice,
+                )
 
     def _continue(self, choice: Values) -> None:
         """Continue a saved session; only the speed is taken from the choice."""
@@ -177,16 +180,17 @@ class Sessions:
         rosbridge: UserRosbridge | None = None,
         replay: Replay | None = None,
         notes: Values | None = None,
+        choice: Values | None = None,
     ) -> None:
         """Run the simulator returned by `make`.
 
         prepare: called once the new simulator's channels exist, before its map is built. feed: shared with other sinks.
         rosbridge: the user's server, which the simulator joins. replay: the replay that the simulator follows. notes:
-        metadata for the recording of the flight.
+        metadata for the recording of the flight. choice: of which the simulator is made.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
-        before, running, self.choice = self.phase, None, {}
+        before, running = self.phase, None
         try:
             self.phase = "starting"
             self._publish()
@@ -216,7 +220,7 @@ class Sessions:
             )
             if rosbridge is not None:
                 running.join(rosbridge)
-            self.running = running
+            self.running, self.choice = running, choice or {}
             self.pass_helm()  # again, since the pilot may have changed meanwhile
             self.number = next(self._numbers)
             before = "running"

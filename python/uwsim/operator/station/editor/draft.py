@@ -27,16 +27,15 @@ class Draft:
     """A scenario's text and its history. name: of the file, for messages. folder: of the files that it names.
 
     Every change is checked as a file would be, and raises ValueError, changing nothing, if the scenario would be wrong.
-    edition: increases with every change of the text. plan: where things are.
+    scenario, values, plan: of the present text; they must not be modified. edition: increases with its every change.
     """
 
     def __init__(self, text: str, name: str, folder: Path) -> None:
         self.name, self.folder, self.edition = name, folder, 0
         self._texts = [_limited(text, name)]
         self._at = 0
-        self.scenario = self.checked(text)
         self.plan = GroundPlan()
-        self.plan.draw(self.scenario)
+        self._show(self.checked(text))
 
     @property
     def text(self) -> str:
@@ -53,10 +52,11 @@ class Draft:
         """True if an undone change can be repeated."""
         return self._at + 1 < len(self._texts)
 
-    @property
-    def values(self) -> dict[str, Any]:
-        """The text's plain values."""
-        return self._document(self.text).values
+    def _show(self, scenario: Scenario) -> None:
+        """Hold what belongs to the present text. Raises ScenarioError if an obstacle cannot be built."""
+        self.plan.draw(scenario)
+        self.scenario, self.values = scenario, self._document(self.text).values
+        self._raw: dict[Place, dict[str, Any]] = {}
 
     def checked(self, text: str, folder: Path | None = None) -> Scenario:
         """Return the scenario of a text, as if it were in a file in a folder. Raises ScenarioError."""
@@ -68,8 +68,7 @@ class Draft:
         if not 0 <= self._at - steps < len(self._texts):
             raise ValueError("there is nothing to undo" if steps > 0 else "there is nothing to redo")
         self._at -= steps
-        self.scenario = self.checked(self.text)
-        self.plan.draw(self.scenario)
+        self._show(self.checked(self.text))
         self.edition += 1
 
     def rename(self, name: str) -> None:
@@ -103,7 +102,7 @@ class Draft:
         above = found.below(vehicle)
         self._require_vehicle(above)
         if found.holds == "names":
-            name = self._free(kind or section.removesuffix("s"), raw_parts(self.values, above, self.folder))
+            name = self._free(kind or section.removesuffix("s"), self.names(above))
             place: Place = (*above, name)
             self._take(self._with_part(self.text, place, values))
             return place
@@ -147,15 +146,18 @@ class Draft:
         value: Any = None
         is_there = not found.of_vehicle or _at(self.values, at[:2]) is not None
         if is_there and place[: len(at)] == at and len(place) in (depth, len(at)):
-            if found.holds == "names":
-                value = raw_parts(self.values, at, self.folder).get(str(place[-1]))
-            else:
-                value = _at(self.values, place)
+            value = self.names(at).get(str(place[-1])) if found.holds == "names" else _at(self.values, place)
             if section == "starts" and not isinstance(value, Mapping):
                 value = {} if _at(self.values, place[:-1]) is not None else None
         if not isinstance(value, Mapping):
             raise ValueError(f"{dotted(place)[:80]}: is no part of {section}")
         return dict(value)
+
+    def names(self, place: Place) -> dict[str, Any]:
+        """Return a vehicle's parts by name, as written; see raw_parts."""
+        if place not in self._raw:
+            self._raw[place] = raw_parts(self.values, place, self.folder)
+        return self._raw[place]
 
     def shown(self, section: str, place: Place) -> dict[str, Any]:
         """Return a part's own values as forms show them: tables by rows of numbers."""
@@ -198,7 +200,8 @@ class Draft:
             return
         self.plan.draw(scenario)
         kept = self._texts[max(0, self._at + 1 - STEPS_MAX) : self._at + 1]
-        self._texts, self._at, self.scenario = [*kept, text], len(kept), scenario
+        self._texts, self._at = [*kept, text], len(kept)
+        self._show(scenario)
         self.edition += 1
 
     def _section(self, section: str) -> Section:

@@ -17,7 +17,7 @@ from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft, Place
 from uwsim.operator.station.editor.forms import SECTIONS
-from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
+from uwsim.operator.station.editor.vehicle_parts import is_inherited
 from uwsim.scenario import Scenario, ScenarioError, start_pose
 from uwsim.scenario.dump import plain, yaml_text
 from uwsim.scenario.spec.fields import NAME
@@ -177,7 +177,7 @@ def _places(draft: Draft, section: str, above: Place, values: Any) -> Iterator[t
     """Yield the places of a section's parts, and names for those that have none of their own."""
     holds = SECTIONS[section].holds
     if holds == "names":
-        yield from (((*above, name), name) for name in raw_parts(values, above, draft.folder))
+        yield from (((*above, name), name) for name in draft.names(above))
         return
     for key in above:
         values = values.get(key) if isinstance(values, dict) else values[int(key)]

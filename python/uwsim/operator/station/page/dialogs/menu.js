@@ -58,7 +58,10 @@ export function showMenu(station, { keys, gamepad, edit }) {
         control: 'restart',
       }),
       item(WORDS.keys, () => leave(keys), { forAll: true, hint: '?' }),
-      ...(station.isPlain || station.description?.is_fixed || station.description?.replay || station.description?.is_supervised
+      ...(station.isPlain ||
+      station.description?.is_fixed ||
+      station.description?.replay ||
+      station.description?.is_supervised
         ? []
         : [item(WORDS.editTheScene, () => leave(edit, true), { control: 'pause' })]),
       item(WORDS.gamepad, () => leave(gamepad), { forAll: true }),

@@ -43,7 +43,7 @@ export class SceneEditor {
     };
     this.bar = new EditorBar(this.acts);
     this.chart = new EditorChart(fieldsOf);
-    this.form = new PartForm((values) => this.#set(values));
+    this.form = new PartForm((values) => this.#set(values, true));
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
     this.source = el('pre', { className: 'editor-source', tabIndex: 0 });
@@ -147,7 +147,7 @@ export class SceneEditor {
   }
 
   // Send a request after those before it, and show the answer or the refusal. Return the answer, null after a refusal.
-  #act(request, field = '') {
+  #act(request, field = '', isOfForm = false) {
     const sent = this.#queue.then(async () => {
       try {
         const state = await edit(this.station.bridge, request);
@@ -162,7 +162,7 @@ export class SceneEditor {
         await this.#show(state);
         return state;
       } catch (error) {
-        this.#showParts();
+        if (!isOfForm) this.#showParts(); // the form keeps what was typed
         this.form.refuse(field, error.message);
         this.#say(error.message, 'error');
         return null;
@@ -172,10 +172,10 @@ export class SceneEditor {
     return sent;
   }
 
-  #set(values) {
+  #set(values, isOfForm = false) {
     const { part } = this;
     const [field] = Object.keys(values);
-    if (part && field) this.#act({ action: 'set', section: part.section, place: part.place, values }, field);
+    if (part && field) this.#act({ action: 'set', section: part.section, place: part.place, values }, field, isOfForm);
   }
 
   #sendLater() {
