@@ -235,3 +235,5 @@ def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station) -> None:
     assert anna("edit", action="add", section="sensors", kind="dvl", vehicle=0)["success"]
     assert "state.sensors" in anna("edit", action="apply")["message"]
     assert station.present().live is again
+    anna("edit", action="open", scenario="pool")
+    assert "is not the running simulator's" in anna("edit", action="apply")["message"]

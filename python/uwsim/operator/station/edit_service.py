@@ -9,6 +9,7 @@ from uwsim.operator.station.choice import scenarios, with_choice
 from uwsim.operator.station.instructor import Instructor
 from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.rebuild import rebuild
+from uwsim.operator.station.running import Running
 from uwsim.operator.station.sessions import Sessions
 from uwsim.scenario.read.assets import find_yaml
 
@@ -26,6 +27,7 @@ class EditService:
     def __init__(self, sessions: Sessions, lease: Lease, instructor: Instructor | None) -> None:
         self._sessions, self._lease, self._instructor = sessions, lease, instructor
         self._editor = sessions.editor
+        self._of: Running | None = None  # whose scenario is edited, if it is that of a simulator
 
     def answer(self, caller: str, request: Values) -> Values:
         """Return the response to a request; see wire_editor.Edit. Raises ValueError or OSError."""
@@ -42,14 +44,20 @@ class EditService:
         elif action == "save":
             message = f"saved as {self._editor.save(request.get('name'))}"
         elif action == "apply":
+            if self._sessions.present() is not self._of:
+                raise ValueError("the edited scenario is not the running simulator's: open that one")
             rebuild(self._sessions, self._editor.draft.scenario)
+            self._of = self._sessions.running
             message = "the world is rebuilt"
         elif action == "close":
             self._editor.close(caller)
         elif action in CHANGES:
             more = {"added": list(self._editor.act(request))}
         by = self._lease.members.get(self._editor.by, "")
-        return {"success": True, "message": message, **self._editor.state(by), **more}
+        state = self._editor.state(by)
+        if state["is_open"]:
+            state["is_of_running"] = self._of is not None and self._of is self._sessions.running
+        return {"success": True, "message": message, **state, **more}
 
     def _require(self, caller: str, *, is_open: bool) -> None:
         """Raise ValueError unless a client may edit now."""
@@ -68,12 +76,15 @@ class EditService:
 
     def _open(self, caller: str, name: object) -> None:
         if name is None:
-            scenario, choice = self._sessions.present().live.simulator.scenario, self._sessions.choice
+            running, choice = self._sessions.present(), self._sessions.choice
+            scenario = running.live.simulator.scenario
             self._editor.open_running(caller, scenario, lambda found: with_choice(found, choice, {}) == scenario)
+            self._of = running
             return
         saved = self._editor.saved
         known = [*saved, *scenarios(self._sessions.offered)]
         if not isinstance(name, str) or name not in known:
             raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
+        self._of = None
         path = saved[name] if name in saved else find_yaml(name, "scenarios")
         self._editor.open(caller, name, Path(path))

@@ -40,7 +40,6 @@ class Editor:
         self._draft: Draft | None = None
         self._base = ""  # the text that was opened or saved last
         self._by = self._name = ""
-        self._is_of_running = False
 
     @property
     def by(self) -> str:
@@ -63,12 +62,11 @@ class Editor:
             return Draft(yaml_text(plain(scenario)), f"{scenario.name}.yaml", self._folder)
 
         self._take(client, scenario.name, make)
-        self._is_of_running = True
 
     def _take(self, client: str, name: str, make: Callable[[], Draft]) -> None:
         with self._lock:
             draft = make()
-            self._draft, self._base, self._by, self._name, self._is_of_running = draft, draft.text, client, name, False
+            self._draft, self._base, self._by, self._name = draft, draft.text, client, name
 
     def close(self, client: str) -> None:
         """End a client's editing, and forget what was not saved."""
@@ -145,7 +143,7 @@ class Editor:
             return {
                 "is_open": True, "by": by, "name": self._name, "edition": draft.edition, "can_undo": draft.can_undo,
                 "can_redo": draft.can_redo, "is_saved": draft.text == self._base,
-                "is_of_running": self._is_of_running, "grid": draft.plan.grid,
+                "grid": draft.plan.grid,
                 "vehicles": [entry.name for entry in draft.scenario.vehicles], "parts": list(_parts(draft)),
                 "text": draft.text,
             }  # fmt: skip

@@ -75,6 +75,7 @@ export class SceneEditor {
   async open(scenario, onClose = () => {}) {
     const { bridge } = this.station;
     try {
+      await this.#queue;
       if (!this.bar.sections.length) {
         const found = await editForms(bridge);
         if (!found.success) throw new Error(found.message);
@@ -82,20 +83,33 @@ export class SceneEditor {
       }
       const kept = await edit(bridge, { action: 'report' });
       const isKept =
-        this.state && kept.success && kept.is_open && !kept.is_saved && kept.name === (scenario || this.state.name);
+        this.state &&
+        kept.success &&
+        kept.by === this.station.name &&
+        !kept.is_saved &&
+        (scenario || kept.name) === kept.name;
       const isMine = isKept && kept.is_of_running === (scenario === '');
       const state = isMine ? kept : await edit(bridge, { action: 'open', ...(scenario ? { scenario } : {}) });
       if (!state.success) throw new Error(state.message);
       [this.selected, this.savedName, this.#onClose, this.#bed] = [-1, '', onClose, ''];
       const dialog = byId('editor-dialog');
       openDialog(dialog, WORDS.title(state.name), this.element);
-      dialog.addEventListener('close', () => this.#onClose(this.savedName), { once: true });
+      dialog.addEventListener('close', () => this.#left(), { once: true });
       this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
       await this.#show(state);
       this.chart.canvas.focus();
     } catch (error) {
       toast(error.message, 'error');
     }
+  }
+
+  // Send what is left, and let others edit if nothing is unsaved.
+  #left() {
+    this.#flush();
+    this.#queue = this.#queue.then(() => {
+      this.#onClose(this.savedName);
+      return this.state?.is_saved ? edit(this.station.bridge, { action: 'close' }).catch(() => null) : null;
+    });
   }
 
   /** The fields of a part's kind.
