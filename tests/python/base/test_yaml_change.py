@@ -36,6 +36,7 @@ none:
         (("list", 3), {"kind": "z", "at": [1e-7]}, "  - - 1\n  - kind: z\n    at: [1.0e-07]\nflat:"),
         (("flat", "b"), [], "flat: {b: [], c: null}\n"),
         (("flat", "d", "e"), "x: y", 'flat: {b: [1, 2], c: null, d: {e: "x: y"}}\n'),
+        (("flat", "f"), "long " * 16 + "text", f"flat:\n  b: [1, 2]\n  c: null\n  f: {'long ' * 16}text\nempty"),
         (("empty", 0), {"k": "v"}, "empty:\n  - k: v\n"),
         (("none",), "off", 'none: "off"\n'),
         (("new", "deep", 0), {"k": {"l": {"m": 1}}}, "new:\n  deep:\n    - k:\n        l: {m: 1}\n# the end\n"),

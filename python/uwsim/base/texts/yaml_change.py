@@ -190,7 +190,12 @@ class _Text:
         for key in reversed(place[depth + 1 :]):
             value = [value] if key == 0 else {key: value}
         if _has_items(node):
-            yield self._added(node, place[depth], value)
+            addition = self._added(node, place[depth], value)
+            if isinstance(node, MappingNode) and self._is_too_long(node, above, addition):
+                own = plain_values(f"value: {self._of(node)}", "")["value"]
+                yield from self._rewritten(node, above, {**own, place[depth]: value})
+            else:
+                yield addition
         else:
             yield from self._rewritten(node, above, {place[depth]: value} if place[depth] != 0 else [value])
 
@@ -259,6 +264,12 @@ class _Text:
 
     def _is_after_a_dash(self, index: int) -> bool:
         return bool(self.text[self._line_start(index) : index].strip())
+
+    def _is_too_long(self, node: Any, above: Any, addition: _Span) -> bool:
+        """Return whether a mapping in braces, in a block, no longer fits on its line with an addition."""
+        is_inline = node.flow_style and isinstance(above, MappingNode) and not above.flow_style
+        length = addition.end - self._line_start(node.start_mark.index) + len(addition.text)
+        return bool(is_inline and length > WIDTH)
 
     def _of(self, node: Any) -> str:
         return self.text[node.start_mark.index : node.end_mark.index]

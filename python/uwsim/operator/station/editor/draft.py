@@ -97,7 +97,9 @@ class Draft:
         found = self._section(section)
         if kind not in forms()[section]:
             raise ValueError(f"kind = {kind[:40]!r}: must be one of {', '.join(forms()[section])}")
-        x, y = (0.0, 0.0) if found.of_vehicle else (float(at_m[0]), float(at_m[1]))  # in the vehicle's frame
+        x, y = (
+            (0.0, 0.0) if found.of_vehicle else (round(float(at_m[0]), 3), round(float(at_m[1]), 3))
+        )  # in the vehicle's frame
         values = start_values(section, kind, (x, y))
         above = found.below(vehicle)
         self._require_vehicle(above)

@@ -84,7 +84,9 @@ def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
         if field["role"] == "place":
             found[name] = [*at_m, 0.0][:width]
         elif field["role"] == "line" and field["columns"] == ["x", "y"]:
-            found[name] = [[at_m[0] + dx, at_m[1] + dy] for dx, dy in ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))]
+            found[name] = [
+                [round(at_m[0] + dx, 3), round(at_m[1] + dy, 3)] for dx, dy in ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))
+            ]
         elif field["columns"]:
             found[name] = unflattened(field, [[0.0] * len(field["columns"])])
         elif field["type"] == "number":
