@@ -32,8 +32,8 @@ def draft(name: str = "pool") -> Draft:
 
 
 @pytest.fixture(scope="module")
-def lake() -> Draft:
-    return draft("lake")
+def pool() -> Draft:
+    return draft()
 
 
 def lines(before: str, after: str) -> tuple[list[str], list[str]]:
@@ -102,33 +102,37 @@ def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> No
     assert "dvl" not in found.scenario.vehicles[0].model.sensors and "dvl: null" in found.text
 
 
+BOX = ("obstacles", 0)
+
+
 @pytest.mark.parametrize(
     ("section", "place", "values", "message"),
     [
         (
             "obstacles",
-            ("obstacles", 0),
-            {"radius_m": -1},
-            r"lake.yaml:44: obstacles\[0\].radius_m = -1 m: must be in \[0.02, 10\] m",
+            BOX,
+            {"size_m": [-1, 1, 1]},
+            r"^pool.yaml:21: .*size_m\[0\] = -1 m: must be in \[0.01, 10000\] m",
         ),
-        ("obstacles", ("obstacles", 0), {"radius_m": "1"}, r"radius_m = '1': must be a number"),
-        ("obstacles", ("obstacles", 0), {"points_m": [[0, 0], [9e3, 0]]}, r"lake.yaml:41: .*terrain"),
-        ("obstacles", ("obstacles", 0), {"width": 1}, "width: unknown key"),
-        ("obstacles", ("obstacles", 9), {"radius_m": 1}, r"obstacles\[9\]: is no part"),
+        ("obstacles", BOX, {"size_m": ["1", 1, 1]}, r"size_m\[0\] = '1': must be a number"),
+        ("obstacles", BOX, {"position_m": [50, 0, 0], "on_bed": True}, r"^pool.yaml:18: .* outside the terrain"),
+        ("obstacles", BOX, {"width": 1}, "width: unknown key"),
+        ("obstacles", ("obstacles", 9), {"size_m": [1, 1, 1]}, r"obstacles\[9\]: is no part"),
         ("obstacles", ("vehicles", 0), {"name": "x"}, "is no part of obstacles"),
-        ("obstacles", ("obstacles", 1), {"name": "gate_east"}, "already in use"),
-        ("obstacles", ("obstacles", 1), {"material": "{kind: "}, "not valid YAML"),
-        ("obstacles", ("obstacles", 1), {"material": "/etc/passwd"}, "must be a packaged file"),
+        ("obstacles", BOX, {"name": "rov"}, "already in use"),
+        ("obstacles", BOX, {"material": "{kind: "}, "not valid YAML"),
+        ("obstacles", BOX, {"material": "/etc/passwd"}, "must be a packaged file"),
         ("lamps", (*ROV, "lamps", "front"), {"spots": [[0, 0]]}, "spots: each row must have 6 values"),
         ("sensors", (*ROV, "sensors", "dvl"), {"range_max_m": 0}, r"range_max_m = 0 m: must be in \[0.1, 1000\]"),
-        ("hats", ("obstacles", 0), {"x": 1}, "must be one of obstacles"),
+        ("sensors", ("vehicles", 7, "model", "sensors", "dvl"), {"on": True}, "is no part of sensors"),
+        ("hats", BOX, {"x": 1}, "must be one of obstacles"),
     ],
 )
-def test_a_wrong_value_is_refused_and_nothing_changes(lake, section, place, values, message) -> None:
-    before = lake.text
+def test_a_wrong_value_is_refused_and_nothing_changes(pool, section, place, values, message) -> None:
+    before = pool.text
     with pytest.raises(ValueError, match=message):
-        lake.set(section, place, values)
-    assert lake.text == before and not lake.can_undo
+        pool.set(section, place, values)
+    assert pool.text == before and not pool.can_undo
 
 
 def test_an_alias_that_would_change_two_places_is_refused() -> None:
