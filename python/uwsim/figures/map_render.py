@@ -13,7 +13,7 @@ from uwsim.figures.pinhole_view import view_of_box
 from uwsim.figures.render_3d import Subject, cast_at_cubes, render
 from uwsim.figures.style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
+from uwsim.mapping.occupied_cubes import occupied_cubes
 
 MAX_CUBES = 3_000_000
 """Maximum number of cubes; a map with more voxels is drawn with larger cubes."""
@@ -45,7 +45,7 @@ class Viewpoint:
 
 def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: str) -> None:
     """Draw a map as a PNG. Raises ValueError if no voxel is occupied, OSError if the file cannot be written."""
-    centres, edge_m = _cubes(occupancy)
+    centres, edge_m = occupied_cubes(occupancy, MAX_CUBES)
     shift = occupancy.origin_world_m - np.floor(occupancy.origin_world_m / edge_m) * edge_m
     on_grid = centres - shift  # cubes must lie at multiples of their edge length
     heights = height_range(centres[:, 2])
@@ -75,17 +75,3 @@ def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: s
     bar.outline.set_linewidth(0.0)
     place.tick_params(labelsize=9, colors=INK)
     save_figure(figure, path)
-
-
-def _cubes(occupancy: OccupancyMap) -> tuple[NDArray[np.float64], float]:
-    """Return the world centres (n, 3) and edge length of at most MAX_CUBES cubes, each of 1, 8, 64, ... voxels."""
-    centres = occupancy.occupied_voxels()
-    if not len(centres):
-        raise ValueError("the map has no occupied voxels: there is nothing to draw")
-    origin, edge_m = occupancy.origin_world_m, occupancy.resolution_m
-    if len(centres) <= MAX_CUBES:
-        return centres, edge_m
-    keys = sorted_unique(pack_keys(voxel_keys(centres - origin, edge_m)))
-    while len(keys) > MAX_CUBES:
-        keys, edge_m = sorted_unique(pack_keys(unpack_keys(keys) >> 1)), 2.0 * edge_m
-    return voxel_centres_m(unpack_keys(keys), edge_m) + origin, edge_m

@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-import os
-import sys
-import webbrowser
 from contextlib import ExitStack
-from html import escape
 from pathlib import Path
-from types import TracebackType
-from typing import Self
+from typing import overload
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 from uwsim.live.pace import Speed
 from uwsim.live.vehicle import LiveVehicle
+from uwsim.mapping import OccupancyMap
+from uwsim.operator.framed import LOCAL_PAGES, Framed
+from uwsim.operator.map_view import MapViewer
 from uwsim.operator.station import Site, Station
 from uwsim.scenario import Scenario
 from uwsim.simulator.simulator import Simulator
 
-LOCAL_PAGES = "http://localhost:* http://127.0.0.1:*"
-"""Pages that may show the view in a frame: those served from this machine, such as Jupyter's."""
-HEIGHT_PX = 600
 SCENE = "/?view=scene"
 """The page, with the 3D view enlarged."""
 
 
-class Viewer:
+class Viewer(Framed):
     """The station's page for a running simulator; see `view`.
 
     live: the LiveSimulator that steps it. url: the page. Close the viewer with `close`, or use it as a context manager.
@@ -34,7 +29,6 @@ class Viewer:
     """
 
     live: LiveSimulator
-    url: str
 
     def __init__(self, live: LiveSimulator) -> None:
         self.live = live
@@ -62,31 +56,32 @@ class Viewer:
         if not self._owns and not self.live.running:
             self.live.start()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     def __repr__(self) -> str:
         return f"<Viewer at {self.url}: {self.live!r}>"
 
-    def _repr_html_(self) -> str:
-        """Return the page in a frame, for notebooks on this machine."""
-        size = f'width="100%" height="{HEIGHT_PX}" style="border: 0"'
-        return f'<iframe src="{escape(self.url)}" title="uwsim" {size}></iframe>'
 
-
+@overload
 def view(
     sim: Simulator | LiveSimulator | Scenario | str | Path = "lake",
     *,
     speed: Speed = 1.0,
     paused: bool = False,
     browser: bool | None = None,
-) -> Viewer:
-    """Open the station's page, with its 3D view, for a simulator; return the Viewer.
+) -> Viewer: ...
+
+
+@overload
+def view(sim: OccupancyMap, *, browser: bool | None = None) -> MapViewer: ...
+
+
+def view(
+    sim: Simulator | LiveSimulator | Scenario | str | Path | OccupancyMap = "lake",
+    *,
+    speed: Speed = 1.0,
+    paused: bool = False,
+    browser: bool | None = None,
+) -> Viewer | MapViewer:
+    """Open the station's page, with its 3D view, for a simulator; return the Viewer. Or open a map's page.
 
         sim = uwsim.Simulator("lake")
         with uwsim.view(sim) as viewer:          # in a notebook, the last expression of a cell: uwsim.view(sim)
@@ -97,19 +92,16 @@ def view(
     While the page is open, the simulator steps itself. Command it through `viewer.rov` or `viewer.live`, and do not
     step or command `sim`.
 
+    For an OccupancyMap, the page shows its occupied voxels as they are now, and a MapViewer is returned; speed and
+    paused have no effect.
+
     sim: a simulator, whose state is kept, a LiveSimulator, or the scenario to create one from. speed: simulated seconds
     per wall second, or "max". paused: whether to wait for `viewer.live.step(n)` or `viewer.live.resume()`. Neither has
     any effect on a LiveSimulator. browser: whether to open a browser window; by default, only on a desktop and outside
     notebooks. The server listens on 127.0.0.1, on a free port. Raises ScenarioError or ValueError for invalid
     arguments, OSError if no port is free.
     """
+    if isinstance(sim, OccupancyMap):
+        return MapViewer(sim).open(browser)
     live = sim if isinstance(sim, LiveSimulator) else LiveSimulator(sim, speed=speed, paused=paused)
-    viewer = Viewer(live)
-    if browser if browser is not None else (has_display() and "ipykernel" not in sys.modules):
-        webbrowser.open(viewer.url)
-    return viewer
-
-
-def has_display() -> bool:
-    """Return whether a browser would open a window rather than take over the terminal."""
-    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return Viewer(live).open(browser)

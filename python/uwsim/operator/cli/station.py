@@ -82,8 +82,8 @@ def station(
     from uwsim.bridges import RosbridgeServer
     from uwsim.bridges.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
+    from uwsim.operator.framed import has_display
     from uwsim.operator.station import Site, Station
-    from uwsim.operator.view import has_display
     from uwsim.scenario import load
     from uwsim.scenario.read.assets import packaged_names
 

@@ -3,47 +3,36 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import json
 import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 from http import HTTPStatus
 from pathlib import Path
-from typing import NamedTuple
-from urllib.parse import parse_qs, unquote, urlsplit
+from urllib.parse import unquote, urlsplit
 
-from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from uwsim.operator.station.answers import (
+    NO_PAGES,
+    TYPES,
+    File,
+    answer,
+    frame,
+    is_foreign,
+    not_found,
+    page_file,
+    with_policy,
+)
 from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.hub import Station
 from uwsim.operator.station.replay_files import ghost_json, hull_glb, track_json
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.token_page import token_page
 
-PAGE = Path(__file__).resolve().with_name("page")
-TYPES = {
-    ".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
-    ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
-    ".csv": "text/csv", ".geojson": "application/geo+json",
-}  # fmt: skip
-OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
-
-
-class File(NamedTuple):
-    """The content of a response. name: the file name for a download, or "" if the browser displays the content."""
-
-    body: bytes
-    type: str
-    name: str = ""
-
-
-POLICY, FRAMES, NO_PAGES = "Content-Security-Policy", "frame-ancestors ", "'none'"
 
 
 class Site:
@@ -64,33 +53,29 @@ class Site:
 
     async def __call__(self, request: Request) -> Response:
         """Return the response to a GET request."""
-        response = await self._response(request)
-        policy = response.headers[POLICY].replace(FRAMES + NO_PAGES, FRAMES + self._framed_by)
-        del response.headers[POLICY]  # a mere assignment would add a second header
-        response.headers[POLICY] = policy
-        return response
+        return frame(await self._response(request), self._framed_by)
 
     async def _response(self, request: Request) -> Response:
         path = unquote(urlsplit(request.path).path)
         if not DATA.match(path):
             is_page = path.endswith(("/", ".html"))
-            return _asking(request) if is_page and not self._may_load(request) else _page_file(request, path)
-        if request.headers.get("Sec-Fetch-Site", "") == "cross-site" and "Origin" not in request.headers:
-            return _answer(request, HTTPStatus.FORBIDDEN, File(b"not for pictures of other pages\n", "text/plain"))
+            return _asking(request) if is_page and not self._may_load(request) else page_file(request, path)
+        if is_foreign(request):
+            return answer(request, HTTPStatus.FORBIDDEN, File(b"not for pictures of other pages\n", "text/plain"))
         if self._waiting >= WAITING_MAX:
-            return _answer(request, HTTPStatus.SERVICE_UNAVAILABLE, File(b"too much is being made\n", "text/plain"))
+            return answer(request, HTTPStatus.SERVICE_UNAVAILABLE, File(b"too much is being made\n", "text/plain"))
         if not self._may_load(request):
-            return _answer(request, HTTPStatus.UNAUTHORIZED, File(b"the token is missing or wrong\n", "text/plain"))
+            return answer(request, HTTPStatus.UNAUTHORIZED, File(b"the token is missing or wrong\n", "text/plain"))
         self._waiting += 1
         try:
             file = await asyncio.get_running_loop().run_in_executor(self._pool, self._made, path)
         except LookupError:
-            return _not_found(request)
+            return not_found(request)
         except (ValueError, RuntimeError, OSError) as error:
-            return _answer(request, HTTPStatus.NOT_FOUND, File(f"{error}\n".encode(), "text/plain; charset=utf-8"))
+            return answer(request, HTTPStatus.NOT_FOUND, File(f"{error}\n".encode(), "text/plain; charset=utf-8"))
         finally:
             self._waiting -= 1
-        return _answer(request, HTTPStatus.OK, file, {"Cache-Control": "no-store"})
+        return answer(request, HTTPStatus.OK, file, {"Cache-Control": "no-store"})
 
     def _made(self, path: str) -> File:
         """Generate the content for a path.
@@ -143,71 +128,6 @@ def _asking(request: Request) -> Response:
     try:
         file = File(token_page(request.path, request.headers["Host"]), "text/html; charset=utf-8")
     except ValueError:  # too many values in the query
-        return _not_found(request)
-    response = _answer(request, HTTPStatus.UNAUTHORIZED, file, {"Cache-Control": "no-store"})
-    policy = response.headers[POLICY].replace("form-action 'none'", "form-action 'self'")
-    del response.headers[POLICY]
-    response.headers[POLICY] = policy
-    return response
-
-
-def _page_file(request: Request, path: str) -> Response:
-    if not path.isprintable():
-        return _not_found(request)
-    try:
-        found = (PAGE / (path.lstrip("/") or "index.html")).resolve()
-        if not found.is_relative_to(PAGE) or not found.is_file():
-            return _not_found(request)
-    except OSError:  # a name too long for a file
-        return _not_found(request)
-    file, tag = _read(found, found.stat().st_mtime_ns)
-    headers = {"Cache-Control": "no-cache", "ETag": tag}
-    if tag in [offered.strip() for offered in request.headers.get("If-None-Match", "").split(",")]:
-        return _answer(request, HTTPStatus.NOT_MODIFIED, File(b"", file.type), headers)
-    return _answer(request, HTTPStatus.OK, file, headers)
-
-
-@lru_cache(200)
-def _read(path: Path, changed_ns: int) -> tuple[File, str]:
-    """Return a file and its ETag."""
-    body = path.read_bytes()
-    kind = TYPES.get(path.suffix, "application/octet-stream")
-    kind += "; charset=utf-8" if kind.startswith("text/") else ""
-    return File(body, kind), f'"{hashlib.sha256(body).hexdigest()[:20]}"'
-
-
-def _not_found(request: Request) -> Response:
-    return _answer(request, HTTPStatus.NOT_FOUND, File(b"there is no such page\n", "text/plain"))
-
-
-def _answer(request: Request, status: HTTPStatus, file: File, extra: dict[str, str] | None = None) -> Response:
-    headers = Headers({"Content-Type": file.type, "Content-Length": str(len(file.body)), "Connection": "close"})
-    if file.name:
-        headers["Content-Disposition"] = f'attachment; filename="{re.sub(r"[^A-Za-z0-9_.-]", "_", file.name)}"'
-    for name, value in {**_safe(request), **(extra or {})}.items():
-        headers[name] = value
-    return Response(status, status.phrase, headers, file.body)
-
-
-def _safe(request: Request) -> dict[str, str]:
-    """Return headers that forbid the page to use scripts, pictures, sockets or frames of other servers."""
-    host = request.headers["Host"]  # a known name or an address, as checked by the door
-    sockets = [f"ws://{host}", f"wss://{host}"]
-    other = parse_qs(urlsplit(request.path).query).get("rosbridge", [""])[0].rstrip("/")
-    if OTHER_BRIDGE.fullmatch(other):
-        sockets += [other, other.replace("ws", "http", 1)]
-    policy = (
-        "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self' blob: data:; "
-        f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
-        f"base-uri 'none'; form-action 'none'; {FRAMES}{NO_PAGES}"
-    )
-    origin = request.headers.get("Origin")  # the origin of an admitted page, which may read what it loads
-    return {
-        POLICY: policy,
-        "X-Content-Type-Options": "nosniff",
-        "Referrer-Policy": "no-referrer",
-        "Cross-Origin-Opener-Policy": "same-origin",
-        "Cross-Origin-Resource-Policy": "cross-origin" if origin else "same-origin",
-        "Vary": "Origin",
-        **({"Access-Control-Allow-Origin": origin} if origin else {}),
-    }
+        return not_found(request)
+    response = answer(request, HTTPStatus.UNAUTHORIZED, file, {"Cache-Control": "no-store"})
+    return with_policy(response, "form-action 'none'", "form-action 'self'")

@@ -1,76 +1,35 @@
-// The 3D view: the lake, the live map, the vehicle with its track and sonar fan; drawn when pictures leave time for it.
-import {
-  Color,
-  DirectionalLight,
-  GLTFLoader,
-  HemisphereLight,
-  Mesh,
-  MeshLambertMaterial,
-  OrbitControls,
-  PerspectiveCamera,
-  Scene,
-  Vector3,
-  WebGLRenderer,
-} from '../vendor/three.js';
-import { el, grouped, write } from '../dom.js';
+// The 3D view: the lake, the live map, the vehicle with its track and sonar fan.
+import { Color, GLTFLoader, Mesh, MeshLambertMaterial, Vector3 } from '../vendor/three.js';
+import { el } from '../dom.js';
 import { Marks, Vessel } from './actors.js';
-import { FrameGate } from './frame_gate.js';
-import { Quality } from './quality.js';
 import { crosses } from './sight.js';
+import { Stage } from './stage.js';
 import { makeSurface, makeTerrain } from './terrain.js';
 import { sceneTools } from './tools.js';
-import { VoxelPoints } from './voxel_points.js';
-import { VoxelStore } from './voxel_store.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.scene;
 
-const SMALL_MS = 1000; // between two frames while the view is small
-const IDLE_MS = 250; // while it is large and does not turn
 const LOOK_MS = 300; // between two looks for what hides the vehicle
 const FADED = 0.2; // opacity of what hides it
 
-export class SceneView {
+export class SceneView extends Stage {
   name = 'scene';
   kind = 'scene';
   title = WORDS.title;
-  store = new VoxelStore();
-  voxels = new VoxelPoints(this.store);
   vessels = new Map(); // name: Vessel
   marks = new Marks();
-  quality = new Quality();
-  isOrbiting = false;
-  #isLarge = false;
   #layers = { terrain: true, map: true, track: true, fan: true, follows: true };
-  #isDue = true;
-  #drawnMs = -Infinity;
   #lookedMs = -Infinity;
   #scenery = [];
   /** @type {ReturnType<typeof makeTerrain> | null} */
   #terrain = null;
-  /** Undefined without WebGL 2, as are the camera, its controls and the renderer.
-   * @type {import('three').Scene}
-   */
-  scene;
-  /** @type {import('three').PerspectiveCamera} */
-  camera;
-  /** @type {OrbitControls} */
-  controls;
-  /** @type {import('three').WebGLRenderer} */
-  renderer;
-  /** @type {FrameGate} */
-  gate;
   #followed = '';
   #lookAngle = 0; // from behind the vehicle, at which nothing hides it [rad]
   #hasLooked = false; // whether the camera has been aimed at the vehicle's first pose
 
   constructor() {
-    this.canvas = el('canvas', {
-      role: 'img',
-      'aria-label': WORDS.picture,
-      tabindex: '-1',
-    });
-    this.note = el('p', { className: 'scene-note' });
+    super(WORDS.picture);
     const buttons = sceneTools(
       this.#layers,
       () => this.#applyLayers(),
@@ -78,19 +37,7 @@ export class SceneView {
     );
     this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': WORDS.tools }, ...buttons);
     this.element = [this.canvas, this.tools, this.note];
-    this.#makeScene();
-    requestAnimationFrame(() => this.#frame());
-  }
-
-  get frame_ms() {
-    return this.gate?.frame_ms ?? NaN;
-  }
-
-  setLarge(isLarge) {
-    this.#isLarge = isLarge;
-    this.#isDue = true;
-    if (this.controls) this.controls.enabled = isLarge;
-    this.canvas.tabIndex = isLarge ? 0 : -1;
+    this.show(this.marks.group);
   }
 
   // Show another simulator's lake. load(path): fetches from it; sceneUrl: its scene.json, '' if no server offers one.
@@ -114,7 +61,7 @@ export class SceneView {
     const free = found.vehicles.find(({ name }) => name === this.#followed);
     this.#lookAngle = free?.look_rad ?? 0;
     if (this.#hasLooked && this.#lookAngle) this.look(false);
-    this.#isDue = true;
+    this.redraw();
   }
 
   // Clear the map and the tracks, for example at a restart.
@@ -127,25 +74,8 @@ export class SceneView {
     this.marks.clear();
   }
 
-  // Add parts to the scene, or redraw those that have moved.
-  show(...parts) {
-    if (parts.length) this.scene?.add(...parts);
-    this.#isDue = true;
-  }
-
-  hide(...parts) {
-    this.scene?.remove(...parts);
-    this.#isDue = true;
-  }
-
   follow(name) {
     this.#followed = name;
-  }
-
-  showMap(changes) {
-    if (changes.snapshot) this.voxels.clear();
-    this.voxels.changed(this.store.apply(changes));
-    this.#isDue = true;
   }
 
   showTelemetry(name, message) {
@@ -154,27 +84,20 @@ export class SceneView {
     const before = vessel.group.position.clone();
     vessel.move(message);
     if (name === this.#followed && this.#layers.follows) this.#moveWith(vessel.group.position, before);
-    this.#isDue = true;
+    this.redraw();
   }
 
   showScan(name, scan, tilt_rad) {
     this.vessels.get(name)?.setFan(scan, tilt_rad);
     this.#applyLayers();
-    this.#isDue = true;
+    this.redraw();
   }
 
   // Draw a pole at each note's position.
   showNotes(notes) {
     this.marks.clear();
     for (const { position_m } of notes) this.marks.add(position_m);
-    this.#isDue = true;
-  }
-
-  // Return the view redrawn now, since a WebGL canvas keeps its picture only for one frame.
-  picture(take) {
-    if (!this.scene) return;
-    this.#draw();
-    take(this.canvas);
+    this.redraw();
   }
 
   // Look at the followed vehicle from behind and above, or at the whole map from above.
@@ -186,42 +109,7 @@ export class SceneView {
       ? new Vector3(0, -0.1, 130)
       : new Vector3(-34 * ahead.x, -34 * ahead.y, 24).applyAxisAngle(new Vector3(0, 0, 1), this.#lookAngle);
     this.#lookAngle = 0; // at the start alone: in flight, the view is from behind
-    this.controls.target.copy(target);
-    this.camera.position.copy(target).add(away);
-    this.controls.update();
-    this.#isDue = true;
-  }
-
-  #makeScene() {
-    try {
-      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: false, powerPreference: 'low-power' });
-    } catch {
-      write(this.note, WORDS.noWebGl);
-      return;
-    }
-    this.gate = new FrameGate(this.renderer.getContext());
-    this.scene = new Scene();
-    this.scene.background = new Color(0x0a1720);
-    this.camera = new PerspectiveCamera(50, 16 / 9, 0.5, 2000);
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-60, -60, 40);
-    this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.maxPolarAngle = 0.95 * Math.PI;
-    this.controls.minDistance = 2;
-    this.controls.maxDistance = 900;
-    this.controls.listenToKeyEvents?.(this.canvas);
-    this.controls.addEventListener('change', () => {
-      this.#isDue = true;
-    });
-    this.controls.addEventListener('start', () => {
-      this.isOrbiting = true;
-    });
-    this.controls.addEventListener('end', () => {
-      this.isOrbiting = false;
-    });
-    const sun = new DirectionalLight(0xffffff, 2.2);
-    sun.position.set(-0.5, 0.6, 1);
-    this.scene.add(new HemisphereLight(0xcfe6f2, 0x1c2f3a, 1.4), sun, this.voxels.group, this.marks.group);
+    this.aim(target.clone().add(away), target);
   }
 
   #addVessel(name) {
@@ -243,7 +131,7 @@ export class SceneView {
       vessel.track.line.visible = this.#layers.track;
       vessel.showFan(this.#layers.fan);
     }
-    this.#isDue = true;
+    this.redraw();
   }
 
   #moveWith(now, before) {
@@ -256,30 +144,6 @@ export class SceneView {
     const moved = now.clone().sub(before);
     this.controls.target.add(moved);
     this.camera.position.add(moved);
-  }
-
-  #frame() {
-    requestAnimationFrame(() => this.#frame());
-    if (!this.scene || document.hidden || !this.gate.isOpen) return;
-    const waited = performance.now() - this.#drawnMs;
-    const period = this.#isLarge
-      ? this.isOrbiting
-        ? 0
-        : this.#isDue
-          ? Math.max(50, 1.5 * this.gate.frame_ms)
-          : IDLE_MS
-      : SMALL_MS;
-    if (waited < period || (!this.#isDue && !this.isOrbiting)) return;
-    this.#draw();
-  }
-
-  #fit(width, height) {
-    const { ratio } = this.quality;
-    if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio)) return;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
   }
 
   // Fade the meshes that stand before the followed vehicle.
@@ -299,22 +163,8 @@ export class SceneView {
       });
   }
 
-  #draw() {
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    if (width === 0 || height === 0) return;
-    if (this.#isLarge) this.quality.adapt(this.gate.frame_ms);
-    this.#fit(width, height);
+  beforeDraw() {
     if (performance.now() - this.#lookedMs > LOOK_MS) this.#fade();
-    this.voxels.bias = this.quality.bias;
-    this.#isDue = this.voxels.update(this.camera, this.canvas.height);
-    this.gate.begin();
-    this.renderer.render(this.scene, this.camera);
-    this.gate.end();
-    this.#drawnMs = performance.now();
-    write(
-      this.note,
-      WORDS.drawn(grouped(this.store.count), grouped(this.voxels.pointCount), Math.round(this.gate.frame_ms)),
-    );
   }
 }
 

@@ -14,7 +14,7 @@ import { BLOCK_EDGE } from '../wire/messages.js';
 import { bake, CHUNK_BLOCKS, CHUNK_CELLS, LEVELS } from './voxel_bake.js';
 
 const BAKE_MS = 8; // per frame
-const RAMP = ['#2b4fc0', '#2389cf', '#22bfae', '#86d86a', '#ffe066']; // deep to shallow; sRGB, as the shader writes it
+export const RAMP = ['#2b4fc0', '#2389cf', '#22bfae', '#86d86a', '#ffe066']; // deep to shallow; sRGB, as the shader writes it
 
 const VERTEX = `
 uniform mat4 projectionMatrix, modelViewMatrix;
