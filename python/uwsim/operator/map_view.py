@@ -71,7 +71,7 @@ def _no_session(*_: object) -> Any:
 def _files(occupancy: OccupancyMap, name: str, voxels_max: int) -> dict[str, File]:
     """Return what the page loads: the map's description, and its occupied cubes as a MapChanges message."""
     centres, edge_m = occupied_cubes(occupancy, voxels_max)
-    keys = voxel_keys(centres - occupancy.origin_world_m, edge_m)
+    keys = voxel_keys(centres - occupancy.origin_world_m, edge_m).astype(np.int16)
     keys = keys[np.lexsort((keys >> BLOCK_BITS).T)]
     blocks, counts, packed = in_blocks(OccupancyChanges(keys, np.ones(len(keys), np.bool_)))
     part = Part(0, True, edge_m, blocks.ravel(), counts, packed)
@@ -82,7 +82,7 @@ def _files(occupancy: OccupancyMap, name: str, voxels_max: int) -> dict[str, Fil
         "cube_m": edge_m,
         "occupied": occupancy.count().occupied,
         "low_m": (keys.min(axis=0) * edge_m).tolist(),
-        "high_m": ((keys.max(axis=0) + 1) * edge_m).tolist(),
+        "high_m": ((keys.max(axis=0) + 1.0) * edge_m).tolist(),
         "coloured_m": np.quantile((keys[:, 2] + 0.5) * edge_m, COLOURED).tolist(),
     }
     return {
