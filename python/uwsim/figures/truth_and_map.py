@@ -78,7 +78,7 @@ def render_truth_and_map(
     """
     area = area_world_m[ConvexHull(area_world_m).vertices]
     occupied = occupied_centres_m[inside_polygon(occupied_centres_m[:, :2], area)]
-    heights = height_range(_ground_heights(world, area))
+    heights = height_range(ground_heights(world, area))
     comparison = _Comparison(world, rays, voxel_m, occupied, heights)
 
     detail = _detail_block(world, occupied, voxel_m)
@@ -124,7 +124,7 @@ def _compose(
     save_figure(figure, path)
 
 
-def _ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[np.float64]:
+def ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the terrain heights on a grid of about 200 x 200 inside the polygon; (0,) if there is no terrain."""
     low, high = area_m.min(axis=0), area_m.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 200), np.linspace(low[1], high[1], 200))
@@ -153,7 +153,7 @@ def _detail_block(
             xy = standing[mine, :2]
             peak = xy[above_m[mine].argmax()]
             block = xy[np.all(np.abs(xy - peak) < DETAIL_HALF_M, axis=1)].mean(axis=0) + DETAIL_HALF_M * CORNERS
-            ground_m = _ground_heights(world, block)
+            ground_m = ground_heights(world, block)
             if len(ground_m) == 0 or np.ptp(ground_m) < DETAIL_HALF_M[0]:
                 best, highest_m = block, float(above_m[mine].max())
     return best
@@ -175,7 +175,7 @@ def _solids(world: _core.World) -> list[tuple[_core.RayScene, NDArray[np.float64
 def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevation_rad: float) -> _Row:
     """Return the view and the pictures of truth and map over a convex polygon; the latter is None for an empty map."""
     mapped = comparison.occupied_centres_m[inside_polygon(comparison.occupied_centres_m[:, :2], area_m)]
-    ground = _ground_heights(comparison.world, area_m)
+    ground = ground_heights(comparison.world, area_m)
     levels = np.concatenate([ground, mapped[:, 2]]) if len(ground) + len(mapped) else np.zeros(1)
     floor_m = float(levels.min()) - CUT_DEPTH_M
     # The top is a percentile, so that a few voxels far above all others, such as the station's, do not compress the

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -28,20 +29,24 @@ RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
 """New names of fields, keyed by their names in recordings of the first version."""
 
 
+Seen = Callable[[MapFiller, PingLog, int], None]
+"""Sees how a map grows: the filler, the log of the pings so far, and the time of the last one [ns]."""
+
+
 def survey_from(recording: Recording, out: Path, report: Path | None, *, outlier_filter: bool | None = None) -> int:
     """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
 
     outlier_filter: overrides the survey's setting. Raises ValueError if the recording ends before the data that a
     report needs, OSError if a file cannot be read or written.
     """
-    request = _request_of(recording)
+    request = request_of(recording)
     if outlier_filter is not None:
         request = dataclasses.replace(request, outlier_filter=outlier_filter)
     values = recording.notes.get("record")
     if report is not None and values is None:
         raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
     sim = new_simulator(recording)
-    occupancy, log = _repeated(recording, sim, request)
+    occupancy, log = repeated(recording, sim, request)
     occupancy.write(out)
     if report is not None and values is not None:
         record = dataclasses.replace(
@@ -58,7 +63,7 @@ def _record_of(values: dict[str, Any]) -> FlightRecord:
     return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
 
 
-def _request_of(recording: Recording) -> FlightRequest:
+def request_of(recording: Recording) -> FlightRequest:
     """Return the request for a recorded survey; the keys of the first version are a subset of the current ones."""
     try:
         return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
@@ -66,8 +71,13 @@ def _request_of(recording: Recording) -> FlightRequest:
         raise ValueError(f"recording '{recording.path}': its survey's request: {error.errors()[0]['msg']}") from None
 
 
-def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> tuple[OccupancyMap, PingLog]:
-    """Pass the recorded pings through the survey's processing chain; return the resulting map and log."""
+def repeated(
+    recording: Recording, sim: Simulator, request: FlightRequest, seen: Seen | None = None
+) -> tuple[OccupancyMap, PingLog]:
+    """Pass the recorded pings through the survey's processing chain; return the resulting map and log.
+
+    seen: called after each ping.
+    """
     occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
     log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
     with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:
@@ -77,4 +87,6 @@ def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> t
             body, sonar, stamp_s = taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9
             points = chain.insert(ping.ranges_m, body, sonar, stamp_s, taken.deviation_m)
             log.add(ping, points, panel, ping.world_from_sonar)
+            if seen is not None:
+                seen(filler, log, ping.time_ns)
     return occupancy, log

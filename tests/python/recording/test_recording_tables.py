@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 from command_line import uwsim
 from uwsim import Simulator, recording
@@ -134,6 +135,18 @@ def test_a_survey_s_map_and_report_come_from_its_recording_and_it_replays(tmp_pa
     assert OccupancyMap.read(tmp_path / "again.bt").statistics().occupied_voxels > 100
     result = replay(run)
     assert result.difference is None and result.state_compared and result.commands > 100
+
+    film = tmp_path / "film.gif"
+    done = uwsim("map", "film", str(run), "--out", str(film), "--pictures", "3", "--width", "300")
+    assert done.returncode == 0, done.stderr
+    with Image.open(film) as moving:
+        assert moving.n_frames == 3
+        halves = [np.asarray(frame.convert("L"), float)[44:] for frame in ImageSequence.Iterator(moving)]
+    away = [np.abs(each[:, :300] - each[:, -300:]).mean() for each in halves]
+    assert away[0] > 1.2 * away[2], away  # the map approaches the truth
+    assert np.abs(halves[0] - halves[2])[:, :300].mean() < 5.0  # which does not change, but for the palette
+    done = uwsim("map", "film", str(run), "--out", str(tmp_path / "film.mp4"))
+    assert done.returncode != 0 and "must end in .webp or .gif" in done.stderr
 
 
 def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: Path) -> None:
