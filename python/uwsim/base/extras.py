@@ -30,6 +30,7 @@ EXTRA_OF = {
     "foxglove": "foxglove",
     "pymavlink": "mavlink",
     "imageio_ffmpeg": "video",
+    "xxhash": "unity",
     "pandas": "tables",
     "pyarrow": "tables",
     "xarray": "tables",

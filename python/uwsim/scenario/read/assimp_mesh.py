@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,28 @@ STEP_SUFFIXES = (".step", ".stp")
 """Exact surfaces, which become triangles while they are read."""
 
 
+class NodeMesh(NamedTuple):
+    """A mesh of a file's node: points (n, 3) in the node's frame, triangles (m, 3), the transform to the file's."""
+
+    name: str
+    points: NDArray[np.float64]
+    triangles: NDArray[Any]
+    file_from_node: NDArray[np.float64]
+
+    def placed(self, to_other: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[Any]]:
+        """Return points and triangles after a transform (4, 4), with the outside of a mirrored mesh outside."""
+        mirrored = np.linalg.det(to_other[:3, :3]) < 0
+        triangles = self.triangles[:, ::-1] if mirrored else self.triangles
+        return self.points @ to_other[:3, :3].T + to_other[:3, 3], triangles
+
+
 def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:
     """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError with the reason, or ImportError."""
+    return [mesh.placed(mesh.file_from_node) for mesh in nodes_by_assimp(path)]
+
+
+def nodes_by_assimp(path: Path) -> list[NodeMesh]:
+    """Return the meshes of all nodes in a file. Raises ValueError with the reason, or ImportError."""
     step = path.suffix.lower() in STEP_SUFFIXES
     need_extra(*(("cascadio", "step") if step else ("assimp_py", "meshes")), "this format")
     size = path.stat().st_size
@@ -36,8 +56,9 @@ def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]
             _reason("OpenCASCADE" if step else "assimp", ran.returncode, ran.stderr.decode(errors="replace"), cpu_s)
         )
     with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as arrays:
-        parts = [arrays[name] for name in arrays.files]
-    return list(zip(parts[::2], parts[1::2], strict=True))
+        names = arrays["names"].tolist()
+        parts = [arrays[name] for name in arrays.files if name != "names"]
+    return [NodeMesh(name, *parts[3 * k : 3 * k + 3]) for k, name in enumerate(names)]
 
 
 def _reason(reader: str, code: int, output: str, cpu_s: int) -> str:

@@ -1,6 +1,7 @@
 """Mesh import by assimp or OpenCASCADE, in a process: python assimp_process.py FILE MEMORY_BYTES CPU_S > parts.npz.
 
-To start quickly, this must not import uwsim. stdout: points and triangles of each part: p0, t0, p1, t1 ...
+To start quickly, this must not import uwsim. stdout: arrays of each part, a node's mesh: points, triangles and
+transform, p0, t0, m0, p1, t1, m1 ..., and `names` of the nodes.
 """
 
 from __future__ import annotations
@@ -22,8 +23,14 @@ NAMED = re.compile("^Assimp error loading '[^']*': ")
 """The start of assimp_py's messages: the caller names the file itself, which is another for Collada."""
 
 
-def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
-    """Return points (n, 3) float64 and triangles (m, 3) int64 of each part of a file, with node transforms applied."""
+Array = np.ndarray[Any, Any]
+
+
+def read_parts(path: str) -> tuple[list[str], list[Array]]:
+    """Return the node's name of each part of a file; and its points (n, 3) float64, triangles (m, 3) and transform.
+
+    Points are in the node's frame; the transform (4, 4) is that to the file's.
+    """
     if path.lower().endswith((".step", ".stp")):
         import trimesh
 
@@ -31,7 +38,7 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
             mesh = trimesh.load_scene(path, process=False).to_mesh()  # by cascadio
         except FileNotFoundError:  # for the file into which it writes triangles
             raise ValueError("OpenCASCADE finds no shape in it") from None
-        return [np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)]
+        return [""], [np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64), np.eye(4)]
     import assimp_py
 
     flags = (
@@ -47,9 +54,10 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
             scene = assimp_py.import_file(plain.name, flags)
     else:
         scene = assimp_py.import_file(path, flags)
-    parts: list[np.ndarray[Any, Any]] = []
+    names: list[str] = []
+    parts: list[Array] = []
 
-    def gather(node: Any, file_from_parent: np.ndarray[Any, Any]) -> None:
+    def gather(node: Any, file_from_parent: Array) -> None:
         file_from_node = file_from_parent @ np.asarray(node.transformation, np.float64)
         for index in node.mesh_indices:
             mesh = scene.meshes[index]
@@ -57,14 +65,13 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
                 continue
             points = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
             triangles = np.asarray(mesh.indices, np.int64).reshape(-1, 3)
-            if np.linalg.det(file_from_node[:3, :3]) < 0:  # mirrored, so triangles would wind inward
-                triangles = triangles[:, ::-1]
-            parts.extend((points @ file_from_node[:3, :3].T + file_from_node[:3, 3], triangles))
+            names.append(node.name)
+            parts.extend((points, triangles, file_from_node))
         for child in node.children:
             gather(child, file_from_node)
 
     gather(scene.root_node, np.eye(4))
-    return parts
+    return names, parts
 
 
 def main() -> None:
@@ -79,11 +86,11 @@ def main() -> None:
     ):
         resource.setrlimit(kind, (limit, limit))
     try:
-        parts = read_parts(path)
+        names, parts = read_parts(path)
     except Exception as error:  # they raise errors of any type for malformed files
         reason = NAMED.sub("", " ".join(str(error).split()))
         sys.exit(reason or type(error).__name__)
-    np.savez(out, *parts)
+    np.savez(out, *parts, names=np.array(names, str))
     out.close()
 
 

@@ -1,0 +1,1 @@
+"""Reads scenes of the Unity engine, as published with simulators that were built on it."""

@@ -1,0 +1,163 @@
+"""A scenario from the published simulator's Unity project: its lake, station, gates, pipelines and vehicle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.own_files import require_own
+from uwsim.base.texts.yaml_document import read_yaml
+from uwsim.evidence.unity.project import Project
+from uwsim.evidence.unity.scene import Piece, read_scene
+from uwsim.evidence.vehicle.draft import drafted
+from uwsim.scenario.dump import yaml_text
+from uwsim.scenario.read.assets import find_yaml
+
+FROM_UNITY = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""The published wire's axes (west, up, south) to east, north, up; and its body's axes (aft, up, starboard) to forward,
+left, up: ForceControls.cs."""
+SURFACE_M = 75.3
+"""Height of the published water's surface: WaterController.cs."""
+TERRAIN, STATION, WATER = "SolidTerrain", "ControlStation", "water"
+SPACING_M, ABOVE_M, DEEP_M = 0.5, 1e3, 1e4
+KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_time_s")
+"""Keys of the packaged scenario `paper` that hold for this lake, too."""
+
+
+class Made(NamedTuple):
+    """The scenario's file, and a line for each element that was left out or assumed."""
+
+    path: Path
+    notes: list[str]
+
+
+def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TERRAIN) -> Made:
+    """Write a scenario, its meshes, terrain and vehicle into the folder `out`.
+
+    scene: a scene of the project. terrain: the top-level object whose meshes are the bed. The station, water, optics
+    and survey are those of the packaged scenario `paper`. Raises ValueError or OSError.
+    """
+    read = read_scene(project, scene)
+    notes = [
+        f"left out: {reason}" + (f" ({count} times)" if count > 1 else "") for reason, count in read.dropped.items()
+    ]
+    groups: dict[str, list[Piece]] = {}
+    for piece in read.pieces:
+        groups.setdefault(piece.body[0] if piece.body else piece.path[0], []).append(piece)
+    for name in [name for name in groups if WATER in name.lower()]:
+        del groups[name]
+        notes.append(f"left out: {name}: the water is the scenario's")
+    bodies = [name for name, pieces in groups.items() if pieces[0].body is not None]
+    if len(bodies) != 1:
+        raise ValueError(f"'{scene}': has {len(bodies)} rigid bodies with meshes ({', '.join(bodies)}): must be one")
+    if terrain not in groups:
+        raise ValueError(f"'{scene}': has no object '{terrain}' with meshes for the bed, of {', '.join(groups)}")
+    written = _Files(out)
+    hull, station = groups.pop(bodies[0]), groups.pop(STATION, None)
+    bed, fill_m = _bed(groups.pop(terrain))
+    notes.append(f"assumed: the bed is flat at z = {fill_m:.1f} m where {terrain} has none")
+    written.add("terrain.asc", bed)
+    written.mesh("vehicle", *_joined(hull, _in_body(hull[0])))
+    paper = read_yaml(find_yaml("paper", "scenarios")).values
+    values: dict[str, Any] = {
+        "name": scene.stem.lower().replace(" ", "_"),
+        "description": f"{scene.name} of a Unity project, with uwsim's sonar and map",
+        **{key: paper[key] for key in KEPT},
+        "terrain": {"source": "raster", "file": "terrain.asc", "crs": "local", "water_level_m": 0.0, "centre": [0, 0],
+                    "interpolation": "linear"},
+        "vehicles": [{"name": "rov", "model": "vehicle.yaml", "start": "station",
+                      "sonar": {"model": 2, "tilt_deg": 60}}],
+        "obstacles": [],
+    }  # fmt: skip
+    if station is None:
+        notes.append(f"left out: {STATION}: the scene has none, so the packaged one is used")
+    else:
+        place = np.array(values["station"]["position_m"])
+        written.mesh("station", *_joined(station, lambda points: _in_world(points) - place))
+        values["station"]["mesh"] = "station.ply"
+    for k, (name, pieces) in enumerate(groups.items()):
+        kept, file = _joined(pieces, _in_world), f"obstacle_{k}"
+        written.mesh(file, *kept)
+        values["obstacles"].append(
+            {"kind": "mesh", "name": _name(name), "file": f"{file}.ply", "position_m": [0, 0, 0]}
+        )
+    written.write()
+    draft = drafted(out / "vehicle.ply", ("surge", "sway", "heave", "roll", "pitch", "yaw"), None, "metres", "x")
+    notes += [f"vehicle: {note}" for note in draft.notes]
+    write_atomically(out / "vehicle.yaml", draft.text.encode())
+    path = out / f"{values['name']}.yaml"
+    write_atomically(path, yaml_text(values).encode())
+    return Made(path, notes)
+
+
+class _Files:
+    """Files that are written together, once all of them have been made."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._contents = folder, dict[str, bytes]()
+
+    def add(self, name: str, content: bytes) -> None:
+        require_own(self._folder / name)
+        self._contents[name] = content
+
+    def mesh(self, name: str, vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> None:
+        import trimesh
+
+        mesh = trimesh.Trimesh(vertices, triangles, process=False)
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        self.add(f"{name}.ply", cast(bytes, mesh.export(file_type="ply")))
+
+    def write(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+        for name, content in self._contents.items():
+            write_atomically(self._folder / name, content)
+
+
+def _in_world(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(points @ FROM_UNITY.T - (0.0, 0.0, SURFACE_M))
+
+
+def _in_body(piece: Piece) -> Any:
+    """Return the function from Unity's world to the frame of the piece's body, without that body's scale."""
+    assert piece.body is not None
+    world_from_body = piece.body[1]
+    turn = world_from_body[:3, :3] / np.linalg.norm(world_from_body[:3, :3], axis=0)
+    return lambda points: (points - world_from_body[:3, 3]) @ turn @ FROM_UNITY.T
+
+
+def _joined(pieces: Iterable[Piece], placed: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the vertices and triangles of all pieces, placed by a function."""
+    vertices, triangles, count = [], [], 0
+    for piece in pieces:
+        vertices.append(placed(piece.vertices))
+        triangles.append(piece.triangles + count)
+        count += len(piece.vertices)
+    return np.concatenate(vertices), np.concatenate(triangles)
+
+
+def _bed(pieces: list[Piece]) -> tuple[bytes, float]:
+    """Return an ESRI grid of the highest surface about the origin, and the height where there is none."""
+    vertices, triangles = _joined(pieces, _in_world)
+    world = _core.World()
+    world.add_solid("bed", vertices, triangles.astype(np.uint32))
+    half = SPACING_M * np.ceil(np.abs(vertices[:, :2]).max() / SPACING_M)
+    places = np.arange(-half, half, SPACING_M) + SPACING_M / 2.0
+    east, north = np.meshgrid(places, places[::-1])
+    above = np.stack([east.ravel(), north.ravel(), np.full(east.size, vertices[:, 2].max() + ABOVE_M)], axis=1)
+    ranges = _core.RayScene(world).cast(above, np.array([[0.0, 0.0, -1.0]]).repeat(len(above), 0), DEEP_M).ranges_m
+    heights = above[:, 2] - ranges
+    fill_m = float(heights[np.isfinite(heights)].min())
+    grid = np.where(np.isfinite(heights), heights, fill_m).reshape(east.shape)
+    head = f"ncols {len(places)}\nnrows {len(places)}\nxllcorner {-half}\nyllcorner {-half}\ncellsize {SPACING_M}\n"
+    return (head + "\n".join(" ".join(f"{height:.3f}" for height in row) for row in grid) + "\n").encode(), fill_m
+
+
+def _name(text: str) -> str:
+    """Return a name as scenarios have it."""
+    return "".join(letter if letter.isalnum() else "_" for letter in text.lower()).strip("_")

@@ -1,0 +1,213 @@
+"""The meshes of a Unity scene, each with its place in the world; the rest is named."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim.base.extras import need_extra
+from uwsim.evidence.unity.project import Document, Project
+from uwsim.scenario.read.assimp_mesh import NodeMesh, nodes_by_assimp
+
+Matrix = NDArray[np.float64]
+LEFT_HANDED = np.diag([-1.0, 1.0, 1.0, 1.0])
+"""Unity mirrors the x of a file's points and transforms, since its frames are left-handed (y up, z forward)."""
+BUILT_IN = {10202: "cube", 10206: "cylinder", 10207: "sphere", 10209: "plane"}
+TRANSFORMS = ("Transform", "RectTransform")
+FIELDS = {"m_LocalPosition": "xyz", "m_LocalRotation": "xyzw", "m_LocalScale": "xyz"}
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A mesh in the scene. path: names from the top-level object down. vertices: (n, 3), Unity's world, left-handed.
+
+    triangles: (m, 3), counter-clockwise from outside as seen in a right-handed frame, after mirroring. body: the name
+    of the rigid body that it belongs to, and that body's world_from_body (4, 4), or None.
+    """
+
+    path: tuple[str, ...]
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    body: tuple[str, Matrix] | None
+
+
+@dataclass
+class Scene:
+    """The pieces of a scene. dropped: how many objects were left out, by reason."""
+
+    pieces: list[Piece] = field(default_factory=list)
+    dropped: Counter[str] = field(default_factory=Counter)
+
+
+def read_scene(project: Project, path: Path) -> Scene:
+    """Read a scene or prefab. Raises ValueError or OSError."""
+    scene = Scene()
+    _File(project, path, scene, {}).read(np.eye(4), (), None, {})
+    return scene
+
+
+class _File:
+    """A scene or prefab that is read into a Scene. models: the meshes of files read so far."""
+
+    def __init__(self, project: Project, path: Path, scene: Scene, models: dict[Path, list[NodeMesh]]) -> None:
+        self._project, self._scene, self._models = project, scene, models
+        self._documents = project.documents(path)
+        self._parts: dict[int, list[Document]] = {}
+        for document in self._documents.values():
+            owner = document.values.get("m_GameObject", {}).get("fileID", 0)
+            self._parts.setdefault(owner, []).append(document)
+        self._prefabs: dict[int, list[dict[str, Any]]] = {}
+        for document in self._of("PrefabInstance"):
+            parent = document.values["m_Modification"]["m_TransformParent"]["fileID"]
+            self._prefabs.setdefault(parent, []).append(document.values)
+
+    def _of(self, *kinds: str) -> Iterator[Document]:
+        return (each for each in self._documents.values() if each.kind in kinds and not each.stripped)
+
+    def read(self, world: Matrix, path: tuple[str, ...], body: Any, changes: dict[tuple[int, str], Any]) -> None:
+        """Add all objects. world: the parent's. changes: a prefab instance's, by identifier and field."""
+        for identifier, each in self._documents.items():
+            if each.kind in TRANSFORMS and not each.stripped and not each.values["m_Father"]["fileID"]:
+                self._object(identifier, world, path, body, changes)
+        for values in self._prefabs.get(0, []):
+            self._prefab(values, world, path, body)
+
+    def _object(self, identifier: int, world: Matrix, path: tuple[str, ...], body: Any, changes: Any) -> None:
+        transform = self._documents[identifier].values
+        owner = transform["m_GameObject"]["fileID"]
+        known = self._documents.get(owner)
+        name = str(changes.get((owner, "m_Name"), known.values["m_Name"] if known else "?"))
+        path = (*path, name)
+        if known is not None and not int(changes.get((owner, "m_IsActive"), known.values["m_IsActive"])):
+            self._scene.dropped[f"{'/'.join(path)}: inactive"] += 1
+            return
+        parts = {part.kind: part.values for part in self._parts.get(owner, [])}
+        world = world @ _local(transform, identifier, changes)
+        body = (name, world) if "Rigidbody" in parts else body
+        if "MeshFilter" in parts:
+            if int(parts.get("MeshRenderer", {}).get("m_Enabled", 0)):
+                self._mesh(parts["MeshFilter"]["m_Mesh"], world, path, body)
+            else:
+                self._scene.dropped[f"{'/'.join(path)}: its renderer is off"] += 1
+        for child in transform["m_Children"]:
+            below = self._documents.get(child["fileID"])
+            if below is not None and not below.stripped:
+                self._object(child["fileID"], world, path, body, changes)
+        for values in self._prefabs.get(identifier, []):
+            self._prefab(values, world, path, body)
+
+    def _mesh(self, reference: dict[str, Any], world: Matrix, path: tuple[str, ...], body: Any) -> None:
+        """Add the mesh of a MeshFilter."""
+        number, file = reference["fileID"], self._project.path(reference.get("guid", ""))
+        if number in BUILT_IN and file is None:
+            mesh = _built_in(BUILT_IN[number])
+            self._add(mesh, world @ LEFT_HANDED, path, body)
+            return
+        models = self._model(file, path)
+        found = [mesh for mesh in models if len({each.name for each in models}) == 1 or _number(mesh.name) == number]
+        for mesh in found:
+            self._add(mesh, world @ LEFT_HANDED, path, body)
+        if models and not found:
+            self._scene.dropped[f"{'/'.join(path)}: has no mesh {number} in {file and self._project.named(file)}"] += 1
+
+    def _model(self, file: Path | None, path: tuple[str, ...]) -> list[NodeMesh]:
+        """Return the meshes of a model file; none, and the reason among the dropped, if it cannot be read."""
+        reason = ""
+        if file is None:
+            reason = "its file is not in the checkout"
+        elif not file.is_file():
+            reason = f"{self._project.named(file)} is missing"
+        elif file not in self._models:
+            try:
+                self._models[file] = nodes_by_assimp(file)
+            except ValueError as error:
+                reason = f"{self._project.named(file)}: {error}"
+        if reason:
+            self._scene.dropped[f"{'/'.join(path)}: {reason}"] += 1
+            return []
+        return self._models[file]  # type: ignore[index]  # there is one without a reason
+
+    def _prefab(self, values: dict[str, Any], world: Matrix, path: tuple[str, ...], body: Any) -> None:
+        """Add an instance of a prefab or a model file."""
+        changes = {
+            (each["target"]["fileID"], each["propertyPath"]): each["value"]
+            for each in values["m_Modification"]["m_Modifications"]
+        }
+        name = next((str(value) for (_, key), value in changes.items() if key == "m_Name"), "?")
+        file = self._project.path(values["m_SourcePrefab"]["guid"])
+        if file is not None and file.suffix == ".prefab" and file.is_file():
+            _File(self._project, file, self._scene, self._models).read(world, path, body, changes)
+            return
+        if any(key == "m_IsActive" and not int(value) for (_, key), value in changes.items()):
+            self._scene.dropped[f"{'/'.join((*path, name))}: inactive"] += 1
+            return
+        models = self._model(file, (*path, name))
+        root = next((target for target, key in changes if key == "m_RootOrder"), 0)
+        is_single = len({mesh.name for mesh in models}) == 1  # then Unity makes the only node the root
+        for mesh in models:
+            node = LEFT_HANDED @ mesh.file_from_node @ LEFT_HANDED
+            local = _changed(node, root, changes) if is_single else _changed(np.eye(4), root, changes) @ node
+            self._add(mesh, world @ local @ LEFT_HANDED, (*path, name), body)
+
+    def _add(self, mesh: NodeMesh, world_from_file: Matrix, path: tuple[str, ...], body: Any) -> None:
+        vertices, triangles = mesh.placed(LEFT_HANDED @ world_from_file)  # right-handed, which decides the winding
+        self._scene.pieces.append(Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body))
+
+
+def _number(name: str) -> int:
+    """Return Unity's identifier of a model file's mesh (its fileIdsGeneration 2), which its documentation omits.
+
+    It is the xxHash64 of type and name, as the identifiers of the published simulator's five models show.
+    """
+    need_extra("xxhash", "unity", "a model file with several meshes")
+    import xxhash
+
+    return int(np.uint64(xxhash.xxh64(f"Type:Mesh->{name}0".encode()).intdigest()).astype(np.int64))
+
+
+def _local(transform: dict[str, Any], identifier: int, changes: dict[tuple[int, str], Any]) -> Matrix:
+    """Return a Transform's parent_from_object, with a prefab instance's changes."""
+    values = {
+        name: [float(changes.get((identifier, f"{name}.{axis}"), transform[name][axis])) for axis in axes]
+        for name, axes in FIELDS.items()
+    }
+    return _matrix(*values.values())
+
+
+def _changed(node: Matrix, identifier: int, changes: dict[tuple[int, str], Any]) -> Matrix:
+    """Return a node's transform with a prefab instance's changes."""
+    scale = np.linalg.norm(node[:3, :3], axis=0)
+    scale[0] *= np.sign(np.linalg.det(node[:3, :3])) or 1.0
+    turn = Rotation.from_matrix(node[:3, :3] / np.where(scale == 0.0, 1.0, scale)).as_quat()
+    found = dict(zip(FIELDS, (node[:3, 3], turn, scale), strict=True))
+    plain = {name: dict(zip(axes, found[name].tolist(), strict=True)) for name, axes in FIELDS.items()}
+    return _local(plain, identifier, changes)
+
+
+def _matrix(position: list[float], turn_xyzw: list[float], scale: list[float]) -> Matrix:
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_quat(turn_xyzw).as_matrix() * scale
+    matrix[:3, 3] = position
+    return matrix
+
+
+def _built_in(kind: str) -> NodeMesh:
+    """Return one of Unity's own meshes: 1 m wide; the cylinder is 2 m high, the plane 10 m wide."""
+    import trimesh
+
+    upright = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])  # from z up to y up
+    makers: dict[str, Callable[[], Any]] = {
+        "cube": lambda: trimesh.creation.box((1.0, 1.0, 1.0)),
+        "cylinder": lambda: trimesh.creation.cylinder(0.5, 2.0, transform=upright),
+        "sphere": lambda: trimesh.creation.icosphere(radius=0.5),
+        "plane": lambda: trimesh.Trimesh([[-5, 0, -5], [5, 0, -5], [5, 0, 5], [-5, 0, 5]], [[0, 2, 1], [0, 3, 2]]),
+    }
+    mesh = makers[kind]()
+    return NodeMesh(kind, np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64), np.eye(4))

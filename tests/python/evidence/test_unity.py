@@ -1,0 +1,133 @@
+"""`uwsim scenario from`: a small Unity project of our own becomes a scenario; what is left out is named."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import uwsim
+from command_line import uwsim as command
+from uwsim.evidence.unity.project import Project
+from uwsim.evidence.unity.scene import _number, read_scene
+
+pytest.importorskip("xxhash", reason="the extra unity")
+GUID = "0123456789abcdef0123456789abcdef"
+PAIR = Path(__file__).parents[1] / "data" / "pair.fbx"
+"""Two nodes, Left and Right, at x = 10 and 20 m, each a tetrahedron with edges of 1, 2 and 3 m."""
+
+
+def thing(number: int, name: str, mesh: str, position: str, *, more: str = "", scale: str = "1, y: 1, z: 1",
+          on: int = 1, active: int = 1, turn: str = "0, y: 0, z: 0, w: 1") -> str:  # fmt: skip
+    """An object with a mesh, as Unity writes it."""
+    return f"""--- !u!1 &{number}
+GameObject:
+  m_Name: {name}
+  m_IsActive: {active}
+--- !u!4 &{number + 1}
+Transform:
+  m_GameObject: {{fileID: {number}}}
+  m_LocalRotation: {{x: {turn}}}
+  m_LocalPosition: {{x: {position}}}
+  m_LocalScale: {{x: {scale}}}
+  m_Children: []
+  m_Father: {{fileID: 0}}
+--- !u!33 &{number + 2}
+MeshFilter:
+  m_GameObject: {{fileID: {number}}}
+  m_Mesh: {{{mesh}}}
+--- !u!23 &{number + 3}
+MeshRenderer:
+  m_GameObject: {{fileID: {number}}}
+  m_Enabled: {on}
+{more}"""
+
+
+CUBE, PLANE = (f"fileID: {number}, guid: 0000000000000000e000000000000000, type: 0" for number in (10202, 10209))
+BODY = "--- !u!54 &204\nRigidbody:\n  m_GameObject: {fileID: 200}\n  m_Mass: 47000\n"
+INSTANCE = f"""--- !u!1001 &900
+PrefabInstance:
+  m_Modification:
+    m_TransformParent: {{fileID: 0}}
+    m_Modifications:
+    - {{target: {{fileID: 7, guid: {GUID}, type: 3}}, propertyPath: m_RootOrder, value: 0}}
+    - {{target: {{fileID: 7, guid: {GUID}, type: 3}}, propertyPath: m_LocalPosition.y, value: 70}}
+    - {{target: {{fileID: 8, guid: {GUID}, type: 3}}, propertyPath: m_Name, value: Pair}}
+  m_SourcePrefab: {{fileID: 100100000, guid: {GUID}, type: 3}}
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    folder = tmp_path / "checkout"
+    (folder / "Assets").mkdir(parents=True)
+    shutil.copy(PAIR, folder / "Assets" / "Pair.fbx")
+    (folder / "Assets" / "Pair.fbx.meta").write_text(f"fileFormatVersion: 2\nguid: {GUID}\n")
+    right = f"fileID: {_number('Right')}, guid: {GUID}, type: 3"
+    (folder / "Assets" / "LawnTest.unity").write_text(
+        "%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n"
+        + thing(100, "SolidTerrain", PLANE, "0, y: 55.3, z: 0", scale="40, y: 1, z: 40")
+        + thing(200, "ROV", CUBE, "0, y: 70, z: 0", scale="3, y: 1, z: 2", more=BODY)
+        + thing(300, "Waterbox", CUBE, "0, y: 70, z: 0")
+        + thing(
+            400, "Turned", right, "20, y: 70.3, z: 130", turn="0, y: 0.7071067811865476, z: 0, w: 0.7071067811865476"
+        )
+        + thing(500, "Dark", CUBE, "0, y: 70, z: 0", on=0)
+        + thing(600, "Away", CUBE, "0, y: 70, z: 0", active=0)
+        + thing(700, "Lost", f"fileID: 1, guid: {GUID[::-1]}, type: 3", "0, y: 70, z: 0")
+        + INSTANCE
+    )
+    return folder
+
+
+def test_meshes_are_where_unity_shows_them(project: Path) -> None:
+    scene = read_scene(Project(project), project / "Assets" / "LawnTest.unity")
+    pieces = {piece.path: [] for piece in scene.pieces}
+    for piece in scene.pieces:
+        pieces[piece.path].append(piece)
+    (turned,) = pieces[("Turned",)]
+    # A file's x points to Unity's -x; a quarter turn about y, clockwise from above, takes x to -z and z to x.
+    wanted = np.add([[0, 0, 0], [0, 0, 1], [0, 2, 0], [3, 0, 0]], (20.0, 70.3, 130.0))
+    assert sorted(map(tuple, turned.vertices.round(6))) == sorted(map(tuple, wanted.round(6)))
+    left, right = pieces[("Pair",)]  # an instance of the model: its nodes 10 and 20 m from its root
+    assert left.vertices[:, 0].max() == pytest.approx(-10.0) and right.vertices[:, 0].max() == pytest.approx(-20.0)
+    assert left.vertices[:, 1].min() == pytest.approx(70.0)
+    for piece in (turned, left):  # outward in a right-handed frame
+        a, b, c = (piece.vertices * (-1.0, 1.0, 1.0))[piece.triangles].transpose(1, 0, 2)
+        assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(1.0)
+    assert sorted(scene.dropped) == [
+        "Away: inactive", "Dark: its renderer is off", "Lost: its file is not in the checkout"
+    ]  # fmt: skip
+
+
+def test_the_identifier_of_a_mesh_is_unity_s() -> None:
+    assert _number("Landscape_plane") == 7836155707338945327  # in the published scene, of a mesh with this name
+
+
+def test_the_scenario_can_be_flown_and_says_what_it_lacks(project: Path, tmp_path: Path) -> None:
+    done = command("scenario", "from", project, "--out", tmp_path / "lake")
+    assert done.returncode == 0, done.stderr
+    for name in ("Dark: its renderer is off", "Waterbox: the water", "ControlStation: the scene has none"):
+        assert f"left out: {name}" in done.stdout
+    sim = uwsim.Simulator(tmp_path / "lake" / "lawntest.yaml")
+    assert sim.world.height_at(np.array([[30.0, -120.0]])) == pytest.approx([-20.0], abs=1e-3)
+    tip = np.array([[-20.0 - 2.9, -130.02, -4.95]])  # of `Turned`, whose long edge points west
+    assert sim.scene.distance_m(tip) == pytest.approx([0.0], abs=0.1)
+    hull = sim.scenario.vehicles[0].model
+    assert hull.buoyancy == "neutral" or hull.mass_kg == pytest.approx(6.0 * 998.0, rel=0.01)  # a block of 3 x 2 x 1 m
+
+
+@pytest.mark.parametrize(
+    "break_it, words",
+    [
+        (lambda folder: (folder / "Assets").rename(folder / "Other"), "has no folder Assets"),
+        (lambda folder: (folder / "Assets/LawnTest.unity").write_bytes(b"\0\1\2"), "must be YAML"),
+        (lambda folder: (folder / "Assets/LawnTest.unity").rename(folder / "Assets/A.unity"), "--scene = 'LawnTest'"),
+        (lambda folder: (folder / "Assets/LawnTest.unity").write_text("%YAML 1.1\n"), "0 rigid bodies"),
+    ],
+)
+def test_mistakes_are_one_line_and_write_nothing(break_it, words: str, project: Path, tmp_path: Path) -> None:
+    break_it(project)
+    done = command("scenario", "from", project, "--out", tmp_path / "lake")
+    assert done.returncode != 0 and words in done.stderr and len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "lake").exists()
