@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from uwsim import ScenarioError, Simulator, _core
 from uwsim.instruments.cameras import EFFECTS, Camera
 from uwsim.scenario import load
+from uwsim.scenario.build.optics import core_optics
 
 POOL = Path(__file__).parents[3] / "assets" / "scenarios" / "pool.yaml"
 BED_M = 5.0
@@ -148,6 +149,22 @@ def test_turbid_water_lowers_contrast_and_unknown_optics_are_refused(pool: Simul
     with pytest.raises(ValueError, match=r"did you mean 'optics\.jerlov'"):
         pool.set_optics(jerlow="III")
     assert pool.optics.jerlov == "9C"
+
+
+def test_a_visibility_scales_the_water_and_keeps_its_colour() -> None:
+    sim = Simulator("pool")
+    usual = core_optics(sim.optics).water
+    assert sim.parameters["optics.visibility_m"] == pytest.approx(4.8 / usual.beam_attenuation[1])
+    sim.parameters["optics.visibility_m"] = 2.4
+    found = core_optics(sim.optics).water
+    assert found.beam_attenuation[1] == pytest.approx(2.0)
+    for name in ("absorption", "scattering", "diffuse_attenuation"):
+        shares = getattr(found, name) / getattr(usual, name)
+        assert shares == pytest.approx([shares[0]] * 3)
+    sim.parameters["optics.visibility_m"] = None
+    assert np.array_equal(core_optics(sim.optics).water.absorption, usual.absorption)
+    with pytest.raises(ValueError, match=r"visibility_m.*must be in \[0.1, 1000\] m"):
+        sim.parameters["optics.visibility_m"] = 0.0
 
 
 @pytest.mark.parametrize("scenario", ["lake", "pair", "pool"])

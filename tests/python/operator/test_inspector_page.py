@@ -22,6 +22,15 @@ def test_the_inspector_finds_changes_and_resets_parameters(running):
     assert own[name] == 40.0
     page.locator(f"[aria-label='{name}, slider']").press("ArrowRight")
     until(lambda: 40.0 < own[name] < 41.0, "the slider")
+    slider = page.locator(f"[aria-label='{name}, slider']")
+    slider.press("Home")  # from a tenth to ten times the scenario's value
+    until(lambda: own[name] == 2.94, "the slider's left end")
+    slider.press("End")
+    until(lambda: own[name] == 294.0, "its right end")
+    for word, found in (("turbidity", "optics.visibility_m"), ("wind", "optics.wind_m_s"), ("gravity", "rov.mass_kg")):
+        page.fill("[aria-label='Search parameters']", word)
+        page.wait_for_selector(f"[aria-label^='{found},']:visible")
+    page.fill("[aria-label='Search parameters']", name)
     page.click(f"[aria-label='Reset {name}']")
     until(lambda: own[name] == 29.4, "the reset")
     running.station.present().live.call(lambda sim: own.update({name: 50.0})).result()  # by another client

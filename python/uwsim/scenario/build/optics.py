@@ -23,10 +23,16 @@ def core_optics(optics: Optics) -> _core.Optics:
 
 
 def _water(optics: Optics) -> _core.WaterOptics:
+    """Return the water, scaled to the visibility that is set, if one is."""
     own = optics.coefficients
     if own is None:
-        return _core.WaterOptics.jerlov(optics.jerlov)
-    return _core.WaterOptics(own.diffuse_attenuation, own.absorption, own.scattering)
+        water = _core.WaterOptics.jerlov(optics.jerlov)
+    else:
+        water = _core.WaterOptics(own.diffuse_attenuation, own.absorption, own.scattering)
+    if optics.visibility_m is None:
+        return water
+    share = visibility_m(water) / optics.visibility_m
+    return _core.WaterOptics(share * water.diffuse_attenuation, share * water.absorption, share * water.scattering)
 
 
 def visibility_m(water: _core.WaterOptics) -> float:

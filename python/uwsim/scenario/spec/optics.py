@@ -45,6 +45,7 @@ class OpticsChanges(TypedDict, total=False):
 
     jerlov: str
     coefficients: WaterCoefficients | Mapping[str, Any] | None
+    visibility_m: float | None
     sun_elevation_deg: float
     sun_azimuth_deg: float
     wind_m_s: float
@@ -58,16 +59,19 @@ class Optics(Model):
     """The optical conditions for cameras.
 
     jerlov: the water type, unless coefficients are given. coefficients: custom optical properties of the water.
-    sun_elevation_deg: above the horizon. sun_azimuth_deg: direction towards the sun, counter-clockwise from east.
-    wind_m_s, wind_heading_deg: speed and direction of the breeze that ripples the surface; the ripples only refract
-    light: vehicles feel the waves of `water.surface`. particles_per_m3: density of particles large enough to be
-    individually visible. turbulence_k: standard deviation of the temperature in the eddies that refract light (effect
-    `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed. forward_scatter_mrad:
-    mean angle by which particles scatter light on its way to the camera, which blurs the picture; 0: no blur.
+    visibility_m: the distance at which a diver sees a dark object, against turbidity: it scales all coefficients alike,
+    which keeps the water's colour; by default that of the water type or the coefficients. sun_elevation_deg: above the
+    horizon. sun_azimuth_deg: direction towards the sun, counter-clockwise from east. wind_m_s, wind_heading_deg: speed
+    and direction of the breeze that ripples the surface; the ripples only refract light: vehicles feel the waves of
+    `water.surface`. particles_per_m3: density of particles large enough to be individually visible. turbulence_k:
+    standard deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in
+    calm water, 2 where warm and cold water mix; assumed. forward_scatter_mrad: mean angle by which particles scatter
+    light on its way to the camera, which blurs the picture; 0: no blur.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"
     coefficients: WaterCoefficients | None = None
+    visibility_m: Annotated[float, InRange(0.1, 1000, "m")] | None = None
     sun_elevation_deg: Annotated[float, InRange(-6, 90, "deg")] = 55.0
     sun_azimuth_deg: Degrees = 120.0
     wind_m_s: Annotated[float, InRange(0, 14, "m/s")] = 3.0

@@ -89,16 +89,16 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     Six-vectors are surge, sway, heave, roll, pitch, yaw; all components are magnitudes and not negative. A full matrix
     about the origin, such as added_mass_matrix, may be given by rows instead. builds_on: another vehicle, a packaged
     name or a file, whose values apply where this one gives none; parts by name are added to its parts, or replace those
-    of the same name, and `null` removes a value or a part. mesh: the hull, closed and winding
-    outward. Buoyancy acts on its triangles, and collisions use it. It also determines the volume, and the inertia (as a
-    solid of uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's
-    axis that points up; by default y for glTF, the declared axis for FBX, z for all others. mesh_forward: the direction
-    of the bow, seen with z up; by default x. mass_kg: mass of the
-    vehicle, without ballast and water inside; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3:
-    instead, mean density over the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole
-    hull displaces in the scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box.
-    ballast_kg, ballast_position_m: an additional point mass: it adds to mass and inertia and moves the centre of mass,
-    but displaces no water. compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by
+    of the same name, and `null` removes a value or a part. mesh: the hull, closed and winding outward. Buoyancy acts on
+    its triangles, and collisions use it. It also determines the volume, and the inertia (as a solid of uniform density)
+    if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's axis that points up; by
+    default y for glTF, the declared axis for FBX, z for all others. mesh_forward: the direction of the bow, seen with z
+    up; by default x. mass_kg: mass of the vehicle, without ballast and water inside, which standard gravity, 9.80665
+    m/s2, pulls down; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3: instead, mean density over
+    the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole hull displaces in the
+    scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box. ballast_kg,
+    ballast_position_m: an additional point mass: it adds to mass and inertia and moves the centre of mass, but
+    displaces no water. compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by
     default it is as compressible as the water around it (assumed). trim: weights for the scenario's water; by default
     the mass and the water determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published
     values, to which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex
@@ -108,14 +108,13 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     in an ideal fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
     crossflow_length_m: length along x over which the quadratic drag of sway and heave is spread evenly in strips, each
     with its own speed, so that they couple with yaw and pitch; pure motion along or about an axis keeps its published
-    drag, so the strips are shortened where their drag in yaw or pitch would exceed it. 0, the
-    default: the drag acts at the origin. inertia_kg_m2: principal moments about the centre of mass along the body axes.
-    max_force_n, max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without
-    thrusters. control: gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps,
-    imaging_sonars: parts by name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two
-    bodies in contact, the geometric mean applies. restitution: the fraction of the approach speed that is kept; for two
-    bodies in contact, the larger value applies. material: material of the hull. failsafe: the reaction to loss of
-    contact or to a fault.
+    drag, so the strips are shortened where their drag in yaw or pitch would exceed it. 0, the default: the drag acts at
+    the origin. inertia_kg_m2: principal moments about the centre of mass along the body axes. max_force_n,
+    max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without thrusters. control:
+    gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps, imaging_sonars: parts by name.
+    sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the
+    geometric mean applies. restitution: the fraction of the approach speed that is kept; for two bodies in contact, the
+    larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault.
     """
 
     builds_on: VehicleName | None = None

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from uwsim.scenario import rigid_body
+from uwsim.scenario.build.optics import core_optics, visibility_m
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.spec.actuator import ThrusterMount
 from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sonar_setup import SonarSetup
@@ -28,6 +30,8 @@ def effective(owner: Model, field: str, scenario: Scenario) -> Any:
         return _of_vehicle(owner, field, scenario)
     if own is None and isinstance(owner, ThrusterMount):
         return owner.lag_s
+    if own is None and isinstance(owner, Optics) and field == "visibility_m":
+        return visibility_m(core_optics(owner).water)
     if own is None and isinstance(owner, Water | WaterLevel | LinearEnd):
         return _of_water(owner, field)
     return own

@@ -7,9 +7,11 @@ const WORDS = STRINGS.inspector;
 const WORLD = 'world';
 // Parameters of the physics that have a slider.
 const PHYSICAL =
-  /^water\.(density|surface_temp|bottom_temp|salinity|current_world)|^optics\.(coefficients\.|sun|wind|particles)|\.(mass_kg|ballast_kg|inertia_kg_m2|added_mass|drag)\b/;
+  /^water\.(density|surface_temp|bottom_temp|salinity|current_world)|^optics\.(visibility|coefficients\.|sun|wind|particles)|\.(mass_kg|ballast_kg|inertia_kg_m2|added_mass|drag)\b/;
 const WIDE = 1000; // bounds farther apart than this are too wide for a slider
 const SLIDER_STEPS = 200;
+const SPAN = 10; // from a tenth to ten times a value
+const DIGITS = 3; // of a value that a slider sets
 
 export class Inspector {
   #rows = new Map(); // name: { box, inputs, reset, show(value), isChanged }
@@ -143,7 +145,7 @@ export class Inspector {
     const set = (value) => this.#send(this.station.setParameters({ [name]: value }));
     const input = field(parameter, set);
     input.setAttribute('aria-label', unit ? `${name}, ${unit}` : name);
-    const slider = sliderOf(parameter, input, set);
+    const scaled = sliderOf(parameter, input, set);
     const reset = el('button', {
       type: 'button',
       'aria-label': WORDS.reset(name),
@@ -158,20 +160,21 @@ export class Inspector {
       input,
       el('span', { className: 'caption' }, unit),
       reset,
-      slider,
+      scaled?.slider,
       el('small', { className: 'parameter-range' }, boundsText(parameter)),
     );
     const row = {
       name,
       box,
-      inputs: [input, slider].filter(Boolean),
+      inputs: scaled ? [input, scaled.slider] : [input],
       reset,
       text: `${name} ${description}`.toLowerCase(),
     };
     row.show = (value) => {
       row.isChanged = JSON.stringify(value) !== JSON.stringify(parameter.default);
       box.toggleAttribute('data-changed', row.isChanged);
-      for (const each of row.inputs) fill(each, value);
+      fill(input, value);
+      scaled?.show(value);
     };
     return row;
   }
@@ -251,7 +254,6 @@ function parsed(text, type) {
 function fill(input, value) {
   if (input.hasAttribute('data-typing')) return;
   if (input.type === 'checkbox') input.checked = Boolean(value);
-  else if (input.type === 'range') input.value = String(value ?? 0);
   else input.value = value === null ? '' : typeof value === 'object' ? JSON.stringify(value) : String(value);
 }
 
@@ -260,24 +262,40 @@ function boundsText({ low, high, optional }) {
   return optional && text ? WORDS.orEmpty(text) : text;
 }
 
-// A slider over the bounds or, where these are too wide, from zero to twice the scenario's value.
-// The ends and the step of a parameter's slider, or null if it has no bounds.
-export function sliderBounds({ type, low, high, default: usual }) {
+/** A parameter's slider, or null if it has no bounds: from a tenth to ten times a positive scenario's value, by its
+ * logarithm; else over the bounds or, where these are too wide, to twice the value. ends: the input's attributes.
+ * @returns {{ ends: object, placeOf: (value: number) => number, valueAt: (place: number) => number } | null}
+ */
+export function sliderScale({ type, low, high, default: usual }) {
   if (type !== 'number' || typeof usual !== 'number' || low === null) return null;
-  const [least, most] = high - low <= WIDE ? [low, high] : [Math.max(low, Math.min(0, 2 * usual)), 2 * Math.abs(usual)];
+  const isLog = low >= 0 && usual > 0;
+  const [least, most] = isLog
+    ? [Math.max(low, usual / SPAN), Math.min(high, usual * SPAN)].map(Math.log10)
+    : high - low <= WIDE
+      ? [low, high]
+      : [Math.max(low, Math.min(0, 2 * usual)), Math.min(high, 2 * Math.abs(usual))];
   if (!(most > least)) return null;
-  return { min: String(least), max: String(Math.min(high, most)), step: String((most - least) / SLIDER_STEPS) };
+  return {
+    ends: { min: String(least), max: String(most), step: String((most - least) / SLIDER_STEPS) },
+    placeOf: (value) => (isLog ? Math.log10(value || 10 ** least) : value),
+    valueAt: (place) => (isLog ? Number((10 ** place).toPrecision(DIGITS)) : place),
+  };
 }
 
 function sliderOf(parameter, input, set) {
   const { name } = parameter;
-  const bounds = PHYSICAL.test(name) && sliderBounds(parameter);
-  if (!bounds) return null;
-  return el('input', {
+  const scale = PHYSICAL.test(name) && sliderScale(parameter);
+  if (!scale) return null;
+  const slider = el('input', {
     type: 'range',
-    ...bounds,
+    ...scale.ends,
     'aria-label': WORDS.slider(name),
-    oninput: ({ target }) => fill(input, Number(target.value)),
-    onchange: ({ target }) => set(Number(target.value)),
+    oninput: ({ target }) => fill(input, scale.valueAt(Number(target.value))),
+    onchange: ({ target }) => set(scale.valueAt(Number(target.value))),
   });
+  const show = (value) => {
+    slider.value = String(scale.placeOf(value ?? 0));
+    slider.setAttribute('aria-valuetext', String(value));
+  };
+  return { slider, show };
 }

@@ -4,7 +4,7 @@ import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
 import { FaultForm } from './fault_form.js';
 import { FaultTimes } from './fault_times.js';
-import { Inspector, sliderBounds } from './inspector.js';
+import { Inspector, sliderScale } from './inspector.js';
 import { TraineeView } from './instructor_view.js';
 import { STRINGS } from './strings.js';
 import * as messages from './wire/messages.js';
@@ -19,6 +19,7 @@ const SLIDERS = {
   'optics.sun_elevation_deg': WORDS.sun,
   mission_time_s: WORDS.batteryLife,
 };
+const VISIBILITY = 'optics.visibility_m'; // by default that of the type of water
 const WATER = 'optics.jerlov';
 const CURRENT = ['water.current_world_m_s.x', 'water.current_world_m_s.y'];
 const RAD = Math.PI / 180;
@@ -107,14 +108,15 @@ const sliders = Object.entries(SLIDERS).map(([name, title]) => {
   const value = el('output', { className: 'reading' }, '–');
   const input = el('input', { type: 'range', 'aria-label': title });
   const row = el('label', { className: 'instructor-slider', hidden: true }, title, input, value);
-  const found = { name, unit: '', value, input, row };
-  input.addEventListener('input', () => write(value, `${input.value} ${found.unit}`));
-  input.addEventListener('change', () => attempt(station.setParameters({ [name]: Number(input.value) })));
+  const found = { name, unit: '', scale: /** @type {any} */ (null), value, input, row };
+  const chosen = () => found.scale?.valueAt(Number(input.value));
+  input.addEventListener('input', () => write(value, `${chosen()} ${found.unit}`));
+  input.addEventListener('change', () => attempt(station.setParameters({ [name]: chosen() })));
   return found;
 });
 const water = el('select', {
   'aria-label': WORDS.visibility,
-  onchange: () => attempt(station.setParameters({ [WATER]: water.value })),
+  onchange: () => attempt(station.setParameters({ [WATER]: water.value, [VISIBILITY]: null })),
 });
 
 byId('instructor').append(
@@ -289,11 +291,12 @@ async function showParameters() {
   for (const slider of sliders) {
     const { input, row } = slider;
     const parameter = described.get(slider.name);
-    const bounds = parameter && sliderBounds(parameter);
-    row.hidden = !bounds;
-    if (row.hidden || document.activeElement === input) continue;
+    const scale = parameter && sliderScale(parameter);
+    row.hidden = !scale;
+    if (!scale || document.activeElement === input) continue;
+    slider.scale = scale;
     slider.unit = parameter.unit;
-    Object.assign(input, bounds, { value: parameter.value });
+    Object.assign(input, scale.ends, { value: scale.placeOf(parameter.value) });
     write(slider.value, `${+Number(parameter.value).toFixed(3)} ${parameter.unit}`);
   }
   const { value, choices = [] } = described.get(WATER) ?? {};
