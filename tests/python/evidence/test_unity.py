@@ -109,7 +109,8 @@ def test_the_scenario_can_be_flown_and_says_what_it_lacks(project: Path, tmp_pat
     assert done.returncode == 0, done.stderr
     for name in ("Dark: its renderer is off", "Waterbox: the water", "ControlStation: the scene has none"):
         assert f"left out: {name}" in done.stdout
-    sim = uwsim.Simulator(tmp_path / "lake" / "lawntest.yaml")
+    (tmp_path / "lake").rename(tmp_path / "moved")  # the folder is complete
+    sim = uwsim.Simulator(tmp_path / "moved" / "lawntest.yaml")
     assert sim.world.height_at(np.array([[30.0, -120.0]])) == pytest.approx([-20.0], abs=1e-3)
     tip = np.array([[-20.0 - 2.9, -130.02, -4.95]])  # of `Turned`, whose long edge points west
     assert sim.scene.distance_m(tip) == pytest.approx([0.0], abs=0.1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.evidence.unity.project import Project
@@ -25,6 +27,7 @@ left, up: ForceControls.cs."""
 SURFACE_M = 75.3
 """Height of the published water's surface: WaterController.cs."""
 TERRAIN, STATION, WATER = "SolidTerrain", "ControlStation", "water"
+HULL = "vehicle.ply"
 SPACING_M, ABOVE_M, DEEP_M = 0.5, 1e3, 1e4
 KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_time_s")
 """Keys of the packaged scenario `paper` that hold for this lake, too."""
@@ -87,13 +90,11 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
         values["obstacles"].append(
             {"kind": "mesh", "name": _name(name), "file": f"{file}.ply", "position_m": [0, 0, 0]}
         )
+    text, drafting = written.drafted()
+    written.add("vehicle.yaml", text.encode())
+    written.add(f"{values['name']}.yaml", yaml_text(values).encode())
     written.write()
-    draft = drafted(out / "vehicle.ply", ("surge", "sway", "heave", "roll", "pitch", "yaw"), None, "metres", "x")
-    notes += [f"vehicle: {note}" for note in draft.notes]
-    write_atomically(out / "vehicle.yaml", draft.text.encode())
-    path = out / f"{values['name']}.yaml"
-    write_atomically(path, yaml_text(values).encode())
-    return Made(path, notes)
+    return Made(out / f"{values['name']}.yaml", notes + drafting)
 
 
 class _Files:
@@ -112,6 +113,16 @@ class _Files:
         mesh = trimesh.Trimesh(vertices, triangles, process=False)
         mesh.merge_vertices(merge_tex=True, merge_norm=True)
         self.add(f"{name}.ply", cast(bytes, mesh.export(file_type="ply")))
+
+    def drafted(self) -> tuple[str, list[str]]:
+        """Return the text of the vehicle's file, drafted from its mesh, and notes. Raises ValueError."""
+        with TemporaryDirectory() as folder:
+            mesh = Path(folder).resolve() / HULL
+            mesh.write_bytes(self._contents[HULL])
+            draft = drafted(mesh, AXES, None, "metres", "x")
+        return draft.text.replace(str(mesh), HULL), [
+            f"vehicle: {note.replace(str(mesh), HULL)}" for note in draft.notes
+        ]
 
     def write(self) -> None:
         self._folder.mkdir(parents=True, exist_ok=True)
