@@ -22,6 +22,9 @@ def thing(number: int, name: str, mesh: str, position: str, *, more: str = "", s
     """An object with a mesh, as Unity writes it."""
     return f"""--- !u!1 &{number}
 GameObject:
+  m_Component:
+  - 4: {{fileID: {number + 1}}}
+  - component: {{fileID: {number + 2}}}
   m_Name: {name}
   m_IsActive: {active}
 --- !u!4 &{number + 1}

@@ -12,6 +12,8 @@ from uwsim.base.texts.yaml_document import yaml_document
 GUID = re.compile(r"^guid: ([0-9a-f]{32})", re.MULTILINE)
 DOCUMENT = re.compile(r"^--- !u!(\d+) &(-?\d+)( stripped)?\n(.*?)(?=^--- |\Z)", re.DOTALL | re.MULTILINE)
 """A document's class, its identifier in the file, whether it only refers to a prefab's, and its YAML."""
+COMPONENTS = re.compile(r"^  m_Component:\n(  - .*\n)*", re.MULTILINE)
+"""An object's list of components, which also name it; old prefabs have numbers as keys in it."""
 CLASSES = {1, 4, 23, 33, 54, 224, 1001}
 """GameObject, Transform, MeshRenderer, MeshFilter, Rigidbody, RectTransform, PrefabInstance (Unity's class numbers)."""
 
@@ -58,7 +60,7 @@ class Project:
         for number, identifier, stripped, body in DOCUMENT.findall(text):
             if int(number) not in CLASSES:
                 continue
-            values = yaml_document(body, f"{path}, object {identifier}").values
+            values = yaml_document(COMPONENTS.sub("", body), f"{path}, object {identifier}").values
             if len(values) != 1:
                 raise ValueError(f"'{path}': object {identifier}: must have one class, not {len(values)}")
             ((kind, fields),) = values.items()
