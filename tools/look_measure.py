@@ -23,7 +23,7 @@ from uwsim.instruments.cameras import Camera
 
 POSES, SIZE, PITCH_RAD = 20, 256, np.radians(45.0)
 KEYPOINTS, DEVIATION, KURTOSIS = 300, 0.02, 7.0
-"""The values that `reef` must exceed."""
+"""The values that `reef` and `wreck` must exceed."""
 Pictures = Iterator[NDArray[np.uint8]]
 
 
@@ -60,7 +60,7 @@ def pictures(name: str, turbid: str) -> Pictures:
             x, y = random.uniform((0.7 * x0, 0.7 * y0), (0.7 * x1, 0.7 * y1))
             height, yaw = random.uniform(1.2, 3.0), random.uniform(0, 2 * np.pi)
             z = float(sim.world.height_at([[x, y]])[0]) + height
-            if z > -0.5:
+            if z > -0.5 or sim.world.solid_around([x, y, z]) is not None:
                 continue
             taken += 1
             half = 0.5 * PITCH_RAD

@@ -75,13 +75,19 @@ def write_obj(solid: Manifold, path: Path, comment: str) -> None:
 
 
 def write_glb(solid: Manifold, colours: dict[int, Colour], path: Path) -> None:
-    """Write the solid as glTF, y up, with one part for each colour; vertices are rounded to 0.01 mm."""
+    """Write the solid as glTF, y up, with one part for each colour; vertices are rounded to 0.01 mm.
+
+    Without colours, it is one part, which has the colour of its material.
+    """
     mesh = solid.to_mesh()
     x, y, z = np.round(np.asarray(mesh.vert_properties, np.float64)[:, :3], 5).T + 0.0
     vertices, triangles = np.column_stack([x, z, -y]), np.asarray(mesh.tri_verts, np.int64)
     bounds = np.asarray(mesh.run_index, np.int64) // 3
-    colour_of = np.repeat([list(colours).index(run) for run in mesh.run_original_id], np.diff(bounds))
+    numbers = {run: number for number, run in enumerate(colours)}
+    colour_of = np.repeat([numbers.get(run, 0) for run in mesh.run_original_id], np.diff(bounds))
     scene = trimesh.Scene()
+    if not colours:
+        scene.add_geometry(trimesh.Trimesh(vertices, triangles, process=False), geom_name="part", node_name="part")
     for number, colour in enumerate(colours.values()):
         material = trimesh.visual.material.PBRMaterial(baseColorFactor=(*colour, 1.0), metallicFactor=0.0)
         visual = trimesh.visual.TextureVisuals(material=material)
@@ -89,4 +95,4 @@ def write_glb(solid: Manifold, colours: dict[int, Colour], path: Path) -> None:
         part.remove_unreferenced_vertices()
         scene.add_geometry(part, geom_name=f"part_{number:02d}", node_name=f"part_{number:02d}")
     path.write_bytes(scene.export(file_type="glb"))
-    print(f"{path.name}: {solid.num_tri()} triangles in {len(colours)} colours, {solid.volume():.4f} m3")
+    print(f"{path.name}: {solid.num_tri()} triangles in {max(len(colours), 1)} colours, {solid.volume():.4f} m3")

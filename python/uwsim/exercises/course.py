@@ -91,7 +91,15 @@ class Course:
 
     @staticmethod
     def require_events(exercise: Exercise, sim: Simulator) -> None:
-        """Try all events on a simulator, then restore its state. Raises ValueError if an event cannot happen."""
+        """Try all events on a simulator, then restore its state.
+
+        Raises ValueError if an event cannot happen, or if the scenario lacks what a goal needs.
+        """
+        for index, goal in enumerate(exercise.goals):
+            try:
+                goal.require(sim)
+            except ValueError as error:
+                raise ValueError(f"goals[{index}]: {error}") from None
         for index, event in enumerate(exercise.events):
             if event.command == "end_fault":
                 continue  # the fault begins later

@@ -15,6 +15,7 @@ from pydantic import Field
 from uwsim.exercises.moment import Floats, Moment
 from uwsim.scenario.spec.fields import InRange, Model, Name
 from uwsim.scenario.spec.kinds import Kinds
+from uwsim.simulator.simulator import Simulator
 
 Duration = Annotated[float, InRange(0.1, 1e5, "s")]
 Within = Annotated[float, InRange(0.01, 1000, "m")]
@@ -62,6 +63,9 @@ class GoalModel(Model):
     def begun(self) -> Progress:
         """Return the goal's progress at the beginning."""
         raise NotImplementedError
+
+    def require(self, sim: Simulator) -> None:
+        """Raise ValueError if the simulator's scenario lacks what the goal needs."""
 
 
 GOALS = Kinds("uwsim.kinds.goal", GoalModel)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from dive_pilots import DIVES
 from uwsim.exercises import Exercise, exercise_names, load_exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.exercises.goal import GOALS
@@ -193,6 +194,7 @@ PILOTS = {
     "thruster-loss": (thruster_loss, thruster_loss_unnoticed),
     "dvl-loss": (dvl_loss, dvl_loss_by_time),
     "night-gates": (night_gates, night_gates_past_the_second),
+    **DIVES,
 }
 OPTIONS = {"dvl-loss": {"estimate": "filter"}}
 

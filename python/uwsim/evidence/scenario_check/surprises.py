@@ -17,6 +17,8 @@ SIGHT_M = 3.0
 """Visibility below which a warning is given."""
 FLOATING_M = 0.3
 """Height above the bed beyond which a warning is given, since an obstacle appears to float."""
+HANGING = ("ring", "line", "net")
+"""Kinds that are meant to hang in the water."""
 BURIED, HIDDEN = 0.6, 0.999
 """Shares of an obstacle's surface below the bed beyond which a warning is given, and it is invisible."""
 TRIM_SHARE = 0.004
@@ -59,8 +61,8 @@ def _of_obstacle(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
         yield f"{name} is {100 * obstacle.buried_share:.0f} % below the bed; {_hint(obstacle)}"
     if obstacle.above_water_share > HIDDEN:
         yield f"{name} is all above the water"
-    elif obstacle.kind != "ring" and obstacle.clearance_m > FLOATING_M and obstacle.highest_m < 0.0:
-        # Rings are meant to hang in the water, and obstacles that reach the surface may float.
+    elif obstacle.kind not in HANGING and obstacle.clearance_m > FLOATING_M and obstacle.highest_m < 0.0:
+        # Obstacles that reach the surface may float.
         yield f"{name} hangs {obstacle.clearance_m:.1f} m above the bed; {_hint(obstacle)}"
 
 

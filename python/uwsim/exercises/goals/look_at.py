@@ -13,19 +13,51 @@ from uwsim.exercises.moment import Floats, Moment
 from uwsim.scenario.spec.fields import InRange, Name, Point3
 
 
-class LookAt(GoalModel):
-    """Keep a place in view of one of the vehicle's cameras.
+class Sight(GoalModel):
+    """What goals of cameras share.
 
-    position_m: position in the world. within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by
-    default all that move with the vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.
+    within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by default all that move with the
+    vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.
     """
 
-    kind: Literal["look_at"]
-    position_m: Point3
     within_m: Within = 3.0
     for_s: Duration = 2.0
     cameras: list[Name] = Field(default_factory=list)
     clear_m: Annotated[float, InRange(0, 10, "m")] = 0.3
+
+    def is_in_view(self, moment: Moment, place: Floats) -> bool:
+        """Return whether a camera sees a place (3,) in the world, unobstructed."""
+        if float(np.linalg.norm(moment.position_world_m - place)) > self.within_m + 5.0:
+            return False  # no camera is farther from the vehicle's centre
+        cameras = moment.vehicle.cameras
+        names = self.cameras or [name for name, one in cameras.items() if one.mount.follows == "body"]
+        return any(self._sees(moment, cameras[name], place) for name in names)
+
+    def _sees(self, moment: Moment, camera: Any, place: Floats) -> bool:
+        world_from_camera = camera.world_from_camera
+        eye = world_from_camera[:3, 3]
+        ray = place - eye
+        distance_m = float(np.linalg.norm(ray))
+        if not camera.mount.on or not 1e-6 < distance_m <= self.within_m:
+            return False
+        ahead, left, up = (world_from_camera[:3, :3].T @ ray).tolist()
+        if ahead <= 0.0:
+            return False
+        half = math.tan(math.radians(0.5 * camera.mount.field_of_view_deg))
+        if abs(left) > half * ahead or abs(up) > half * ahead * camera.mount.height / camera.mount.width:
+            return False
+        hit_m = float(moment.sim.scene.cast(eye[None], ray[None], distance_m).ranges_m[0])
+        return hit_m >= distance_m - self.clear_m
+
+
+class LookAt(Sight):
+    """Keep a place in view of one of the vehicle's cameras.
+
+    position_m: position in the world; see Sight.
+    """
+
+    kind: Literal["look_at"]
+    position_m: Point3
 
     def begun(self) -> Progress:
         """See GoalModel."""
@@ -38,28 +70,6 @@ class _Looking(Progress):
         self._goal, self._seen_s = goal, 0.0
 
     def judge(self, moment: Moment, period_s: float) -> None:
-        self._seen_s = self._seen_s + period_s if self._is_in_view(moment) else 0.0
+        is_in_view = self._goal.is_in_view(moment, np.array(self._goal.position_m))
+        self._seen_s = self._seen_s + period_s if is_in_view else 0.0
         self.share = max(self.share, min(self._seen_s / self._goal.for_s, 1.0))
-
-    def _is_in_view(self, moment: Moment) -> bool:
-        goal, place = self._goal, np.array(self._goal.position_m)
-        if moment.distance_m(goal.position_m) > goal.within_m + 5.0:
-            return False  # no camera is farther from the vehicle's centre
-        names = goal.cameras or [name for name, one in moment.vehicle.cameras.items() if one.mount.follows == "body"]
-        return any(self._sees(moment, moment.vehicle.cameras[name], place) for name in names)
-
-    def _sees(self, moment: Moment, camera: Any, place: Floats) -> bool:
-        world_from_camera = camera.world_from_camera
-        eye = world_from_camera[:3, 3]
-        ray = place - eye
-        distance_m = float(np.linalg.norm(ray))
-        if not camera.mount.on or not 1e-6 < distance_m <= self._goal.within_m:
-            return False
-        ahead, left, up = (world_from_camera[:3, :3].T @ ray).tolist()
-        if ahead <= 0.0:
-            return False
-        half = math.tan(math.radians(0.5 * camera.mount.field_of_view_deg))
-        if abs(left) > half * ahead or abs(up) > half * ahead * camera.mount.height / camera.mount.width:
-            return False
-        hit_m = float(moment.sim.scene.cast(eye[None], ray[None], distance_m).ranges_m[0])
-        return hit_m >= distance_m - self._goal.clear_m

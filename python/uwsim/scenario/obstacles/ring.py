@@ -55,7 +55,7 @@ class Ring(Placed):
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""
-        vertices, triangles = _torus(self.major_radius_m, self.minor_radius_m)
+        vertices, triangles = torus(self.major_radius_m, self.minor_radius_m)
         return Solid(posed(vertices, self.position_m, self.yaw_pitch_roll_deg), triangles, [])
 
     def texture(self) -> Texture | None:
@@ -66,7 +66,7 @@ class Ring(Placed):
         return palette_texture(np.repeat(each, 2 * SIDES, axis=0))
 
 
-def _torus(major_m: float, minor_m: float) -> Mesh:
+def torus(major_m: float, minor_m: float) -> Mesh:
     """Return a torus about x, one segment after the other."""
     around = np.linspace(0, 2 * np.pi, RING_SEGMENTS, endpoint=False)[:, None]
     along = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)[None, :]

@@ -72,6 +72,10 @@ class ObstacleModel(Model):
         """Return the obstacle in the world frame. Raises ScenarioError."""
         raise NotImplementedError
 
+    def marks_m(self) -> NDArray[np.float64]:
+        """Return places (n, 3) in the world, for an inspection to find; of an obstacle on the bed, once it is lowered."""
+        return np.empty((0, 3))
+
     def texture(self) -> Texture | None:
         """Return the colours of its triangles; None for those of its material."""
         return None

@@ -6,11 +6,12 @@ from typing import Annotated, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from uwsim.scenario.build.simplex_noise import fractal_noise
 from uwsim.scenario.build.terrain_grid import FloatGrid, grid_axes
 from uwsim.scenario.read.disk_cache import cached_arrays
-from uwsim.scenario.spec.fields import InRange, Model, Size
+from uwsim.scenario.spec.fields import InRange, Model, Point2, Size
 from uwsim.scenario.spec.terrain import TerrainModel
 
 SHORE_EXPONENT = 2.5
@@ -28,6 +29,20 @@ class Rim(Model):
     width_m: Size
 
 
+class Scour(Model):
+    """A hole that currents have dug round a structure: a flat floor and an even slope up to the bed around it.
+
+    position_m: its middle. radius_m: radius of its floor. depth_m: of the floor below the bed without it.
+    slope_deg: of its side; near the sand's angle of repose, some 30 deg (Sumer and Fredsoe 2002, The Mechanics of Scour
+    in the Marine Environment, where a lone pile's equilibrium depth is 1.3 diameters in a current).
+    """
+
+    position_m: Point2
+    radius_m: Size
+    depth_m: Annotated[float, InRange(0.01, 100, "m")]
+    slope_deg: Annotated[float, InRange(1, 80, "deg")] = 30.0
+
+
 class NoiseTerrain(TerrainModel):
     """A bed of fractal OpenSimplex2 noise, ringed by hills.
 
@@ -35,7 +50,7 @@ class NoiseTerrain(TerrainModel):
     noise changes. bed_depth_m: mean depth of the bed. hill_height_m: largest deviation of the bed from it, up and down.
     hill_wavelength_m: wavelength of the broadest hills. octaves: number of octaves of noise; each additional one halves
     the wavelength. gain: ratio of heights between successive octaves. rim: hills around the lake, above the water; none
-    by default.
+    by default. scour: holes round structures.
     """
 
     source: Literal["noise"]
@@ -47,10 +62,11 @@ class NoiseTerrain(TerrainModel):
     octaves: Annotated[int, InRange(1, 8)] = 5
     gain: Annotated[float, InRange(0.01, 0.99)] = 0.4
     rim: Rim | None = None
+    scour: Annotated[tuple[Scour, ...], Field(max_length=1000)] = ()
 
     def heights(self) -> NDArray[np.floating]:
         """See TerrainModel."""
-        by = self.model_dump_json(exclude={"window_m"})
+        by = self.model_dump_json(exclude={"window_m", *(() if self.scour else ("scour",))})
         (heights,) = cached_arrays(lambda: (_noise_heights(self).astype(np.float32),), "noise", by)
         return cast("NDArray[np.float32]", heights)
 
@@ -59,6 +75,9 @@ def _noise_heights(spec: NoiseTerrain) -> FloatGrid:
     """Return heights (ny, nx): a bed within hill_height_m of its mean depth, blended into the rim."""
     x, y = np.meshgrid(*grid_axes(spec.size_m, spec.spacing_m))
     bed = spec.hill_height_m * _noise(x, y, spec, spec.seed) - spec.bed_depth_m
+    for hole in spec.scour:
+        away_m = np.hypot(x - hole.position_m[0], y - hole.position_m[1]) - hole.radius_m
+        bed = bed - np.maximum(hole.depth_m - np.tan(np.radians(hole.slope_deg)) * np.maximum(away_m, 0), 0)
     if spec.rim is None:
         return bed
     variation = 0.5 * _noise(x, y, spec, spec.seed + 1)

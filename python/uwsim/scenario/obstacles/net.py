@@ -1,0 +1,113 @@
+"""The obstacle `net`: the round net of a fish farm, which may have holes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from uwsim.scenario.build.solids import posed
+from uwsim.scenario.obstacles.ring import torus
+from uwsim.scenario.read.mesh_file import joined
+from uwsim.scenario.spec.fields import InRange, Name, Size, broken
+from uwsim.scenario.spec.material import Material, MaterialSpec
+from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
+
+MAX_KNOTS = 100_000
+COLLAR_M, SINKER_M = 0.2, 0.08
+"""Radii of the floating collar and of the sinker ring at the foot of the wall."""
+Floats = NDArray[np.float64]
+
+
+class Net(Placed):
+    """A net pen: a collar, a round wall with vertical and horizontal strands, a sinker ring, and a conical bottom.
+
+    position_m: the middle of the collar (world), unless it is on_bed. radius_m, depth_m: radius and height of the wall.
+    cone_m: depth of the bottom's middle below the wall. mesh_m: distance between strands, along the bars. strand_m:
+    their diameter. holes: number of holes in the wall. hole_m: their diameter. seed: of the holes' places.
+    """
+
+    kind: Literal["net"]
+    name: Name
+    material: MaterialSpec = Material.model_construct(kind="paint", colour=(0.06, 0.08, 0.06))
+    radius_m: Size
+    depth_m: Size
+    cone_m: Annotated[float, InRange(0, 1000, "m")] = 2.0
+    mesh_m: Annotated[float, InRange(0.01, 10, "m")] = 0.2
+    strand_m: Annotated[float, InRange(0.001, 1, "m")] = 0.012
+    holes: Annotated[int, InRange(0, 100)] = 0
+    hole_m: Annotated[float, InRange(0.05, 20, "m")] = 0.8
+    seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
+
+    @model_validator(mode="after")
+    def _fits(self) -> Net:
+        around, rows = self._counts()
+        if around * rows > MAX_KNOTS:
+            raise broken(f"the wall has {around * rows} knots: must be at most {MAX_KNOTS}; make mesh_m larger")
+        if self.strand_m >= 0.5 * self.mesh_m:
+            raise broken("must be below half of mesh_m", at=("strand_m",), value=self.strand_m, unit="m")
+        if self.holes and 2 * self.hole_m >= self.depth_m:
+            raise broken("must be below half of depth_m", at=("hole_m",), value=self.hole_m, unit="m")
+        self.marks_m()
+        return self
+
+    def marks_m(self) -> Floats:
+        """Return the middles of the holes (n, 3), at least two diameters apart; see ObstacleModel."""
+        random = np.random.default_rng([self.seed, 0x6E6574])
+        found: list[Floats] = []
+        for _ in range(1000 * self.holes):
+            if len(found) == self.holes:
+                break
+            turn, z = random.uniform(0, 2 * np.pi), -random.uniform(self.hole_m, self.depth_m - self.hole_m)
+            at = np.array([self.radius_m * np.cos(turn), self.radius_m * np.sin(turn), z])
+            if all(np.linalg.norm(at - other) > 2 * self.hole_m for other in found):
+                found.append(at)
+        if len(found) < self.holes:
+            raise broken("too many holes for this wall", at=("holes",), value=self.holes)
+        return np.array(found).reshape(-1, 3) + self.position_m
+
+    def solid(self, terrain: Bed) -> Solid:
+        """See ObstacleModel."""
+        around, rows = self._counts()
+        turn = 2 * np.pi * np.arange(around) / around
+        circle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+        levels = -self.depth_m * np.arange(rows) / (rows - 1)
+        wall = self.radius_m * circle[None] + levels[:, None, None] * [0, 0, 1]
+        rings = max(round(self.radius_m / self.mesh_m / 2), 2)
+        inward = np.linspace(1.0, 0.06, rings)[:, None, None]
+        cone = self.radius_m * circle[None] * inward - (self.depth_m + self.cone_m * (1 - inward)) * [0, 0, 1]
+        starts, ends = [], []
+        for sheet in (wall, cone):
+            starts += [sheet.reshape(-1, 3), sheet[:-1].reshape(-1, 3)]
+            ends += [np.roll(sheet, -1, axis=1).reshape(-1, 3), sheet[1:].reshape(-1, 3)]
+        start, end = np.concatenate(starts), np.concatenate(ends)
+        middle = 0.5 * (start + end)
+        whole = np.ones(len(middle), np.bool_)
+        for hole in self.marks_m() - self.position_m:
+            whole &= np.linalg.norm(middle - hole, axis=1) > 0.5 * self.hole_m
+        parts = [_strands(start[whole], end[whole], 0.5 * self.strand_m)]
+        for radius_m, z in ((COLLAR_M, 0.0), (SINKER_M, -self.depth_m)):
+            vertices, triangles = torus(self.radius_m, radius_m)
+            parts.append((posed(vertices, (0.0, 0.0, z), (0.0, 90.0, 0.0)), triangles))
+        vertices, triangles = joined(parts)
+        return Solid(posed(vertices, self.position_m, LEVEL), triangles.astype(np.uint32), [])
+
+    def _counts(self) -> tuple[int, int]:
+        """Return the number of vertical strands, and of rows of knots in the wall."""
+        return max(round(2 * np.pi * self.radius_m / self.mesh_m), 8), max(round(self.depth_m / self.mesh_m), 1) + 1
+
+
+def _strands(start: Floats, end: Floats, radius_m: float) -> tuple[Floats, NDArray[np.uint32]]:
+    """Return closed three-sided prisms between points (n, 3)."""
+    along = end - start
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    side = np.cross(along, np.where(np.abs(along[:, 2:]) > 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]]))
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    other = np.cross(along, side)
+    corners = [np.cos(a) * side + np.sin(a) * other for a in 2 * np.pi * np.arange(3) / 3]
+    vertices = np.stack([at + radius_m * corner for at in (start, end) for corner in corners], axis=1)
+    prism = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]
+    first = 6 * np.arange(len(start))[:, None, None]
+    return vertices.reshape(-1, 3), (first + np.array(prism)).reshape(-1, 3).astype(np.uint32)
