@@ -7,7 +7,6 @@ import logging
 import os
 import queue
 import re
-import shutil
 import subprocess
 import threading
 import time
@@ -16,7 +15,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from uwsim.base.extras import need_extra
+from uwsim.base.ffmpeg import encoder_path
 from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.instruments.cameras import Camera, Frame
 from uwsim.live import LiveSimulator, Subscription
@@ -57,20 +56,6 @@ class Target(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.host}:{self.port}"
-
-
-def encoder_path() -> str:
-    """Return the path of ffmpeg: the system's, or the one from the extra `video`. Raises MissingExtraError.
-
-    ffmpeg runs as a separate program because the licence (GPL) of its encoder, x264, rules out linking.
-    """
-    found = shutil.which("ffmpeg")
-    if found is None:
-        need_extra("imageio_ffmpeg", "video", "--video")
-        from imageio_ffmpeg import get_ffmpeg_exe
-
-        found = get_ffmpeg_exe()
-    return str(found)
 
 
 def own_first(cameras: Mapping[str, Camera]) -> list[str]:

@@ -79,17 +79,19 @@ def replay(
     until_s: float | None = None,
     threads: int | None = None,
     on_time: OnTime | None = None,
+    on_start: Callable[[Simulator], None] = lambda sim: None,
 ) -> ReplayResult:
     """Repeat a recorded run and compare it with the recording, up to the first difference.
 
-    from_s, until_s: simulated times between which messages are compared. Raises ValueError or OSError.
+    from_s, until_s: simulated times between which messages are compared. on_start: called with the simulator before
+    its first step. Raises ValueError or OSError.
     """
     recording = recording if isinstance(recording, Recording) else Recording(recording)
     if until_s is not None and not from_s <= until_s:
         raise ValueError(f"until = {until_s} s: must be at least from = {from_s} s")
-    return _Replay(recording, threads, round(from_s * 1e9), on_time).run(
-        None if until_s is None else round(until_s * 1e9)
-    )
+    repeated = _Replay(recording, threads, round(from_s * 1e9), on_time)
+    on_start(repeated.result.sim)
+    return repeated.run(None if until_s is None else round(until_s * 1e9))
 
 
 def offered_channels(recording: Recording, sim: Simulator) -> tuple[Table, list[Channel]]:

@@ -1,0 +1,235 @@
+"""make_film: films a recorded run, or flies a mission and films it; `uwsim film` calls it."""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+import tempfile
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.ffmpeg import encoder_path
+from uwsim.base.folder_lock import alone_in
+from uwsim.base.own_files import require_own
+from uwsim.campaigns.film import views
+from uwsim.campaigns.film.roll import Roll
+from uwsim.campaigns.film.shot import WITHOUT, FilmCamera, Shot, shoot
+from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.flight.folder import made_folder
+from uwsim.scenario.fingerprint import build_fingerprint
+from uwsim.scenario.spec.camera import CameraMount
+from uwsim.simulator.simulator import Simulator
+
+QUALITIES = {"draft": 1, "good": 4, "high": 16}
+"""Pictures of which each frame is the mean, by quality."""
+SUFFIXES = (".mp4", ".webp")
+RETRIES = 2
+FOV_DEG = 75.0
+METERED_S, METERED_PIXELS, STEADY_S = 0.2, 96, 1.0
+"""Exposure: time between its measurements, their width, and the standard deviation of the Gaussian that steadies it."""
+RUN = "run.mcap"
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """A film, complete or in progress. finished: how many of the frames exist. made: those rendered by this call."""
+
+    out: Path
+    frames: int
+    finished: int
+    made: int
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether frames are missing; `resume=True` renders them."""
+        return self.finished < self.frames
+
+
+def make_film(
+    source: str | Path,
+    out: str | Path = "film.mp4",
+    *,
+    scenario: str = "lake",
+    camera: str = "chase",
+    vehicle: str | None = None,
+    size: tuple[int, int] = (1280, 720),
+    fps: float = 30.0,
+    quality: str = "good",
+    from_s: float = 0.0,
+    until_s: float = 3600.0,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    stop_requested: Callable[[], bool] = lambda: False,
+    tell: Tell = lambda finished, failed, count: None,
+    show: Show = lambda activity: nullcontext(),
+) -> Film:
+    """Film a run; the bytes of the frames do not depend on the workers.
+
+        uwsim.campaigns.film.make_film("reef", "dive.mp4", from_s=60, until_s=72)
+
+    source: a recording (.mcap), a mission's file (.py), which is flown in `scenario`, or a scenario, whose survey is
+    flown. out: .mp4 (needs ffmpeg) or .webp; the frames are kept beside it, in a folder that ends in .frames. camera:
+    chase, orbit, the name of one of the vehicle's cameras, or a CSV file with the columns views.PATH. size: pixels,
+    even for .mp4. quality: one of QUALITIES. from_s, until_s: simulated times. workers, scheduler, resume: as for
+    make_dataset. Raises ValueError before anything is written, or if the run cannot be repeated; OSError.
+    """
+    target = Path(out)
+    folder = target.with_suffix(".frames")
+    encode = _encoder(target, size, fps)
+    if quality not in QUALITIES:
+        raise ValueError(f"quality = {quality!r}: must be one of {', '.join(QUALITIES)}")
+    if not from_s < until_s:
+        raise ValueError(f"until = {until_s:g} s: must be above from = {from_s:g} s")
+    if Ledger(folder).exists != resume:
+        rule = "holds no film to resume" if resume else "holds a film already: --resume, or another --out"
+        raise ValueError(f"'{folder}': {rule}")
+    with alone_in(made_folder(folder)):
+        with show("flying"):
+            recording = _recorded(source, folder, scenario, until_s + 1 / fps, resume=resume)
+        threads = None if workers == 0 else 1
+        with show("repeating the run"):
+            shots = _shots(recording, folder, camera, vehicle, size, fps, QUALITIES[quality], from_s, until_s, threads)
+        plan = {"size": list(size), "fps": fps, "quality": quality, "camera": camera, "run": _digest(shots),
+                "build": build_fingerprint()}  # fmt: skip
+        made = 0
+        with Ledger.opened(folder, plan, resume=resume, what="film", jobs="frames") as ledger:
+            missing = {k: shot for k, shot in enumerate(shots) if ledger.lacks(k) or not Path(shot.path).exists()}
+            if missing:
+                with open_workers(workers, scheduler=scheduler) as crew:
+                    made = sum(1 for _ in run_missing(
+                        crew, shoot, missing, len(shots), ledger, retries=RETRIES, result_of=_result_of,
+                        stop_requested=stop_requested, tell=tell,
+                    ))  # fmt: skip
+        found = Film(target, len(shots), len(ledger.results), made)
+        if not found.interrupted:
+            with show("encoding"):
+                encode([Path(shot.path) for shot in shots])
+        return found
+
+
+def _recorded(source: str | Path, folder: Path, scenario: str, until_s: float, *, resume: bool) -> Path:
+    """Return the recording to film: the source itself, or that of its flight. Raises ValueError or OSError."""
+    if Path(source).suffix == ".mcap":
+        return Path(source)
+    run = folder / RUN
+    if not (resume and run.exists()):
+        from uwsim.flight.fly import fly  # many imports
+
+        mission, where = (source, scenario) if Path(source).suffix == ".py" else (None, source)
+        fly(mission, where, time_limit_s=until_s, record=run, sample_sensors=False, report="none", autosave_s=0.0)
+    return run
+
+
+def _shots(
+    recording: Path, folder: Path, view: str, vehicle: str | None, size: tuple[int, int], fps: float, samples: int,
+    from_s: float, until_s: float, threads: int | None,
+) -> list[Shot]:  # fmt: skip
+    """Return all frames."""
+    is_path = Path(view).suffix == ".csv"
+    carried = None if view in ("chase", "orbit") or is_path else view
+    roll, sim = Roll.of(recording, from_s, until_s, fps, carried, vehicle)
+    positions = np.array([state.positions_m[roll.vehicle] for state in roll.states])
+    lens: dict[str, Any] = {"width": size[0], "height": size[1]}
+    mount, hidden = CameraMount(position_m=(0.0, 0.0, 0.0), field_of_view_deg=FOV_DEG, **lens), None
+    if roll.camera is not None:
+        level = {"position_m": (0.0, 0.0, 0.0), "yaw_pitch_roll_deg": (0.0, 0.0, 0.0), "follows": "body"}
+        mount = roll.camera.mount.model_copy(update={**level, **lens, "pan_tilt": None, "on": True})
+        hidden, poses = roll.camera.hidden, roll.poses
+    elif is_path:
+        poses = views.along_path(Path(view), np.array([1e-9 * state.time_ns for state in roll.states]))
+    elif view == "chase":
+        turns = np.array([state.orientations_xyzw[roll.vehicle] for state in roll.states])
+        poses = views.chase(sim, positions, turns, fps)
+    else:
+        poses = views.orbit(sim, positions, fps)
+    gains = _gains(sim, roll, poses, mount, hidden, fps)
+    return [
+        Shot(
+            str(recording.resolve()), str((folder / f"{k:06d}.png").resolve()), (roll.states[k], roll.states[k + 1]),
+            poses[k : k + 2], mount, hidden, float(gains[k]), samples, threads,
+        )
+        for k in range(len(roll.states) - 1)
+    ]  # fmt: skip
+
+
+def _gains(
+    sim: Simulator, roll: Roll, poses: Floats, mount: CameraMount, hidden: int | None, fps: float
+) -> Floats:
+    """Return a steady exposure for each frame, from small pictures of some."""
+    every = max(round(METERED_S * fps), 1)
+    small = mount.model_copy(update={"width": METERED_PIXELS, "height": max(METERED_PIXELS * mount.height // mount.width, 1)})
+    scene = next(iter(sim.rov.cameras.values())).scene
+    at = np.arange(0, len(poses), every)
+    seen = [
+        FilmCamera(small, scene, poses[k], hidden).capture(without=WITHOUT, at=roll.states[k], dark_below_ground=True).gain
+        for k in at
+    ]
+    return np.asarray(np.exp(np.interp(
+        np.arange(len(poses)), at, gaussian_filter1d(np.log(seen), STEADY_S / METERED_S, mode="nearest")
+    )))  # fmt: skip
+
+
+def _digest(shots: list[Shot]) -> str:
+    """Return a fingerprint of everything that the frames depend on besides the plan's other keys."""
+    digest = hashlib.blake2b(digest_size=8)
+    for shot in shots:
+        state = shot.states[0]
+        parts = [np.array([state.time_ns, shot.gain, len(state.lamps)]), state.positions_m, state.orientations_xyzw]
+        digest.update(b"".join(np.asarray(part, np.float64).tobytes() for part in (*parts, shot.poses)))
+        digest.update(state.optics.model_dump_json().encode() + shot.mount.model_dump_json().encode())
+    return digest.hexdigest()
+
+
+def _result_of(each: Finished) -> dict[str, Any]:
+    if each.result is None:
+        raise OSError(f"frame {each.job}: {each.why}; --resume continues")
+    return each.result
+
+
+def _encoder(out: Path, size: tuple[int, int], fps: float) -> Callable[[list[Path]], None]:
+    """Return the function that writes the file, once it is certain that it can. Raises ValueError or OSError."""
+    if out.suffix not in SUFFIXES:
+        raise ValueError(f"--out {out}: must end in {' or '.join(SUFFIXES)}")
+    require_own(out)
+    if out.suffix == ".webp":
+        return lambda frames: _write_webp(out, frames, fps)
+    if size[0] % 2 or size[1] % 2:
+        raise ValueError(f"--size {size[0]}x{size[1]}: both must be even for .mp4")
+    program = encoder_path("uwsim film")
+    return lambda frames: _write_mp4(program, out, frames, fps)
+
+
+def _write_webp(out: Path, frames: list[Path], fps: float) -> None:
+    import io
+
+    from PIL import Image
+
+    pictures = [Image.open(path) for path in frames]
+    stream = io.BytesIO()
+    ends_ms = [round(1000 * k / fps) for k in range(len(frames) + 1)]
+    pictures[0].save(
+        stream, "WEBP", save_all=True, append_images=pictures[1:], duration=np.diff(ends_ms).tolist(), loop=0,
+        quality=60, method=4,
+    )  # fmt: skip
+    write_atomically(out, stream.getvalue())
+
+
+def _write_mp4(program: str, out: Path, frames: list[Path], fps: float) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        coded = Path(folder) / "film.mp4"
+        command = [program, "-loglevel", "error", "-framerate", f"{fps:g}", "-i", str(frames[0].parent / "%06d.png")]
+        command += ["-c:v", "libx264", "-preset", "slow", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+        done = subprocess.run([*command, str(coded)], capture_output=True, check=False)
+        if done.returncode:
+            raise OSError(f"'{out}': ffmpeg: {done.stderr[-200:].decode(errors='replace').strip()}")
+        write_atomically(out, coded.read_bytes())
