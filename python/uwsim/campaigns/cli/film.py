@@ -26,7 +26,7 @@ def film(
     camera: Annotated[
         str,
         typer.Option(
-            help="chase, orbit, a camera of the vehicle, or a CSV file of a path: time_s,x_m,y_m,z_m,at_x_m,at_y_m,at_z_m."
+            help="chase, orbit, a camera of the vehicle, or a CSV file: time_s,x_m,y_m,z_m,at_x_m,at_y_m,at_z_m."
         ),
     ] = "chase",
     vehicle: VehicleName = None,
@@ -35,7 +35,8 @@ def film(
     quality: Annotated[
         str,
         typer.Option(
-            help="Pictures of which each frame is the mean: draft 1, good 4, high 16.", **one_of("draft", "good", "high")
+            help="Pictures of which each frame is the mean: draft 1, good 4, high 16.",
+            **one_of("draft", "good", "high"),
         ),
     ] = "good",
     from_s: Annotated[
@@ -50,8 +51,8 @@ def film(
 ) -> None:
     """Film a run with many rays a pixel, motion blur and soft shadows, from any camera.
 
-    The run is repeated bit for bit, so a recording can be filmed again and again, from other places. The frames are kept
-    in a folder beside the film, which may be removed; their bytes do not depend on the number of workers.
+    The run is repeated bit for bit, so a recording can be filmed again and again, from other places. The frames are
+    kept in a folder beside the film, which may be removed; their bytes do not depend on the number of workers.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.film import make_film

@@ -162,16 +162,18 @@ def _shots(
     ]  # fmt: skip
 
 
-def _gains(
-    sim: Simulator, roll: Roll, poses: Floats, mount: CameraMount, hidden: int | None, fps: float
-) -> Floats:
+def _gains(sim: Simulator, roll: Roll, poses: Floats, mount: CameraMount, hidden: int | None, fps: float) -> Floats:
     """Return a steady exposure for each frame, from small pictures of some."""
     every = max(round(METERED_S * fps), 1)
-    small = mount.model_copy(update={"width": METERED_PIXELS, "height": max(METERED_PIXELS * mount.height // mount.width, 1)})
+    small = mount.model_copy(
+        update={"width": METERED_PIXELS, "height": max(METERED_PIXELS * mount.height // mount.width, 1)}
+    )
     scene = next(iter(sim.rov.cameras.values())).scene
     at = np.arange(0, len(poses), every)
     seen = [
-        FilmCamera(small, scene, poses[k], hidden).capture(without=WITHOUT, at=roll.states[k], dark_below_ground=True).gain
+        FilmCamera(small, scene, poses[k], hidden)
+        .capture(without=WITHOUT, at=roll.states[k], dark_below_ground=True)
+        .gain
         for k in at
     ]
     return np.asarray(np.exp(np.interp(
@@ -228,7 +230,18 @@ def _write_mp4(program: str, out: Path, frames: list[Path], fps: float) -> None:
     with tempfile.TemporaryDirectory() as folder:
         coded = Path(folder) / "film.mp4"
         command = [program, "-loglevel", "error", "-framerate", f"{fps:g}", "-i", str(frames[0].parent / "%06d.png")]
-        command += ["-c:v", "libx264", "-preset", "slow", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+        command += [
+            "-c:v",
+            "libx264",
+            "-preset",
+            "slow",
+            "-crf",
+            "18",
+            "-pix_fmt",
+            "yuv420p",
+            "-movflags",
+            "+faststart",
+        ]
         done = subprocess.run([*command, str(coded)], capture_output=True, check=False)
         if done.returncode:
             raise OSError(f"'{out}': ffmpeg: {done.stderr[-200:].decode(errors='replace').strip()}")

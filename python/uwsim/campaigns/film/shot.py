@@ -97,7 +97,7 @@ def between(states: tuple[Snapshot, Snapshot], share: float) -> Snapshot:
 
 
 def _picture(shot: Shot, scene: SharedScene, k: int) -> Floats:
-    """Return the radiance (H, W, 3) of sample k: at its time, through its place in the pixels, lit from its place of the sun."""
+    """Return the radiance (H, W, 3) of sample k, with a time and a place in the pixels and on the sun of its own."""
     across, down = np.mod(0.5 + k * R2, 1.0) - 0.5
     share = SHUTTER * (k + 0.5) / shot.samples
     state = between(shot.states, share)

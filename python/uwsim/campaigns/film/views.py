@@ -32,7 +32,9 @@ def chase(sim: Simulator, positions_m: Floats, orientations_xyzw: Floats, fps: f
     yaw = gaussian_filter1d(yaw, STEADY_S * fps, mode="nearest")
     middle = gaussian_filter1d(positions_m, 0.5 * STEADY_S * fps, axis=0, mode="nearest")
     ahead = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=1)
-    return _looking(_kept_clear(sim, middle, middle - BEHIND_M * ahead + [0, 0, ABOVE_M], fps), middle + AHEAD_M * ahead)
+    return _looking(
+        _kept_clear(sim, middle, middle - BEHIND_M * ahead + [0, 0, ABOVE_M], fps), middle + AHEAD_M * ahead
+    )
 
 
 def orbit(sim: Simulator, positions_m: Floats, fps: float) -> Floats:
@@ -60,7 +62,12 @@ def _kept_clear(sim: Simulator, middle: Floats, eyes: Floats, fps: float) -> Flo
     """Return eyes (n, 3) that the vehicle at middle (n, 3) can be seen from, above the bed and below the surface."""
     lines = eyes - middle
     reach = np.linalg.norm(lines, axis=1)
-    hit = np.array([sim.scene.cast(a[None], b[None], r + CLEAR_M).ranges_m[0] for a, b, r in zip(middle, lines, reach, strict=True)])
+    hit = np.array(
+        [
+            sim.scene.cast(a[None], b[None], r + CLEAR_M).ranges_m[0]
+            for a, b, r in zip(middle, lines, reach, strict=True)
+        ]
+    )
     share = np.clip((np.where(np.isfinite(hit), hit, np.inf) - CLEAR_M) / reach, 0.2, 1.0)
     share = np.minimum(gaussian_filter1d(share, 0.5 * STEADY_S * fps, mode="nearest"), share)
     eyes = middle + share[:, None] * lines

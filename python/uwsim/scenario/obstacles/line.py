@@ -27,9 +27,9 @@ Floats = NDArray[np.float64]
 class Line(Placed):
     """Round bars, ropes or chains along polylines.
 
-    position_m: the origin of the points (world), unless it is on_bed. lines_m: polylines, each a list of points. radius_m:
-    radius of the bar or rope, or of the bar that a chain's links are made of. sag_m: how far the middle of each piece
-    hangs below its chord, as a parabola. links: whether it is a chain.
+    position_m: the origin of the points (world), unless it is on_bed. lines_m: polylines, each a list of points.
+    radius_m: radius of the bar or rope, or of the bar that a chain's links are made of. sag_m: how far the middle of
+    each piece hangs below its chord, as a parabola. links: whether it is a chain.
     """
 
     kind: Literal["line"]

@@ -57,7 +57,7 @@ class Net(Placed):
         """Return the middles of the holes (n, 3), at least two diameters apart; see ObstacleModel."""
         random = np.random.default_rng([self.seed, 0x6E6574])
         found: list[Floats] = []
-        for _ in range(1000 * self.holes):
+        for _ in range(50 * self.holes):
             if len(found) == self.holes:
                 break
             turn, z = random.uniform(0, 2 * np.pi), -random.uniform(self.hole_m, self.depth_m - self.hole_m)

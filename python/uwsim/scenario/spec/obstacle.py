@@ -73,7 +73,7 @@ class ObstacleModel(Model):
         raise NotImplementedError
 
     def marks_m(self) -> NDArray[np.float64]:
-        """Return places (n, 3) in the world, for an inspection to find; of an obstacle on the bed, once it is lowered."""
+        """Return places (n, 3) in the world, for an inspection to find; if on_bed, those of the lowered obstacle."""
         return np.empty((0, 3))
 
     def texture(self) -> Texture | None:
