@@ -14,7 +14,7 @@ OUT = Path(__file__).resolve().parents[2] / "docs" / "guides" / "scenes.jpg"
 SIZE, FINE = (400, 225), 2
 VIEWS = {  # x, y, z, yaw and pitch [deg], of the vehicle
     "reef": (-8.0, -6.0, -6.2, 50.0, 18.0),
-    "wreck": (1.0, -13.0, -10.5, 105.0, 6.0),
+    "wreck": (-9.5, -11.5, -11.0, 48.0, -4.0),
     "kelp": (-8.0, -8.0, -9.5, 45.0, -5.0),
     "harbour": (-8.0, 16.0, -3.5, 92.0, 8.0),
     "wind_farm": (14.0, -1.0, -22.0, 135.0, 35.0),

@@ -19,7 +19,7 @@ BREAK_X = -5.0
 STATIONS = np.array([-18.0, -17.2, -15.5, -12.5, -8, -2, 4, 9, 12.5, 15, 16.8, 18])
 FULLNESS = np.array([0.30, 0.52, 0.76, 0.92, 1, 1, 1, 0.96, 0.80, 0.54, 0.27, 0.03])
 RISE_M = np.array([2.6, 1.9, 1.1, 0.45, 0, 0, 0, 0.02, 0.08, 0.2, 0.4, 0.8])
-"""Of the keel, at each station."""
+"""Heights of the keel at the stations."""
 
 
 def lofted(inset_m: float, top_m: float) -> Manifold:

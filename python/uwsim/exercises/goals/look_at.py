@@ -14,7 +14,7 @@ from uwsim.scenario.spec.fields import InRange, Name, Point3
 
 
 class Sight(GoalModel):
-    """What goals of cameras share.
+    """The fields of goals that cameras meet.
 
     within_m: distance from the camera. for_s: uninterrupted time. cameras: names, by default all that move with the
     vehicle's body. clear_m: surfaces this close to the place do not count as hiding it.
