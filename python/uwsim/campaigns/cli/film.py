@@ -49,10 +49,11 @@ def film(
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Render the frames that are missing.")] = False,
 ) -> None:
-    """Film a run with many rays a pixel, motion blur and soft shadows, from any camera.
+    """Film a run from any camera.
 
-    The run is repeated bit for bit, so a recording can be filmed again and again, from other places. The frames are
-    kept in a folder beside the film, which may be removed; their bytes do not depend on the number of workers.
+    Pictures have many rays a pixel, motion blur and soft shadows. The run is repeated bit for bit, so a recording can
+    be filmed again and again, from other places. The frames are kept in a folder beside the film, which may be removed;
+    their bytes do not depend on the number of workers.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.film import make_film

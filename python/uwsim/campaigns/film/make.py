@@ -18,7 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.ffmpeg import encoder_path
 from uwsim.base.folder_lock import alone_in
-from uwsim.base.own_files import require_own
+from uwsim.base.own_files import is_own, remove_own, require_own
 from uwsim.campaigns.film import views
 from uwsim.campaigns.film.roll import Roll
 from uwsim.campaigns.film.shot import WITHOUT, FilmCamera, Shot, shoot
@@ -93,28 +93,37 @@ def make_film(
     if Ledger(folder).exists != resume:
         rule = "holds no film to resume" if resume else "holds a film already: --resume, or another --out"
         raise ValueError(f"'{folder}': {rule}")
-    with alone_in(made_folder(folder)):
-        with show("flying"):
-            recording = _recorded(source, folder, scenario, until_s + 1 / fps, resume=resume)
-        threads = None if workers == 0 else 1
-        with show("repeating the run"):
-            shots = _shots(recording, folder, camera, vehicle, size, fps, QUALITIES[quality], from_s, until_s, threads)
-        plan = {"size": list(size), "fps": fps, "quality": quality, "camera": camera, "run": _digest(shots),
-                "build": build_fingerprint()}  # fmt: skip
-        made = 0
-        with Ledger.opened(folder, plan, resume=resume, what="film", jobs="frames") as ledger:
-            missing = {k: shot for k, shot in enumerate(shots) if ledger.lacks(k) or not Path(shot.path).exists()}
-            if missing:
-                with open_workers(workers, scheduler=scheduler) as crew:
-                    made = sum(1 for _ in run_missing(
-                        crew, shoot, missing, len(shots), ledger, retries=RETRIES, result_of=_result_of,
-                        stop_requested=stop_requested, tell=tell,
-                    ))  # fmt: skip
-        found = Film(target, len(shots), len(ledger.results), made)
-        if not found.interrupted:
-            with show("encoding"):
-                encode([Path(shot.path) for shot in shots])
-        return found
+    for path in (source, camera):
+        if Path(path).suffix in (".mcap", ".csv") and not Path(path).is_file():
+            raise FileNotFoundError(f"'{path}': no such file")
+    threads, is_new = None if workers == 0 else 1, not folder.exists()
+    try:
+        with alone_in(made_folder(folder)):
+            with show("flying"):
+                recording = _recorded(source, folder, scenario, until_s + 1 / fps, resume=resume)
+            with show("repeating the run"):
+                shots = _shots(
+                    recording, folder, camera, vehicle, size, fps, QUALITIES[quality], from_s, until_s, threads
+                )
+            plan = {"size": list(size), "fps": fps, "quality": quality, "camera": camera, "run": _digest(shots),
+                    "build": build_fingerprint()}  # fmt: skip
+            made = 0
+            with Ledger.opened(folder, plan, resume=resume, what="film", jobs="frames") as ledger:
+                missing = {k: shot for k, shot in enumerate(shots) if ledger.lacks(k) or not Path(shot.path).exists()}
+                if missing:
+                    with open_workers(workers, scheduler=scheduler) as crew:
+                        made = sum(1 for _ in run_missing(
+                            crew, shoot, missing, len(shots), ledger, retries=RETRIES, result_of=_result_of,
+                            stop_requested=stop_requested, tell=tell,
+                        ))  # fmt: skip
+    finally:
+        if is_new and folder.exists() and not Ledger(folder).exists:
+            remove_own(folder)  # no frame was begun
+    found = Film(target, len(shots), len(ledger.results), made)
+    if not found.interrupted:
+        with show("encoding"):
+            encode([Path(shot.path) for shot in shots])
+    return found
 
 
 def _recorded(source: str | Path, folder: Path, scenario: str, until_s: float, *, resume: bool) -> Path:
@@ -123,6 +132,8 @@ def _recorded(source: str | Path, folder: Path, scenario: str, until_s: float, *
         return Path(source)
     run = folder / RUN
     if not (resume and run.exists()):
+        if is_own(run):
+            run.unlink()  # of a flight that was broken off
         from uwsim.flight.fly import fly  # many imports
 
         mission, where = (source, scenario) if Path(source).suffix == ".py" else (None, source)

@@ -52,7 +52,7 @@ class Roll:
             raise ValueError(f"vehicle = '{vehicle}': must be one of {', '.join(sim.vehicles)}")
         self._sim, self._vehicle = sim, sim.rov if vehicle is None else sim.vehicles[vehicle]
         if name is not None and name not in self._vehicle.cameras:
-            others = ", ".join(("chase", "orbit", "a path file", *self._vehicle.cameras))
+            others = ", ".join(dict.fromkeys(("chase", "orbit", *self._vehicle.cameras, "a CSV file")))
             raise ValueError(f"camera = '{name}': must be one of {others}")
         self._camera: Camera | None = None if name is None else self._vehicle.cameras[name]
         self.due_tick = max(round(self._from_s / sim.step_s), sim.tick)
