@@ -86,7 +86,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "reproduce": (["paper"], {"out": "out"}),
     "camera": (["pool.yaml"], {"out": "camera.png"}),
     "dataset": (["pool.yaml"], {"n": "1", "out": "out", "size": "32x24", "workers": "0"}),
-    "film": (["run.mcap"], {"out": "film.webp", "size": "16x10", "fps": "5", "until_s": "0.4", "workers": "0"}),
+    "film": (["pool.yaml"], {"out": "film.webp", "size": "16x10", "fps": "5", "until_s": "0.4", "workers": "0"}),
     "decompose": (["cube.obj"], {"out": "pieces.obj"}),
     "ros package": ([], {"out": "ros"}),
     "map info": (["map.bt"], {}),
