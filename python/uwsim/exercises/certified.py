@@ -1,4 +1,4 @@
-"""What makes a score sheet a record: a person, a date, the build, and a digest by which a change is noticed.
+"""The record part of a score sheet: a person, a date, the build, and a digest by which a change is noticed.
 
 The digest is no signature: anyone can change a sheet and compute another one. It shows mistakes, not fraud.
 """

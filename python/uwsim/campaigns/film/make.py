@@ -50,7 +50,7 @@ class Film:
 
     @property
     def interrupted(self) -> bool:
-        """Whether frames are missing; `resume=True` renders them."""
+        """True if frames are missing; `resume=True` renders them."""
         return self.finished < self.frames
 
 
