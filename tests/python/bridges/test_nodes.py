@@ -17,8 +17,9 @@ from websockets.sync.server import serve
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.cli.nodes import nodes
-from uwsim.bridges.nodes.chain import INSERTED, decode, to_cloud, to_scan, to_transform
+from uwsim.bridges.nodes.chain import INSERTED, PUBLISHED_FLOATS, SCAN, decode, to_cloud, to_scan, to_transform
 from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.bridges.nodes.node import Node
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import channels
 from uwsim.channels.ros.messages import default_message
@@ -221,6 +222,23 @@ def test_a_connection_reset_while_a_node_publishes_is_one_sentence_and_is_made_a
     first, *others = said.splitlines()
     assert first == f"uwsim.string_decoder: {url}: the connection has ended; trying to connect again"
     assert others in ([], [f"uwsim.string_decoder: {url}: connected again"])
+
+
+def test_a_topic_that_the_server_s_graph_lacks_is_reported_with_its_type():
+    def serve_one(connection):
+        for frame in connection:
+            if (asked := json.loads(frame))["op"] == "call_service":
+                values = {"topics": ["/scan"], "types": ["sensor_msgs/LaserScan"]}
+                connection.send(json.dumps({"op": "service_response", "id": asked["id"], "values": values}))
+
+    with serve(serve_one, "127.0.0.1", 0) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        node = Node(f"ws://127.0.0.1:{server.socket.getsockname()[1]}")
+        node.advertise("scan", SCAN)
+        node.advertise("decodedDepth", PUBLISHED_FLOATS)
+        assert node.refused(patience_s=0.0) == {"/decodedDepth": "misc/floatarray"}
+        node.close()
+        server.shutdown()
 
 
 def test_after_a_restart_of_the_simulation_no_old_transform_places_a_cloud():

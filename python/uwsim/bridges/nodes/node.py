@@ -37,6 +37,7 @@ class Node:
         self._answers: dict[str, Callable[[dict[str, Any]], object]] = {}
         self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
         self._introduction: list[dict[str, Any]] = []
+        self._advertised: dict[str, str] = {}
 
     def reconnect(self) -> None:
         """Connect again, advertise and subscribe as before; calls without an answer are forgotten.
@@ -51,6 +52,7 @@ class Node:
 
     def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
         """Return a function that publishes messages of a given type on a topic."""
+        self._advertised[f"/{topic}"] = spelled(kind, 1)
         self._introduce({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": self._queue})
         return lambda message: self._connection.send(publication(message, topic, 1))
 
@@ -74,10 +76,30 @@ class Node:
 
     def settle(self, patience_s: float = 10.0) -> None:
         """Wait until the server has processed all requests so far, which it answers in order. Requires rosapi."""
+        self._ask("/rosapi/get_time", patience_s)
+
+    def refused(self, patience_s: float = 5.0) -> dict[str, str]:
+        """Return the advertised topics, with types, that the server's graph lacks after patience_s. Requires rosapi.
+
+        A rosbridge_server that lacks the package of a topic's type reports this in its own log only.
+        """
+        deadline_s = time.monotonic() + patience_s
+        while True:
+            values = self._ask("/rosapi/topics").get("values")
+            if not isinstance(values, dict) or not isinstance(known := values.get("topics"), list):
+                return {}
+            missing = {name: kind for name, kind in self._advertised.items() if name not in known}
+            if not missing or time.monotonic() >= deadline_s:
+                return missing
+            time.sleep(0.1)
+
+    def _ask(self, service: str, patience_s: float = 10.0) -> dict[str, Any]:
+        """Return the answer to a call, or {} if there is none after patience_s."""
         answers: list[dict[str, Any]] = []
-        self.call("/rosapi/get_time", answers.append)
+        self.call(service, answers.append)
         deadline_s = time.monotonic() + patience_s
         self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
+        return answers[0] if answers else {}
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
         """Run callbacks until a condition is met or the server closes the connection.

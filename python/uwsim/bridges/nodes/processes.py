@@ -66,6 +66,7 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
             raise OSError(f"{url}: the connection ended before the node was set up") from None
     try:
         ready()
+        _report_refused(node, log, rare)
         while not is_over():
             _spin(node, is_over, rare)
             if not is_over():
@@ -76,6 +77,17 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
                     log.warning("%s: connected again", url)
     finally:
         node.finish()
+
+
+def _report_refused(node: Node, log: logging.Logger, rare: RareLog) -> None:
+    """Log the topics that the server does not take. A lost connection is left to the loop that reconnects."""
+    try:
+        for topic, kind in node.refused().items():
+            log.warning("the server refuses %s: does it lack the package of its type, %s?", topic, kind)
+    except ConnectionClosed:
+        pass
+    except (ValueError, OSError) as error:
+        rare.warning(str(error))
 
 
 def _save(node: Node, rare: RareLog) -> None:
