@@ -32,7 +32,11 @@ PAGES = {
 
 def main() -> None:
     """Write each page whose text has changed."""
-    folder = Path(sys.argv[1])
+    match sys.argv[1:]:
+        case [given] if not given.startswith("-"):
+            folder = Path(given)
+        case _:
+            sys.exit(__doc__)
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in {**{name: page() for name, page in PAGES.items()}, **python_pages()}.items():
         target = folder / f"{name}.md"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -25,6 +25,12 @@ def decompose(
         ),
     ] = 0.1,
     max_pieces: Annotated[int, typer.Option(help="Maximum number of pieces.", callback=within(1, 256))] = 24,
+    up: Annotated[
+        Literal["y", "z"] | None,
+        typer.Option(
+            help="The mesh's axis that points up, as mesh_up in a vehicle's file. Default: y for glTF, else z."
+        ),
+    ] = None,
 ) -> None:
     """Decompose a hull into convex pieces for collisions.
 
@@ -34,7 +40,7 @@ def decompose(
     from uwsim.scenario.build.collision_pieces import decompose as decompose_mesh
     from uwsim.scenario.build.collision_pieces import write_pieces
 
-    vertices, triangles = closed_mesh(*load_mesh(mesh), name=str(mesh))
+    vertices, triangles = closed_mesh(*load_mesh(mesh, up=up), name=str(mesh))
     pieces = decompose_mesh(vertices, triangles, threshold=threshold, max_pieces=max_pieces)
     target = out or mesh.with_suffix(".pieces.obj")
     write_pieces(pieces, target, made_from=mesh.name)
