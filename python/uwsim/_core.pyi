@@ -352,6 +352,7 @@ class Water:
     are set.
     """
     def __init__(self) -> None: ...
+    def __repr__(self) -> str: ...
     def add_current(self, current: Current) -> None:
         """
         Add a current to current_world_m_s and to those added earlier.

@@ -6,11 +6,13 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "bindings/world/binders.h"
+#include "uwsim/core/check.h"
 #include "uwsim/world/sea_water.h"
 #include "uwsim/world/water.h"
 
@@ -72,6 +74,17 @@ py::array_t<double> velocity_at(const Water& water, const py::object& points_m, 
   return move_out(std::move(values), {static_cast<py::ssize_t>(points.size()), 3});
 }
 
+std::string water_text(const Water& water) {
+  std::string text = "<Water: " + printed(water.density_at(0)) + " kg/m3, " + printed(water.temperature_deg_c(0)) +
+                     " deg C, " + printed(water.salinity_at_psu(0)) + " psu at the surface";
+  if (water.profile) text += "; a profile";
+  if (const double speed_m_s = water.current_world_m_s.norm(); speed_m_s > 0) {
+    text += "; a current of " + printed(speed_m_s) + " m/s";
+  }
+  if (!water.currents.empty()) text += "; currents: " + std::to_string(water.currents.size());
+  return text + (water.waves ? "; waves>" : ">");
+}
+
 }  // namespace
 
 void bind_sea_water(py::module_& m) {
@@ -106,6 +119,7 @@ void bind_water(py::module_& m) {
       "The water of a world: calm and uniform with one steady current, unless waves, a profile or currents\n"
       "are set.")
       .def(py::init<>())
+      .def("__repr__", &water_text)
       .def_readwrite("density_kg_m3", &Water::density_kg_m3)
       .def_readwrite("gravity_m_s2", &Water::gravity_m_s2)
       .def_readwrite("atmospheric_pressure_pa", &Water::atmospheric_pressure_pa)
