@@ -22,6 +22,8 @@ from uwsim.base.did_you_mean import did_you_mean
 
 OWN = "uwsim"
 """The package whose entries come first, and cannot be replaced."""
+PLANNERS = "uwsim.kinds.planner"
+"""The group of planners: missions, functions of a vehicle and of arguments with defaults."""
 SUFFIXES = (".dist-info", ".egg-info")
 
 Adapt = Callable[[str, Any], Any]

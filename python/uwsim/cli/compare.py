@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from uwsim.base.sockets import load, registered
+from uwsim.base.sockets import PLANNERS, load, registered
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from uwsim.flight.compare import Comparison, Row
 
 
-PLANNERS = "uwsim.kinds.planner"  # entry points: missions, functions of a vehicle and of arguments with defaults
 COVERING = ("unknown_water", "frontier", "boustrophedon")  # those that cover an area
 WIDTH = 180  # width of the table if stdout is a file
 SURVEY = "survey"  # the mission that flies the scenario's own survey

@@ -282,6 +282,25 @@ def test_parameters_are_drawn_for_each_frame(aquarium: Path, tmp_path: Path) -> 
         assert picture.size == (32, 24)
 
 
+def things_in(spec: dict, aquarium: Path, frames: int) -> list[int]:
+    """Return the number of objects in each frame of a dataset."""
+    studio = Studio(DatasetSpec(scenario=str(aquarium), n=frames, size=(48, 36), write=("boxes",), **spec))
+    found = []
+    for number in range(frames):
+        studio.place(studio.viewpoint(number))
+        found.append(len(studio.annotations(studio.picture(studio.time_ns(number)), 1)))
+    return found
+
+
+def test_empty_frames_show_nothing_and_crowded_ones_at_least_what_they_would_otherwise(aquarium: Path) -> None:
+    common = {"distance_m": (2.0, 8.0), "min_pixels": 1}
+    assert things_in({**common, "empty_share": 1.0}, aquarium, 6) == [0] * 6
+    plain, crowded = (things_in({**common, "crowded_share": share}, aquarium, 6) for share in (0.0, 1.0))
+    assert all(many >= few for many, few in zip(crowded, plain, strict=True)) and sum(crowded) > sum(plain)
+    mixed = things_in({**common, "empty_share": 0.5, "crowded_share": 0.5}, aquarium, 6)
+    assert all(count in (0, many) for count, many in zip(mixed, crowded, strict=True)) and 0 < sum(mixed) < sum(crowded)
+
+
 def test_each_frame_depends_on_its_number_alone(aquarium: Path) -> None:
     spec = DatasetSpec(scenario=str(aquarium), n=4, size=(16, 12), write=("depth",))
     one, other = Studio(spec, 1), Studio(spec, 2)

@@ -19,10 +19,15 @@ import uwsim
 from uwsim import Simulator
 from uwsim.base.atomic_file import remove_unfinished
 from uwsim.base.own_files import mark
+from uwsim.base.sockets import PLANNERS, registered
 from uwsim.campaigns.datasets.sequences.make import ABOUT, BAG, CHAIN, IMU, TRUTH, UNFINISHED
+from uwsim.campaigns.datasets.sequences.named import FOLDER, load_sequence
 from uwsim.channels.ros.message_types import ros1_typestore
+from uwsim.flight.missions import SURVEY
 from uwsim.flight.terminal import Silent
 from uwsim.missions import wait
+from uwsim.scenario import load
+from uwsim.scenario.read.assets import assets_folder
 
 BALL_M, GRAVITY_M_S2 = np.array([3.0, 0.4, -4.0]), 9.80665
 WORLD = """
@@ -362,3 +367,36 @@ def test_chosen_instruments_are_written_with_the_same_bytes_and_the_cost_is_show
     with pytest.raises(ValueError, match=r"instrument 'dlv': must be one of imu, dvl, .*did you mean 'dvl'"):
         uwsim.make_sequence(world, mission, tmp_path / "no", without=("dlv",))
     assert not (tmp_path / "no").exists()
+
+
+def test_baselines_estimate_the_track_and_leave_the_measurements_as_they_are(world: Path, tmp_path: Path) -> None:
+    files = {}
+    for baselines in (False, True):
+        out = tmp_path / str(baselines)
+        options = {"cameras": (), "without": ("ahead", "aside"), "bag": False, "seed": 5}
+        made = uwsim.make_sequence(world, mission, out, baselines=baselines, **options)
+        files[baselines] = {
+            str(each.relative_to(out)): each.read_bytes() for each in out.rglob("*.*") if each.is_file()
+        }
+    found = json.loads(files[True].pop(ABOUT))["baselines"]
+    assert found == made.baselines and set(found) == {"reckoning", "icp", "filter"}
+    true = np.loadtxt(tmp_path / "True" / TRUTH)
+    for name, errors in found.items():
+        track = np.loadtxt(files[True].pop(f"baselines/{name}.tum").decode().splitlines())
+        at = np.searchsorted(true[:, 0], track[:, 0])
+        off_m = np.linalg.norm(track[:, 1:4] - true[at, 1:4], axis=1)
+        assert errors["rms_m"] == pytest.approx(np.sqrt(np.mean(off_m**2)), abs=1e-4)
+        assert 0.0 < errors["rms_m"] <= errors["largest_m"] < 0.5
+    files[False].pop(ABOUT)
+    assert files[True] == files[False]
+
+
+def test_every_packaged_sequence_names_what_exists() -> None:
+    names = sorted(path.stem for path in (assets_folder() / FOLDER).glob("*.yaml"))
+    assert len(names) == 3
+    for name in names:
+        spec = load_sequence(name)
+        assert spec.name == name and spec.mission in (SURVEY, *registered(PLANNERS))
+        model = load(spec.scenario).vehicles[0].model
+        assert set(spec.cameras) <= set(model.cameras)
+        assert set(spec.instruments or ()) - {"multibeam"} <= set(model.sensors)

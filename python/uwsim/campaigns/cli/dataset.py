@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.options import WithoutEffectError, need
 from uwsim.campaigns.cli.sweep import Scheduler, Workers
-from uwsim.cli.bounds import readable, within
+from uwsim.cli.bounds import UsageError, readable, within
 from uwsim.cli.exit_codes import INTERRUPTED
 from uwsim.cli.groups import under
-from uwsim.cli.options import ScenarioName, Seed, VehicleName
+from uwsim.cli.options import Seed, VehicleName
+from uwsim.cli.values import packaged, packaged_folder, scenarios
 
 if TYPE_CHECKING:
     from uwsim.campaigns.datasets import Dataset
+    from uwsim.campaigns.datasets.sequences import Sequence
 
 Vary = Annotated[
     list[str] | None,
@@ -30,12 +34,40 @@ OF_SEQUENCES = (
     "scenario", "out", "camera", "vehicle", "seed", "sequence", "time_limit", "instruments", "without", "no_bag",
 )  # fmt: skip
 """The options that have an effect on a sequence."""
+OF_NAMED = ("out", "sequence", "no_bag")
+"""The options that have an effect on a packaged sequence."""
+
+
+def _is_packaged(sequence: str) -> bool:
+    """Return whether this names a packaged sequence; a mission's file of the same name comes first."""
+    return sequence in _packaged() and not Path(sequence).is_file()
+
+
+def _packaged() -> list[str]:
+    return sorted(path.stem for path in (packaged_folder("assets", "assets") / "sequences").glob("*.yaml"))
+
+
+def _readable_or_packaged(param: typer.CallbackParam, value: str | None) -> str | None:
+    if value is None or _is_packaged(value):
+        return value
+    if not Path(value).exists():
+        known = _packaged()
+        rule = f"must be a mission's file, or one of {', '.join(known)}{did_you_mean(value, known)}"
+        raise UsageError(f"--sequence = '{value}': {rule}")
+    return readable(param, Path(value)) and value
 
 
 @under("Fly")
 def dataset(
     context: typer.Context,
-    scenario: ScenarioName,
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            help="Name of a packaged scenario, or path of a YAML file; none for a named --sequence.",
+            autocompletion=scenarios,
+            show_default=False,
+        ),
+    ] = None,
     n: Annotated[int, typer.Option("--n", help="Number of frames.", callback=within(1, 1e9))] = 100,
     out: Annotated[Path, typer.Option(help="Folder for the pictures and their tables.")] = Path("data"),
     camera: Annotated[
@@ -66,11 +98,13 @@ def dataset(
         Path | None, typer.Option(help="Fly this mission first, and use its poses.", callback=readable)
     ] = None,
     sequence: Annotated[
-        Path | None,
+        str | None,
         typer.Option(
             help="Fly this mission, and write a sequence for SLAM instead of single frames: all instruments at their "
-            "rates in EuRoC's layout and as a ROS 1 bag, ground truth, calibration.",
-            callback=readable,
+            "rates in EuRoC's layout and as a ROS 1 bag, ground truth, calibration. Or the name of a packaged "
+            "sequence, which also has baselines.",
+            autocompletion=packaged("sequences"),
+            callback=_readable_or_packaged,
         ),
     ] = None,
     time_limit: Annotated[
@@ -116,6 +150,15 @@ def dataset(
     ] = None,
     min_pixels: Annotated[int, typer.Option(help="Smaller objects have no box.", callback=within(1, 1e9))] = 16,
     val_share: Annotated[float, typer.Option(help="Share of the frames for validation.", callback=within(0, 1))] = 0.2,
+    empty_share: Annotated[
+        float, typer.Option(help="Share of the frames without any object in the picture.", callback=within(0, 1))
+    ] = 0.0,
+    crowded_share: Annotated[
+        float,
+        typer.Option(
+            help="Share of the frames with many: the pose that shows the most objects of 16.", callback=within(0, 1)
+        ),
+    ] = 0.0,
     seed: Seed = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
@@ -128,10 +171,16 @@ def dataset(
     bytes do not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders
     the rest. With --sequence, a mission is flown, and everything that the vehicle's instruments measure is written.
     """
+    if sequence is not None and _is_packaged(sequence):
+        _refuse_options(context, OF_NAMED, f"set by the sequence {sequence}; leave it out")
+        _make_named_sequence(sequence, out, bag=not no_bag)
+        return
+    if scenario is None:
+        raise UsageError("SCENARIO is missing: the name of a packaged scenario, or a YAML file")
     if sequence is not None:
-        _refuse_options_of_frames(context)
+        _refuse_options(context, OF_SEQUENCES, "for single frames; without effect with --sequence")
         _make_sequence(
-            scenario, sequence, out, cameras=_listed(camera), vehicle=vehicle, seed=seed, time_limit_s=time_limit,
+            scenario, Path(sequence), out, cameras=_listed(camera), vehicle=vehicle, seed=seed, time_limit_s=time_limit,
             instruments=None if instruments is None else _listed(instruments), without=_listed(without), bag=not no_bag,
         )  # fmt: skip
         return
@@ -151,6 +200,8 @@ def dataset(
         "sonar": sonar,
         "min_pixels": min_pixels,
         "val_share": val_share,
+        "empty_share": empty_share,
+        "crowded_share": crowded_share,
         "seed": seed,
         "label_range_m": label_range,
         "vary": dict(_variation(text) for text in vary or ()),
@@ -184,15 +235,15 @@ def dataset(
         raise typer.Exit(INTERRUPTED)
 
 
-def _refuse_options_of_frames(context: typer.Context) -> None:
-    """Raise WithoutEffectError for options that were passed and have no effect on a sequence."""
+def _refuse_options(context: typer.Context, allowed: Collection[str], rule: str) -> None:
+    """Raise WithoutEffectError for options that were passed and are not allowed."""
     passed = [
-        f"--{name.replace('_', '-')}"
+        "SCENARIO" if name == "scenario" else f"--{name.replace('_', '-')}"
         for name in context.params
-        if name not in OF_SEQUENCES and _is_passed(context, name)
+        if name not in allowed and _is_passed(context, name)
     ]
     if passed:
-        raise WithoutEffectError(f"{', '.join(passed)}: for single frames; without effect with --sequence")
+        raise WithoutEffectError(f"{', '.join(passed)}: {rule}")
 
 
 def _is_passed(context: typer.Context, name: str) -> bool:
@@ -204,7 +255,20 @@ def _make_sequence(scenario: str, mission: Path, out: Path, **options: Any) -> N
     from uwsim.campaigns.datasets.sequences import make_sequence
     from uwsim.flight.terminal import Terminal
 
-    made = make_sequence(scenario, mission, out, screen=Terminal(), **options)
+    _print_sequence(make_sequence(scenario, mission, out, screen=Terminal(), **options))
+
+
+def _make_named_sequence(name: str, out: Path, *, bag: bool) -> None:
+    from uwsim.campaigns.datasets.sequences.named import make_named_sequence
+    from uwsim.flight.terminal import Terminal
+
+    _print_sequence(made := make_named_sequence(name, out, bag=bag, screen=Terminal()))
+    for baseline, errors in made.baselines.items():
+        figures = ", ".join(f"{figure.removesuffix('_m')} {error_m:.3f} m" for figure, error_m in errors.items())
+        typer.echo(f"{baseline:<10}{figures}")
+
+
+def _print_sequence(made: Sequence) -> None:
     counts = ", ".join(f"{count:,} {name}" for name, count in made.counts.items())
     typer.echo(f"{made.flight.simulated_s:.1f} s in {made.out}: {counts}")
 

@@ -97,9 +97,7 @@ def make_frame(job: FrameJob) -> dict[str, Any]:
 
 
 def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: dict[str, bytes]) -> None:
-    spec, distances = studio.spec, studio.distances_m(frame)
-    near = distances <= studio.label_range_m
-    labels = np.where(near, frame.labels, 0).astype(np.uint16)
+    spec, labels = studio.spec, studio.labels(frame)
     if spec.writes("rgb"):
         files["rgb"] = png(frame.rgb) if spec.pictures == "png" else encode_jpeg(frame.rgb, JPEG_QUALITY)
     if spec.writes("depth"):
@@ -118,8 +116,7 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
     label_range = studio.label_range_m
     record["label_range_m"] = float(label_range) if np.isfinite(label_range) else None
     if spec.writes("boxes", "yolo"):
-        pieces = frame.pieces if len(frame.pieces) else None
-        things = annotations_of(labels, studio.class_of_label, studio.label_names, distances, spec.min_pixels, pieces)
+        things = studio.annotations(frame, spec.min_pixels)
         if spec.writes("boxes"):
             record["annotations"] = things
         if spec.writes("yolo"):

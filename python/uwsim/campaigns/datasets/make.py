@@ -139,7 +139,9 @@ def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission:
         return None
     if along is not None and mission is not None:
         raise ValueError("along, mission: only one of them can be given")
-    for name in ("look_at", "distance_m", "clearance_m", "pitch_max_deg", "roll_max_deg"):
+    for name in (
+        "look_at", "distance_m", "clearance_m", "pitch_max_deg", "roll_max_deg", "empty_share", "crowded_share",
+    ):  # fmt: skip
         if name in spec.model_fields_set:
             raise ValueError(f"{name}: has no effect along a track, whose poses are fixed")
     if along is not None:

@@ -34,10 +34,11 @@ class DatasetSpec(Model):
     forward-looking sonar of the vehicle; None: the first. look_at: names or classes of targets; None: everything.
     distance_m: smallest and largest distance to the target; None: from the clearance to good visibility. clearance_m:
     free space around the vehicle's hull and the camera. pitch_max_deg, roll_max_deg: the vehicle's limits in either
-    direction. label_range_m: objects farther away are not labelled; None: the water's visibility. min_pixels: objects
-    with fewer pixels are not annotated. val_share: the fraction of frames used for validation. vary: variations by
-    parameter name, each "LOW..HIGH", "A,B,C", a tuple (low, high), a list of values, or a dictionary as in a sweep's
-    file; each frame draws a value for each parameter.
+    direction. empty_share, crowded_share: the fractions of frames without any object in the picture, and with many: the
+    one with the most of several drawn poses. label_range_m: objects farther away are not labelled; None: the water's
+    visibility. min_pixels: objects with fewer pixels are not annotated. val_share: the fraction of frames used for
+    validation. vary: variations by parameter name, each "LOW..HIGH", "A,B,C", a tuple (low, high), a list of values, or
+    a dictionary as in a sweep's file; each frame draws a value for each parameter.
     """
 
     scenario: str
@@ -56,6 +57,8 @@ class DatasetSpec(Model):
     clearance_m: Annotated[float, InRange(0, 100, "m")] = 0.2
     pitch_max_deg: Annotated[float, InRange(0, 90, "deg")] = 15.0
     roll_max_deg: Annotated[float, InRange(0, 180, "deg")] = 5.0
+    empty_share: Annotated[float, InRange(0, 1)] = 0.0
+    crowded_share: Annotated[float, InRange(0, 1)] = 0.0
     label_range_m: Annotated[float, InRange(0.01, 1e6, "m")] | None = None
     min_pixels: Annotated[int, InRange(1, LARGEST_SIDE**2, "pixels")] = MIN_PIXELS
     val_share: Annotated[float, InRange(0, 1)] = 0.2
@@ -75,6 +78,13 @@ class DatasetSpec(Model):
             raise broken(
                 "must be the minimum, then the maximum", at=("distance_m",), value=list(self.distance_m), unit="m"
             )
+        if (share := self.empty_share + self.crowded_share) > 1.0:
+            raise broken(
+                "must be at most 1, together with empty_share", at=("crowded_share",), value=self.crowded_share
+            )
+        if share and not self.writes(*OF_CAMERA):
+            at = "empty_share" if self.empty_share else "crowded_share"
+            raise broken("has no effect unless `write` contains an output of the camera", at=(at,), value=share)
         if self.sonar is not None and "sonar" not in self.write:
             raise broken("has no effect unless `write` contains sonar", at=("sonar",), value=self.sonar)
         if self.pictures != "png" and "rgb" not in self.write:

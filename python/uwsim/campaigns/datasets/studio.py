@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -10,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.campaigns.datasets.formats.coco import annotations_of
 from uwsim.campaigns.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
-from uwsim.campaigns.datasets.targets import Targets
+from uwsim.campaigns.datasets.targets import TERRAIN, Targets
 from uwsim.instruments.cameras import Camera, CameraInfo, Frame
 from uwsim.instruments.cameras.effects import effects_on
 from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage, look_ahead
@@ -24,11 +26,13 @@ from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.variation import extremes, level_at
 from uwsim.simulator.simulator import Simulator
 
-VALUES, VIEWPOINT, TIME = 0, 1, 2
+VALUES, VIEWPOINT, TIME, CONTENT = 0, 1, 2, 3
 """A frame's random draws, each from a separate stream, so that they do not affect each other."""
 LATEST_S = 3600.0
 """Upper limit of random times, which determine waves, ripples, particles and noise."""
 NEAREST_M = 0.3
+CROWD, EMPTY_TRIES = 16, 200
+"""The number of poses drawn for a crowded frame, and at most for an empty one."""
 SEEN_WELL = 0.6
 """The largest distance to targets, as a fraction of the visibility."""
 
@@ -53,7 +57,7 @@ class Studio:
         small = self.camera.resized(8, 8).capture(geometry_only=True)
         self.label_names, self.class_names = list(small.label_names), list(small.class_names)
         self.class_of_label = small.class_of_label
-        self._drawing: tuple[Targets, Eye] | None = None
+        self._drawing: tuple[Targets, Targets | None, Eye] | None = None
 
     def _try_variations(self) -> None:
         """Raise ValueError unless both ends of each range, and all choices, are allowed."""
@@ -109,19 +113,60 @@ class Studio:
         """Return a random pose for a frame, in the current water. Raises ValueError if none is found."""
         spec = self.spec
         if self._drawing is None:
-            self._drawing = self._targets(), self._eye()
-        targets, eye = self._drawing
+            bare = self._targets((TERRAIN,)) if spec.empty_share else None
+            self._drawing = self._targets(spec.look_at), bare, self._eye()
+        targets, bare, eye = self._drawing
         nearest = NEAREST_M + spec.clearance_m
         seen = SEEN_WELL * self.label_range_m
         limits = Limits(
             spec.distance_m or (nearest, max(nearest, seen if np.isfinite(seen) else 20.0)),
             spec.clearance_m, np.radians(spec.pitch_max_deg), np.radians(spec.roll_max_deg),
         )  # fmt: skip
-        water = FreeWater(self.sim, self.vehicle.name, eye, spec.clearance_m)
+        water, random = FreeWater(self.sim, self.vehicle.name, eye, spec.clearance_m), self._random(number, VIEWPOINT)
+        content = self._random(number, CONTENT).random()
         try:
-            return draw_viewpoint(targets, water, eye, limits, self._random(number, VIEWPOINT))
+            if bare is not None and content < spec.empty_share:
+                return self._emptiest(
+                    number, (draw_viewpoint(bare, water, eye, limits, random) for _ in range(EMPTY_TRIES))
+                )
+            count = CROWD if content < spec.empty_share + spec.crowded_share else 1
+            drawn = [draw_viewpoint(targets, water, eye, limits, random) for _ in range(count)]
         except ValueError as error:
             raise ValueError(f"frame {number}: {error}") from None
+        return (
+            drawn[0] if count == 1 else max(drawn, key=lambda each: len(self._objects(number, each, spec.min_pixels)))
+        )
+
+    def _emptiest(self, number: int, drawn: Iterable[Viewpoint]) -> Viewpoint:
+        """Return the first viewpoint from which no pixel shows an object. Raises ValueError if there is none."""
+        found = next((each for each in drawn if not self._objects(number, each, least_pixels=1)), None)
+        if found is None:
+            raise ValueError(
+                f"empty_share: an object was in each of {EMPTY_TRIES} pictures of the terrain; change camera "
+                "or distance_m"
+            )
+        return found
+
+    def _objects(self, number: int, viewpoint: Viewpoint, least_pixels: int) -> list[dict[str, Any]]:
+        """Return the annotations of the picture that a viewpoint would give."""
+        try:
+            self.place(viewpoint)
+        except ValueError:
+            return []
+        frame = self.camera.capture(
+            self.effects, geometry_only=True, at=replace(self.camera.snapshot(), time_ns=self.time_ns(number))
+        )
+        return self.annotations(frame, least_pixels)
+
+    def annotations(self, frame: Frame, least_pixels: int) -> list[dict[str, Any]]:
+        """Return COCO's annotations of the objects that have as many pixels within the range of labels."""
+        pieces = frame.pieces if len(frame.pieces) else None
+        labels, distances_m = self.labels(frame), self.distances_m(frame)
+        return annotations_of(labels, self.class_of_label, self.label_names, distances_m, least_pixels, pieces)
+
+    def labels(self, frame: Frame) -> NDArray[np.uint16]:
+        """Return the label of each pixel, (H, W); 0 beyond the range of labels."""
+        return np.where(self.distances_m(frame) <= self.label_range_m, frame.labels, 0).astype(np.uint16)
 
     def place(self, viewpoint: Viewpoint) -> None:
         """Move the vehicle to a viewpoint. Raises ValueError if the position is in the ground or in a solid."""
@@ -145,10 +190,10 @@ class Studio:
         """Return distances from the camera along each pixel's ray, (H, W); inf if nothing is hit."""
         return np.asarray(frame.depth_m * self._slant, np.float32)
 
-    def _targets(self) -> Targets:
+    def _targets(self, look_at: Sequence[str] | None) -> Targets:
         classes = [self.class_names[k] for k in self.class_of_label]
         by_name = dict(zip(self.label_names, classes, strict=True))
-        return Targets(self.sim, self.vehicle.name, by_name, self.spec.look_at)
+        return Targets(self.sim, self.vehicle.name, by_name, look_at)
 
     def _eye(self) -> Eye:
         mount = self.camera.mount

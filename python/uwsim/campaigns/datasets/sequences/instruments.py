@@ -22,6 +22,7 @@ from uwsim.campaigns.datasets.sequences.calibration import (
     require_calibrated,
 )
 from uwsim.campaigns.datasets.sequences.euroc import Files, Rows, write_sensor
+from uwsim.campaigns.datasets.sequences.tum import Tum
 from uwsim.channels import Channel, Table
 from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.channels.families.cameras import compressed_image, info_message
@@ -276,8 +277,7 @@ class Truth:
     def __init__(self, folder: Path, tum: Path, source: Source, table: Table, say: Say):
         self.folder, self._source, self._say = folder, source, say
         self._rows = Rows(folder, TRUTH_COLUMNS)
-        self._tum = tum.open("w", newline="\n")
-        self._tum.write("# timestamp tx ty tz qx qy qz qw\n")
+        self._tum = Tum(tum)
         self._channel = next(each for each in table.channels if each.name == source.topic("ground_truth/odom"))
 
     @property
@@ -291,8 +291,7 @@ class Truth:
         position, (x, y, z, w) = rov.pose.position_world_m.tolist(), rov.pose.orientation_xyzw.tolist()
         velocity = (rov.pose.world_from_body[:3, :3] @ rov.velocity.linear_body_m_s).tolist()
         self._rows.add(sim.time_ns, *position, w, x, y, z, *velocity)
-        seconds, rest_ns = divmod(sim.time_ns, 1_000_000_000)
-        self._tum.write(" ".join([f"{seconds}.{rest_ns:09d}", *map(repr, (*position, x, y, z, w))]) + "\n")
+        self._tum.add(sim.time_ns, position, (x, y, z, w))
         self._say(self._channel, self._channel.read(sim), sim.time_ns)
 
     def close(self) -> None:

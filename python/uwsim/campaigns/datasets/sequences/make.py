@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator, Mapping
 from collections.abc import Sequence as Names
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from uwsim.base.atomic_file import unfinished
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.folder_lock import LOCK, alone_in
 from uwsim.base.own_files import is_own, mark
+from uwsim.campaigns.datasets.sequences.baselines import Baselines
 from uwsim.campaigns.datasets.sequences.calibration import camera_chain, imu_noise, kalibr_imu, mounted
 from uwsim.campaigns.datasets.sequences.euroc import write_yaml
 from uwsim.campaigns.datasets.sequences.instruments import Imaged, Instrument, Pinged, Sampled, Seen, Truth
@@ -49,12 +50,13 @@ class Sequence:
     """A complete sequence in the folder `out`.
 
     counts: the number of samples, pictures or pings of each instrument, by its folder in mav0. flight: the record of
-    the mission.
+    the mission. baselines: the errors of uwsim's own estimates [m], by baseline; see datasets.sequences.baselines.
     """
 
     out: Path
     counts: dict[str, int]
     flight: FlightRecord
+    baselines: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{count:,} {name}" for name, count in self.counts.items())
@@ -70,6 +72,7 @@ def make_sequence(
     instruments: Names[str] | None = None,
     without: Names[str] = (),
     bag: bool = True,
+    baselines: bool = False,
     vehicle: str | None = None,
     seed: int | None = None,
     time_limit_s: float | None = None,
@@ -82,7 +85,8 @@ def make_sequence(
 
     mission: the mission, as for uwsim.flight.fly.fly. out: a new folder. cameras: names of the vehicle's cameras.
     instruments: names of its sensors and imaging sonars, and multibeam; None: all; the ground truth is always written.
-    without: instruments to leave out. bag: whether to write sequence.bag, which takes as much space as the rest. The
+    without: instruments to leave out. bag: whether to write sequence.bag, which takes as much space as the rest.
+    baselines: whether to write uwsim's own estimates, too, for a mission that undocks at its start. The
     same scenario, seed and mission give the same bytes, whatever the number of threads. If the flight fails or is
     interrupted, its files are removed; a folder whose name ends in ".unfinished" was left by a killed process, and the
     next run removes it.
@@ -100,7 +104,10 @@ def make_sequence(
         source.of(sim).cameras[name]  # raises a KeyError that lists the existing names
     chosen = _chosen(source, sim, instruments, without)
     with _made(into) as folder:
-        taken = _Taken(folder, table, source, sim, cameras, chosen, bag=bag, screen=screen or Silent())
+        taken = _Taken(
+            folder, table, source, sim, cameras, chosen, bag=bag, baselines=baselines,
+            screen=screen or Silent(),
+        )  # fmt: skip
         taken.start()
         try:
             flight = fly(
@@ -114,7 +121,7 @@ def make_sequence(
             raise ValueError("the flight was interrupted: no sequence is left")
         counts = taken.counts
         _describe(folder, sim, source, taken, flight)
-    return Sequence(into, counts, flight)
+    return Sequence(into, counts, flight, taken.errors)
 
 
 def _chosen(source: Source, sim: Simulator, instruments: Names[str] | None, without: Names[str]) -> set[str]:
@@ -158,7 +165,7 @@ class _Taken:
 
     def __init__(
         self, folder: Path, table: Table, source: Source, sim: Simulator, cameras: Names[str], chosen: set[str], *,
-        bag: bool, screen: Silent,
+        bag: bool, baselines: bool, screen: Silent,
     ) -> None:  # fmt: skip
         self._sim, self._bag = sim, BagSink(folder / BAG, compressed=False) if bag else None
         self._folder, self._screen = folder, screen
@@ -180,8 +187,10 @@ class _Taken:
         for name in [each for each in vehicle.imaging_sonars if each in chosen]:
             kind = type(vehicle.imaging_sonars[name].model).__name__.lower()
             self.instruments.append(Imaged(mav / _numbered(mav, kind), source, table, sim, name, self._say))
+        self._baselines = Baselines(folder, source, table) if baselines else None
+        self._readers = [*self.instruments, *([self._baselines] if self._baselines is not None else [])]
         self._subscriptions = [
-            Subscription(sim, round(1e9 / each.rate_hz), each.read, lambda _: None) for each in self.instruments
+            Subscription(sim, round(1e9 / each.rate_hz), each.read, lambda _: None) for each in self._readers
         ]
         self._first = Subscription(sim, round(1e9 * COST_AFTER_S), self._show_cost, lambda _: None)
         frames = channels["tf_static"]
@@ -192,10 +201,15 @@ class _Taken:
         """The number of samples by instrument."""
         return {each.folder.name: each.count for each in self.instruments}
 
+    @property
+    def errors(self) -> dict[str, dict[str, float]]:
+        """The errors of the baselines."""
+        return {} if self._baselines is None else self._baselines.errors
+
     def start(self) -> None:
         """Read all instruments at their rates, starting after one step, when a mission that undocks has done so."""
         step_ns = round(self._sim.step_s * 1e9)
-        for each, subscription in zip(self.instruments, self._subscriptions, strict=True):
+        for each, subscription in zip(self._readers, self._subscriptions, strict=True):
             subscription.due_tick = next_tick(self._sim.tick, round(1e9 / each.rate_hz), step_ns)
             self._sim.agenda.add(subscription, Rank.OBSERVER, subscription.act)
         self._first.due_tick = self._sim.tick + round(COST_AFTER_S / self._sim.step_s)
@@ -215,7 +229,7 @@ class _Taken:
         for subscription in (*self._subscriptions, self._first):
             subscription.cancel()
         try:
-            for each in self.instruments:
+            for each in self._readers:
                 each.close()
         finally:
             if self._bag is not None:
@@ -263,6 +277,7 @@ def _describe(folder: Path, sim: Simulator, source: Source, taken: _Taken, fligh
         "simulated_s": flight.simulated_s,
         "ended_because": flight.ended_because,
         "counts": taken.counts,
+        **({"baselines": taken.errors} if taken.errors else {}),
         "files": {str(path.relative_to(folder)): _digest(path) for path in files},
     }
     (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n")
