@@ -66,6 +66,18 @@ def _require_file(path: Path, name: str) -> None:
         raise UsageError(f"{name} = '{path}': is {what}: must be a file")
 
 
+def refusal(error: Any) -> str:
+    """Return the message of a usage error of typer. One about a number states its value, range and unit."""
+    param, found = getattr(error, "param", None), getattr(error.__cause__, "errors", None)
+    bounds = getattr(getattr(param, "callback", None), "bounds", None)
+    if bounds is None or not callable(found):
+        return str(error.format_message()).rstrip(".")
+    low, high, unit = bounds
+    kind = "whole number" if str(found()[0]["type"]).startswith("int") else "number"
+    rule = f"must be a {kind} in [{low:.12g}, {high:.12g}] {unit}".rstrip()
+    return f"{option_name(param)} = '{str(found()[0]['input'])[:40]}': {rule}"
+
+
 def option_name(param: typer.CallbackParam) -> str:
     """Return a parameter's name as users type it, such as --voxel or MAP."""
     return str(param.opts[-1]) if param.opts and param.opts[-1].startswith("-") else str(param.name).upper()

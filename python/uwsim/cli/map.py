@@ -11,7 +11,7 @@ from uwsim.base.sockets import registered
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import show_help
-from uwsim.cli.options import SETTINGS
+from uwsim.cli.options import SETTINGS, AsJson, print_json
 from uwsim.cli.values import scenarios
 
 app = typer.Typer(
@@ -44,15 +44,13 @@ ZERO = (0.0, 0.0, 0.0)
 def info(
     source: MapFile,
     origin: MapOrigin = ZERO,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Print a map's format, resolution, counts, bounds and size."""
-    import json
-
     from uwsim.mapping.info import map_info, map_values
 
     if as_json:
-        typer.echo(json.dumps(map_values(source, origin), indent=1))
+        print_json(map_values(source, origin))
         return
     rows = map_info(source, origin)
     width = max(len(name) for name, _ in rows)
@@ -195,6 +193,7 @@ def diff(
     second: MapFile,
     out: FigureFile = None,
     exit_code: Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if the maps differ.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Count the voxels whose states differ between two maps.
 
@@ -206,14 +205,20 @@ def diff(
 
     figure = None if out is None else _require_png(out)
     found = map_difference(open_map(first), open_map(second))
-    typer.echo(f"voxels by state in {first} (rows) and {second} (columns)")
-    typer.echo(f"{'':>10}" + "".join(f"{state:>14}" for state in STATES))
-    for state, row in zip(STATES, found.counts, strict=True):
-        typer.echo(f"{state:>10}" + "".join(f"{count:>14,}" for count in row))
-    typer.echo(f"{found.differing:,} voxels differ" if found.differing else "the states of all voxels are the same")
     if figure is not None:
         draw_map_difference(figure, found, (first.name, second.name))
-        typer.echo(str(figure))
+    if as_json:
+        print_json({
+            "states": STATES, "counts": found.counts, "differing": found.differing, "resolution_m": found.resolution_m,
+        })  # fmt: skip
+    else:
+        typer.echo(f"voxels by state in {first} (rows) and {second} (columns)")
+        typer.echo(f"{'':>10}" + "".join(f"{state:>14}" for state in STATES))
+        for state, row in zip(STATES, found.counts, strict=True):
+            typer.echo(f"{state:>10}" + "".join(f"{count:>14,}" for count in row))
+        typer.echo(f"{found.differing:,} voxels differ" if found.differing else "the states of all voxels are the same")
+        if figure is not None:
+            typer.echo(str(figure))
     if exit_code and found.differing:
         raise typer.Exit(FAILED)
 

@@ -21,6 +21,7 @@ SETTINGS: dict[str, Any] = {
 ScenarioName = Annotated[
     str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
 ]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.", callback=within(0, 2**63 - 1))]
 Voxel = Annotated[
     float | None,
@@ -48,6 +49,13 @@ Frequency = Annotated[
         callback=within(0.1, 1e5, "kHz"),
     ),
 ]
+
+
+def print_json(values: Any) -> None:
+    """Print values as JSON: SI units, fractions in [0, 1], null for NaN."""
+    import orjson  # imported here, so that --help is fast
+
+    typer.echo(orjson.dumps(values, option=orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY).decode())
 
 
 def hertz(frequency_khz: float | None) -> float | None:

@@ -17,7 +17,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from uwsim.cli.bounds import UsageError
+from uwsim.cli.bounds import UsageError, refusal
 from uwsim.cli.exit_codes import FAILED, exit_code_help
 from uwsim.cli.groups import Program
 from uwsim.cli.options import SETTINGS
@@ -94,7 +94,7 @@ def run_program() -> NoReturn:
         # Recognise typer's usage errors by their method, since the class's module depends on typer's version.
         if not hasattr(error, "format_message"):
             raise
-        _print_error(error.format_message().rstrip("."))
+        _print_error(refusal(error))
         sys.exit(getattr(error, "exit_code", FAILED))
     sys.exit(code if isinstance(code, int) else 0)
 

@@ -154,7 +154,7 @@ def test_what_cannot_be_compared_is_refused(tmp_path: Path) -> None:
 
 def test_an_option_without_effect_is_refused(tmp_path: Path) -> None:
     with pytest.raises(WithoutEffectError, match="--binary, --seeds: need two programs or parameter files"):
-        ardusub_check(first=tmp_path, binary=tmp_path, seeds=2)
+        ardusub_check(first=tmp_path, binary=tmp_path, seeds="2")
     with pytest.raises(WithoutEffectError, match="--window: needs a log"):
         ardusub_check(first=tmp_path, second=tmp_path, window=2)
 

@@ -1,11 +1,14 @@
 """`uwsim tune`: no worse than the file's own gains, and axes that nothing drives are named rather than tuned."""
 
+import json
 from pathlib import Path
 
 import pytest
 import yaml
+from typer.testing import CliRunner
 
 from command_line import uwsim
+from uwsim.cli.program import app
 from uwsim.evidence import tuning
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.spec.control import Control
@@ -36,3 +39,14 @@ def test_the_command_writes_the_block_and_the_figure(tmp_path: Path) -> None:
     assert "# nothing drives sway, heave: left out" in done.stdout
     assert yaml.safe_load(done.stdout) == yaml.safe_load((tmp_path / "control.yaml").read_text())
     assert (tmp_path / "steps.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_json_holds_the_control_block_that_the_text_does(
+    lame: tuning.Tuned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tuning, "tune", lambda *_, **__: lame)
+    done = CliRunner().invoke(app, ["tune", "bluerov2_wu", "--json", "--out", str(tmp_path)])
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)
+    assert found["after"]["cost"] == pytest.approx(lame.after.cost) and found["left_out"] == ["pitch"]
+    assert Control.model_validate(found["control"]) == lame.model.control

@@ -1,5 +1,6 @@
 """Checks, suites and the command of the validation. The suites themselves are run by tools/docs."""
 
+import json
 import math
 import subprocess
 import time
@@ -58,6 +59,9 @@ def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(extra: list
     missed = CliRunner().invoke(app, ["validate", "dynamics", "--out", str(tmp_path)])
     assert missed.exit_code == 1
     assert "MISS" in missed.output and "1 missed" in missed.output
+    as_json = CliRunner().invoke(app, ["validate", "dynamics", "--out", str(tmp_path), "--json"])
+    assert as_json.exit_code == 1
+    assert [check["passed"] for check in json.loads(as_json.stdout)["dynamics"]] == [True, False]
 
 
 def test_an_unknown_suite_is_refused_with_a_list_of_the_known_ones() -> None:

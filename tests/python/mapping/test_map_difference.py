@@ -1,5 +1,6 @@
 """Differences between two maps, and `uwsim map diff`."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,8 @@ def test_a_difference_counts_every_voxel_once(folder, tmp_path):
     shown = uwsim_map("diff", folder / "pool.bt", folder / "part.bt", "--out", tmp_path / "d.png")
     assert f"{found.differing:,} voxels differ" in shown
     read_figure(tmp_path / "d.png")
+    values = json.loads(uwsim_map("diff", folder / "pool.bt", folder / "part.bt", "--json"))
+    assert values["counts"] == found.counts.tolist() and values["differing"] == found.differing
 
 
 def test_a_map_does_not_differ_from_itself_and_the_exit_code_says_so(folder):

@@ -317,6 +317,8 @@ def test_uwsim_recording_lists_what_a_file_holds(run: Path, capsys: pytest.Captu
 def test_uwsim_replay_says_what_it_found(run: Path, tmp_path: Path) -> None:
     done = uwsim("replay", str(run), "--until", "1.0")
     assert done.returncode == 0 and done.stdout.startswith("the same bytes: "), done.stderr
+    found = json.loads(uwsim("replay", str(run), "--until", "1.0", "--json").stdout)
+    assert found["same"] and found["difference"] is None and found["channels"]["/odom"] == 51
     assert "must be 0 or more" in error_line(uwsim("replay", str(run), "--from", "2", "--until", "1"))
     assert "No such file" in error_line(uwsim("replay", str(tmp_path / "none.mcap")))
 

@@ -1,5 +1,6 @@
 """A recording as tables and arrays, its map and report from the file alone, and the first difference between two."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -204,6 +205,10 @@ def test_a_diff_names_tick_channel_and_amount_and_draws(folder: Path, tmp_path: 
     assert (tmp_path / "d.png").stat().st_size > 10_000
     same = uwsim("diff", str(a.path), str(a.path))
     assert same.returncode == 0 and same.stdout.startswith("the same: ")
+    as_json = uwsim("diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"), "--json")
+    told = json.loads(as_json.stdout)
+    assert as_json.returncode == 1 and not told["same"] and len(told["partings"]) == len(found.partings)
+    assert (told["partings"][0]["channel"], told["partings"][0]["tick"]) == ("/uwsim/commands", 200)
 
 
 def test_what_only_one_recording_has_is_a_difference(folder: Path, tmp_path: Path) -> None:

@@ -10,12 +10,13 @@ import typer
 from uwsim.base.options import need
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.groups import under
+from uwsim.cli.seeds import parsed_seeds
 from uwsim.cli.values import scenarios, vehicle_models
 
 if TYPE_CHECKING:
     from uwsim.bridges.firmware_report import Row
 
-SEEDS, WINDOW_S = 4, 5.0
+SEEDS, WINDOW_S = "4", 5.0
 REPORT, FLIGHTS, DEPTHS_PICTURE, LOG_PICTURE = "report.md", "flights.csv", "depths.png", "log.png"
 
 
@@ -40,7 +41,8 @@ def ardusub_check(
         str, typer.Option(help="Vehicle: a packaged name or a YAML file.", autocompletion=vehicle_models)
     ] = "bluerov2_heavy_outfit",
     seeds: Annotated[
-        int | None, typer.Option(help="Number of flights of each. Default: 4.", callback=within(1, 10_000))
+        str | None,
+        typer.Option(help="How many seeds from 0, such as 4; or a list, such as 3,7,100-129. Default: 4."),
     ] = None,
     workers: Annotated[
         int | None,
@@ -67,7 +69,9 @@ def ardusub_check(
         rows, page = _beside_the_model(first, scenario, vehicle, window or WINDOW_S, out)
     else:
         need("a log", window=window)
-        rows, page = _side_by_side((first, second), binary, scenario, vehicle, seeds or SEEDS, workers, out)
+        rows, page = _side_by_side(
+            (first, second), binary, scenario, vehicle, parsed_seeds(seeds or SEEDS, "--seeds"), workers, out
+        )
     from uwsim.bridges.firmware_report import text_of
 
     typer.echo(text_of(rows))
@@ -96,7 +100,7 @@ def _side_by_side(
     binary: Path | None,
     scenario: str,
     vehicle: str,
-    seeds: int,
+    seeds: list[int],
     workers: int | None,
     out: Path,
 ) -> tuple[list[Row], Path]:
@@ -111,12 +115,12 @@ def _side_by_side(
     names = [side.name for side in sides]
     made_folder(out, (REPORT, FLIGHTS, DEPTHS_PICTURE))
     flights = []
-    for each in checked(sides, scenario, vehicle, range(seeds), workers or os.cpu_count() or 1):
+    for each in checked(sides, scenario, vehicle, seeds, workers or os.cpu_count() or 1):
         flights.append(each)
         flights.sort(key=lambda one: (names.index(one.side), one.seed))
         write_flights(out / FLIGHTS, flights)
-        typer.echo(f"{each.side}, seed {each.seed}: {len(flights)} of {2 * seeds}", err=True)
+        typer.echo(f"{each.side}, seed {each.seed}: {len(flights)} of {2 * len(seeds)}", err=True)
     rows = side_rows(flights, names)
     draw_depths(out / DEPTHS_PICTURE, flights, names)
-    about = f"{vehicle} in {scenario}, {seeds} seeds: mean ± standard deviation; difference ± standard error."
+    about = f"{vehicle} in {scenario}, {len(seeds)} seeds: mean ± standard deviation; difference ± standard error."
     return rows, write_report(out, " and ".join(names), about, rows, DEPTHS_PICTURE)

@@ -13,7 +13,7 @@ from uwsim.cli.access import Access
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE
 from uwsim.cli.groups import under
-from uwsim.cli.options import Threads
+from uwsim.cli.options import AsJson, Threads, print_json
 
 
 @under("Record")
@@ -48,6 +48,7 @@ def replay(
     bridges: PlayedBridges,
     access: Access,
     threads: Threads = None,
+    as_json: AsJson = False,
 ) -> None:
     """Repeat a recorded run and compare every message.
 
@@ -63,7 +64,7 @@ def replay(
     if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # also false for NaN
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
     if as_topics:
-        need("a replay without --as-topics", threads=threads)
+        need("a replay without --as-topics", threads=threads, json=as_json or None)
     else:
         need("--as-topics", port=port, host=host, wait=wait, **dict.fromkeys(bridges.names, True))
         need("--as-topics", **access.given())
@@ -89,18 +90,27 @@ def replay(
         typer.echo(f"{recording}: was cut off{where}, as by a kill; its messages up to there are compared", err=True)
     for topic, count in sorted(result.left_out.items()):
         typer.echo(f"/{topic}: {count} messages are not in the recording", err=True)
+    if as_json:
+        print_json({
+            "same": result.difference is None, "difference": result.difference, "whole": opened.complete,
+            "channels": {f"/{name}": count for name, count in result.messages.items()}, "commands": result.commands,
+            "state_compared": result.state_compared, "left_out": {f"/{k}": n for k, n in result.left_out.items()},
+            "not_compared": result.not_compared, "to_s": result.sim.time_s,
+        })  # fmt: skip
     if result.difference is not None:
-        typer.echo(f"not the same: {result.difference}")
+        if not as_json:
+            typer.echo(f"not the same: {result.difference}")
         raise typer.Exit(FAILED)
     if not result.messages and not result.state_compared:
         typer.echo(f"{recording}: nothing was compared: no message of the replay is in it", err=True)
         raise typer.Exit(FAILED)
     if result.not_compared:
         typer.echo(f"not compared: {', '.join(result.not_compared)}", err=True)
-    state = " and the state at the end" if result.state_compared else ""
-    typer.echo(
-        f"the same bytes: {result.messages.total():,} messages of {len(result.messages)} channels{state}, "
-        f"{result.commands:,} commands, until {result.sim.time_s:g} s"
-    )
+    if not as_json:
+        state = " and the state at the end" if result.state_compared else ""
+        typer.echo(
+            f"the same bytes: {result.messages.total():,} messages of {len(result.messages)} channels{state}, "
+            f"{result.commands:,} commands, until {result.sim.time_s:g} s"
+        )
     if not opened.complete:
         raise typer.Exit(INCOMPLETE)

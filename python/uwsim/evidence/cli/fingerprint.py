@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 from uwsim.cli.groups import under
-from uwsim.cli.options import ScenarioName, Seed, Threads
+from uwsim.cli.options import AsJson, ScenarioName, Seed, Threads, print_json
 
 
 @under("Check")
@@ -15,7 +13,7 @@ def fingerprint(
     scenario: ScenarioName = "lake",
     seed: Seed = None,
     threads: Threads = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Fly for a few seconds and print a hash of all results.
 
@@ -24,20 +22,17 @@ def fingerprint(
     the lines before it show which results differ. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or
     avx512 makes the results of different kinds of processor identical.
     """
-    import orjson
-
     from uwsim.evidence.fingerprint import fingerprint as made
 
     found = made(scenario, seed=seed, threads=threads)
-    if json:
-        values = {
+    if as_json:
+        print_json({
             "scenario": found.scenario,
             "seed": found.seed,
             "whole": found.whole,
             "parts": found.parts,
             "machine": found.machine,
-        }
-        typer.echo(orjson.dumps(values, option=orjson.OPT_INDENT_2).decode())
+        })  # fmt: skip
         return
     width = max(map(len, (*found.machine, *found.parts)))
     for title, rows in (

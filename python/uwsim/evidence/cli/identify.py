@@ -9,7 +9,7 @@ import typer
 
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.groups import under
-from uwsim.cli.options import Threads
+from uwsim.cli.options import AsJson, Threads, print_json
 
 
 @under("Check")
@@ -50,6 +50,7 @@ def identify(
         float, typer.Option(help="Density of the water [kg/m3].", callback=within(900, 1100, "kg/m3"))
     ] = 1000.0,
     threads: Threads = None,
+    as_json: AsJson = False,
 ) -> None:
     """Identify a vehicle's coefficients from a log.
 
@@ -81,15 +82,24 @@ def identify(
         density_kg_m3=density,
         threads=threads,
     )
+    if is_file:
+        write_calibrated(found, log.name, out)
+    written = [out] if is_file else write_report(found, log.name, out)
+    if as_json:
+        values = [
+            {"name": v.name, "unit": v.unit, "before": v.before, "value": v.value, "low": v.low, "high": v.high,
+             "is_determined": v.is_determined}
+            for v in found.values.values()
+        ]  # fmt: skip
+        print_json({"values": values, "undetermined": undetermined_lines(found), "files": list(map(str, written))})
+        return
     rows = [("quantity", "before", "identified", "95 % from", "to", "unit", "from the log"), *table(found)]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for row in rows:
         typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
     for line in undetermined_lines(found):
         typer.echo(f"not determined: {line}")
-    if is_file:
-        write_calibrated(found, log.name, out)
-    for path in [out] if is_file else write_report(found, log.name, out):
+    for path in written:
         typer.echo(str(path))
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.groups import under
+from uwsim.cli.options import AsJson, print_json
 from uwsim.cli.values import vehicles
+
+if TYPE_CHECKING:
+    from uwsim.evidence.tuning import Tuned
 
 
 @under("Scenarios and maps")
@@ -22,6 +26,7 @@ def tune(
     population: Annotated[
         int, typer.Option(help="Sets of gains in a generation, per gain.", callback=within(1, 100))
     ] = 6,
+    as_json: AsJson = False,
 ) -> None:
     """Tune a vehicle's `control:` block.
 
@@ -42,6 +47,23 @@ def tune(
         population=population,
         hear=lambda gains: typer.echo(f"best so far: {', '.join(f'{gain:.2f}' for gain in gains)}", err=True),
     )
+    block = control_text(found)
+    if as_json:
+        flights = {
+            name: {"cost": flown.cost, "drift_rms_m": flown.drift_m, "roughness_rms": flown.roughness}
+            for name, flown in (("before", found.before), ("after", found.after))
+        }
+        control = found.model.control.model_dump(mode="json", exclude=set(found.left_out))
+        print_json({"control": control, "left_out": found.left_out, **flights})
+    else:
+        _print(found, block)
+    out.mkdir(parents=True, exist_ok=True)
+    write_atomically(out / "control.yaml", f"{block}\n".encode())
+    draw_steps(found.after.responses, out / "steps.png", before=found.before.responses)
+    typer.echo(f"figure: {out / 'steps.png'}", err=True)
+
+
+def _print(found: Tuned, block: str) -> None:
     for name, flown in (("before", found.before), ("after", found.after)):
         gusts = "" if flown.drift_m is None else f"; in gusts {flown.drift_m:.3f} m rms, "
         gusts += "" if flown.roughness is None else f"efforts change by {flown.roughness:.3f} rms a period"
@@ -50,9 +72,4 @@ def tune(
         typer.echo(f"# nothing drives {', '.join(found.left_out)}: left out")
     if found.after is found.before:
         typer.echo("# no better gains were found: these are the file's own")
-    block = control_text(found)
     typer.echo(block)
-    out.mkdir(parents=True, exist_ok=True)
-    write_atomically(out / "control.yaml", f"{block}\n".encode())
-    draw_steps(found.after.responses, out / "steps.png", before=found.before.responses)
-    typer.echo(f"figure: {out / 'steps.png'}", err=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +14,7 @@ from uwsim.cli.bounds import UsageError, within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import under
+from uwsim.cli.options import AsJson, print_json
 from uwsim.evidence.suites import ON_REQUEST, SUITES
 
 BY_DEFAULT = [name for name in SUITES if name not in ON_REQUEST]
@@ -50,6 +52,7 @@ def validate(
             help="Number of suites to run at once, each in a process. Default: one per core.", callback=within(1, 64)
         ),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Compare the simulator with closed forms and published data.
 
@@ -70,11 +73,17 @@ def validate(
     found = {}
     for suite, checks in run_suites(names, out, jobs, data, engine):
         found[suite] = checks
+        if as_json:
+            continue
         print_checks(checks, suite)
         if suite == "reality":
             from uwsim.evidence.validate.reality.predictions import print_predictions
 
             print_predictions()
+    if as_json:
+        print_json({
+            suite: [{**asdict(check), "passed": check.passed} for check in checks] for suite, checks in found.items()
+        })  # fmt: skip
     if out is not None:
         write_page(out, found)
     if not all(check.passed for checks in found.values() for check in checks):

@@ -10,16 +10,15 @@ import typer
 
 from uwsim.cli.bounds import readable
 from uwsim.cli.groups import under
+from uwsim.cli.options import AsJson, print_json
 
 
 @under("Record")
 def recording(
     source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap", callback=readable)],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """List the contents of a recording: run, commands, channels."""
-    import json
-
     from uwsim.recording.commands import COMMANDS
     from uwsim.recording.reader import Recording
 
@@ -30,7 +29,7 @@ def recording(
         end += ", where it was cut off"
     commands = Counter(command.name for command in run.commands()) if COMMANDS in run.channels else Counter()
     if as_json:
-        values = {
+        print_json({
             "kind": run.start.kind, "scenario": run.start.scenario, "seed": run.start.seed, "from_s": first_s,
             "to_s": None if run.end_tick is None else run.end_tick * run.step_ns / 1e9, "is_whole": run.end is not None,
             "begun": run.start.begun, "build": run.start.build, "bytes": source.stat().st_size,
@@ -39,8 +38,7 @@ def recording(
                 f"/{each.name}": {"type": each.type, "messages": each.message_count, "rate_hz": each.rate_hz}
                 for each in run.channels.values()
             },
-        }  # fmt: skip
-        typer.echo(json.dumps(values, indent=1))
+        })  # fmt: skip
         return
     rows = [
         ("run", f"{run.start.kind}, scenario {run.start.scenario}, seed {run.start.seed}"),
