@@ -68,7 +68,8 @@ def _require_file(path: Path, name: str) -> None:
 
 def refusal(error: Any) -> str:
     """Return the message of a usage error of typer. One about a number states its value, range and unit."""
-    param, found = getattr(error, "param", None), getattr(error.__cause__, "errors", None)
+    param: Any = getattr(error, "param", None)
+    found = getattr(error.__cause__, "errors", None)
     bounds = getattr(getattr(param, "callback", None), "bounds", None)
     if bounds is None or not callable(found):
         return str(error.format_message()).rstrip(".")

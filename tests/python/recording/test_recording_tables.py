@@ -206,9 +206,9 @@ def test_a_diff_names_tick_channel_and_amount_and_draws(folder: Path, tmp_path: 
     same = uwsim("diff", str(a.path), str(a.path))
     assert same.returncode == 0 and same.stdout.startswith("the same: ")
     as_json = uwsim("diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"), "--json")
-    told = json.loads(as_json.stdout)
-    assert as_json.returncode == 1 and not told["same"] and len(told["partings"]) == len(found.partings)
-    assert (told["partings"][0]["channel"], told["partings"][0]["tick"]) == ("/uwsim/commands", 200)
+    values = json.loads(as_json.stdout)
+    assert as_json.returncode == 1 and not values["same"] and len(values["partings"]) == len(found.partings)
+    assert (values["partings"][0]["channel"], values["partings"][0]["tick"]) == ("/uwsim/commands", 200)
 
 
 def test_what_only_one_recording_has_is_a_difference(folder: Path, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.channels.source import Source
 from uwsim.mapping.closure import PingTrack, close_loops
 from uwsim.navigation.estimation import Navigator, Start
+from uwsim.navigation.estimation.protocols import Instrumented
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, new_navigator
 from uwsim.simulator.simulator import Simulator
 
@@ -54,7 +55,8 @@ class Baselines:
         self._poses: dict[str, list[Array]] = {}
         self._times_ns: list[int] = []
         self._true_m: list[Array] = []
-        self._track, self._pinged = PingTrack(), []
+        self._track = PingTrack()
+        self._pinged: list[int] = []  # the readings with a ping
         self.errors: dict[str, dict[str, float]] = {}
 
     def read(self, sim: Simulator) -> None:
@@ -101,5 +103,5 @@ def _navigators(vehicle: Vehicle, sim: Simulator) -> dict[str, Navigator]:
     position_m, station_m = tuple(vehicle.pose.position_world_m.tolist()), sim.scenario.station.position_m
     start = Start(position_m, ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S)
     relative = {name: sensor for name, sensor in vehicle.sensors.items() if sensor.kind != ABSOLUTE}
-    aboard = {RECKONING: _Without(vehicle.name, relative), FILTER: vehicle}
+    aboard: dict[str, Instrumented] = {RECKONING: _Without(vehicle.name, relative), FILTER: vehicle}
     return {name: new_navigator(each, start, sim.world.water, station_m) for name, each in aboard.items()}

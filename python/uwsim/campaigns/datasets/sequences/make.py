@@ -188,7 +188,10 @@ class _Taken:
             kind = type(vehicle.imaging_sonars[name].model).__name__.lower()
             self.instruments.append(Imaged(mav / _numbered(mav, kind), source, table, sim, name, self._say))
         self._baselines = Baselines(folder, source, table) if baselines else None
-        self._readers = [*self.instruments, *([self._baselines] if self._baselines is not None else [])]
+        self._readers: list[Instrument | Baselines] = [
+            *self.instruments,
+            *([self._baselines] if self._baselines is not None else []),
+        ]
         self._subscriptions = [
             Subscription(sim, round(1e9 / each.rate_hz), each.read, lambda _: None) for each in self._readers
         ]
