@@ -248,3 +248,9 @@ def test_complex_currents_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "c.npz", x_m=axis, y_m=axis, z_m=axis, velocity_m_s=np.zeros((2, 2, 2, 3), complex))
     with pytest.raises(ScenarioError, match="real numbers"):
         read_current_grid(tmp_path / "c.npz")
+
+
+def test_water_is_shown_with_its_properties() -> None:
+    water = _core.Water()
+    water.density_kg_m3, water.salinity_psu, water.current_world_m_s = 1025.0, 35.0, [0.3, 0.0, 0.4]
+    assert repr(water) == "<Water: 1025 kg/m3, 15 deg C, 35 psu at the surface; a current of 0.5 m/s>"
