@@ -50,7 +50,7 @@ def test_lanes_are_across_the_narrowest_way_so_that_they_are_few() -> None:
     heights_m = []
     for k in range(3):
         side = corners[k] - corners[k - 1]
-        heights_m.append(abs(np.cross(side, corners[(k + 1) % 3] - corners[k])) / np.linalg.norm(side))
+        heights_m.append(abs(np.linalg.det([side, corners[(k + 1) % 3] - corners[k]])) / np.linalg.norm(side))
     assert len(lanes) == np.ceil(min(heights_m) / 2.0)
 
 
