@@ -51,7 +51,7 @@ OTHERS: dict[str, set[str]] = {
         "sonar_classes/",
         "sonar_instances/",
     },
-    "install": {"manylinux_2_35", "manylinux_2_NN"},  # wheel tags
+    "install": {"manylinux_2_35", "manylinux_2_39", "manylinux_2_NN"},  # wheel tags
     "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # from ROS and Open3D
     "missions": {"out/"},
     "recording": {"uwsim.end"},  # name of a record
