@@ -21,6 +21,7 @@ WHOLE_LICENCES = {
     "libc6": "LGPL-2.1-or-later",
     "libgcc-s1": "GPL-3.0-or-later WITH GCC-exception-3.1",
     "libgomp1": "GPL-3.0-or-later WITH GCC-exception-3.1",
+    "liblz4-1": "BSD-2-Clause",
     "libstdc++6": "GPL-3.0-or-later WITH GCC-exception-3.1",
 }
 """Licences of packages whose copyright file lists many parts, most of which are not in the library."""
