@@ -98,6 +98,9 @@ __all__: list[str] = [
     "SurfaceSampler",
     "SurfaceVoxels",
     "Telemetry",
+    "TetherEnd",
+    "TetherReading",
+    "TetherSpec",
     "ThrustCurve",
     "ThrusterParameters",
     "ThrusterSheet",
@@ -3310,6 +3313,116 @@ class ObjectSpec:
         start: BodyState,
     ) -> None: ...
 
+class TetherEnd:
+    """
+    Where a tether is fastened.
+    """
+    def __init__(
+        self,
+        point_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        body: typing.SupportsInt | typing.SupportsIndex | None = None,
+    ) -> None:
+        """
+        point_m: (3,), in the frame of the vehicle or object with this index, or the world's.
+        """
+
+class TetherSpec:
+    """
+    A tether's parameters.
+    """
+
+    name: str
+    second: TetherEnd
+    def __init__(self) -> None: ...
+    @property
+    def axial_damping_n_s(self) -> float: ...
+    @axial_damping_n_s.setter
+    def axial_damping_n_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def axial_stiffness_n(self) -> float: ...
+    @axial_stiffness_n.setter
+    def axial_stiffness_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bed_stiffness_pa_m(self) -> float: ...
+    @bed_stiffness_pa_m.setter
+    def bed_stiffness_pa_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bending_stiffness_n_m2(self) -> float: ...
+    @bending_stiffness_n_m2.setter
+    def bending_stiffness_n_m2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def breaking_load_n(self) -> float: ...
+    @breaking_load_n.setter
+    def breaking_load_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def diameter_m(self) -> float: ...
+    @diameter_m.setter
+    def diameter_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def elements(self) -> int: ...
+    @elements.setter
+    def elements(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def fastest_m_s(self) -> float:
+        """
+        0: there is no winch
+        """
+    @fastest_m_s.setter
+    def fastest_m_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def first(self) -> TetherEnd:
+        """
+        the winch's end
+        """
+    @first.setter
+    def first(self, arg0: TetherEnd) -> None: ...
+    @property
+    def friction(self) -> float: ...
+    @friction.setter
+    def friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def length_m(self) -> float: ...
+    @length_m.setter
+    def length_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def longest_m(self) -> float:
+        """
+        0: the length
+        """
+    @longest_m.setter
+    def longest_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def mass_kg_m(self) -> float: ...
+    @mass_kg_m.setter
+    def mass_kg_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def normal_added_mass(self) -> float: ...
+    @normal_added_mass.setter
+    def normal_added_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def normal_drag(self) -> float: ...
+    @normal_drag.setter
+    def normal_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def shortest_m(self) -> float:
+        """
+        0: one element
+        """
+    @shortest_m.setter
+    def shortest_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def strongest_n(self) -> float: ...
+    @strongest_n.setter
+    def strongest_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tangential_added_mass(self) -> float: ...
+    @tangential_added_mass.setter
+    def tangential_added_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tangential_drag(self) -> float: ...
+    @tangential_drag.setter
+    def tangential_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
 class VehicleSpec:
     actuators: ActuatorsSpec
     craft: Craft
@@ -3372,6 +3485,10 @@ class Simulation:
         """
         Add a loose body, after all vehicles, and return its index.
         """
+    def add_tether(self, spec: TetherSpec) -> int:
+        """
+        Add a tether, after all vehicles and objects, lay it, and return its index. Raises ValueError.
+        """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
         Add a vehicle and return its index.
@@ -3406,6 +3523,15 @@ class Simulation:
         """
         Return the number of times the vehicle has come into contact with anything.
         """
+    def command_winch(
+        self,
+        tether: typing.SupportsInt | typing.SupportsIndex,
+        rate_m_s: typing.SupportsFloat | typing.SupportsIndex | None = None,
+        tension_n: typing.SupportsFloat | typing.SupportsIndex | None = None,
+    ) -> None:
+        """
+        Pay out at a rate, keep a tension, or, without either, hold. Raises ValueError.
+        """
     def contacts(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[ContactForce]:
         """
         Return the points at which the vehicle was pressed in the last step. Raises ValueError.
@@ -3419,6 +3545,12 @@ class Simulation:
     def currents_a(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
         (name, present current [A]) pairs; 0 without a battery that has cells.
+        """
+    def cut_tether(
+        self, tether: typing.SupportsInt | typing.SupportsIndex, at_m: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None:
+        """
+        Cut it at this length from the winch. Raises ValueError.
         """
     def dock(
         self,
@@ -3663,6 +3795,7 @@ class Simulation:
         arrived since the last call, except dropped ones. Raises ValueError unless the sensor is watched.
         """
     def telemetry(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> Telemetry: ...
+    def tether(self, tether: typing.SupportsInt | typing.SupportsIndex) -> TetherReading: ...
     def thruster_commands(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
         Return (name, command) pairs.
@@ -3821,6 +3954,50 @@ class ContactForce:
     def point_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,)
+        """
+
+class TetherReading:
+    """
+    A tether's shape, tension and length.
+    """
+    def __copy__(self) -> typing.Any: ...
+    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
+    def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
+    def to_dict(self) -> dict[str, typing.Any]:
+        """
+        Return the fields by name; arrays are not copied.
+        """
+    @property
+    def broken(self) -> int | None:
+        """
+        the element that has broken, or None
+        """
+    @property
+    def end_forces_n(self) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
+        """
+        of the tether on what holds its ends, world axes, (2, 3)
+        """
+    @property
+    def length_m(self) -> float:
+        """
+        out, without load
+        """
+    @property
+    def points_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (n + 1, 3): its nodes, from the winch
+        """
+    @property
+    def rate_m_s(self) -> float:
+        """
+        paid out in the last step
+        """
+    @property
+    def tensions_n(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,): of its elements
         """
 
 class Ping:
@@ -4359,6 +4536,7 @@ class MemberSpec:
         vehicles: collections.abc.Sequence[VehicleSpec],
         link: LinkSpec | None = None,
         objects: collections.abc.Sequence[ObjectSpec] = [],
+        tethers: collections.abc.Sequence[TetherSpec] = [],
     ) -> None:
         """
         vehicles, objects: shared, not copied; they must not be changed afterwards.

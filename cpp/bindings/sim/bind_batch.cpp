@@ -170,15 +170,17 @@ void write_acoustic_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t so
 void bind_batch(py::module_& m) {
   py::class_<MemberSpec>(m, "MemberSpec",
                          "Everything from which one simulation of a batch is built, apart from terrain and solids.")
-      .def(py::init([](const Water& water, const SimulationSpec& simulation,
-                       const std::vector<std::shared_ptr<VehicleSpec>>& vehicles, const std::optional<LinkSpec>& link,
-                       const std::vector<std::shared_ptr<ObjectSpec>>& objects) {
-             return MemberSpec{
-                 water, simulation, {vehicles.begin(), vehicles.end()}, link, {objects.begin(), objects.end()}};
-           }),
-           py::arg("water"), py::arg("simulation"), py::arg("vehicles"), py::arg("link") = py::none(),
-           py::arg("objects") = std::vector<std::shared_ptr<ObjectSpec>>{},
-           "vehicles, objects: shared, not copied; they must not be changed afterwards.");
+      .def(
+          py::init([](const Water& water, const SimulationSpec& simulation,
+                      const std::vector<std::shared_ptr<VehicleSpec>>& vehicles, const std::optional<LinkSpec>& link,
+                      const std::vector<std::shared_ptr<ObjectSpec>>& objects, const std::vector<TetherSpec>& tethers) {
+            return MemberSpec{
+                water, simulation, {vehicles.begin(), vehicles.end()}, link, {objects.begin(), objects.end()}, tethers};
+          }),
+          py::arg("water"), py::arg("simulation"), py::arg("vehicles"), py::arg("link") = py::none(),
+          py::arg("objects") = std::vector<std::shared_ptr<ObjectSpec>>{},
+          py::arg("tethers") = std::vector<TetherSpec>{},
+          "vehicles, objects: shared, not copied; they must not be changed afterwards.");
 
   py::class_<OwnedBatch>(
       m, "Batch",

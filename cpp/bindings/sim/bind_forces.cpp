@@ -28,11 +28,15 @@ std::vector<ContactForce> named(const Simulation& simulation, const std::vector<
   return all;
 }
 
-std::vector<std::pair<std::string, Vector6d>> by_name(const Forces& forces) {
+/// Tethers have a term only where there are any.
+std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces) {
   const Craft::Terms& craft = forces.craft;
-  return {{"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
-          {"added_mass", craft.added_mass}, {"coriolis", craft.coriolis}, {"actuators", forces.actuators},
-          {"applied", forces.applied},      {"contact", forces.contact},  {"dock", forces.dock}};
+  std::vector<std::pair<std::string, Vector6d>> terms{
+      {"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
+      {"added_mass", craft.added_mass}, {"coriolis", craft.coriolis}, {"actuators", forces.actuators},
+      {"applied", forces.applied},      {"contact", forces.contact},  {"dock", forces.dock}};
+  if (simulation.tethers() > 0) terms.emplace_back("tether", forces.tether);
+  return terms;
 }
 
 }  // namespace
@@ -74,14 +78,16 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           "inf, or until the next call. Raises ValueError.")
       .def(
           "forces",
-          [](OwnedSimulation& o, std::size_t v) { return by_name(o.with([&](Simulation& s) { return s.forces(v); })); },
+          [](OwnedSimulation& o, std::size_t v) {
+            return o.with([&](Simulation& s) { return by_name(s, s.forces(v)); });
+          },
           py::arg("vehicle"),
           "Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises\n"
           "ValueError with Bullet's engine.")
       .def(
           "object_forces",
           [](OwnedSimulation& o, std::size_t k) {
-            return by_name(o.with([&](Simulation& s) { return s.object_forces(k); }));
+            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k)); });
           },
           py::arg("object"))
       .def(

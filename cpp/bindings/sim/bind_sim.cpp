@@ -83,6 +83,7 @@ void bind_specs(py::module_& m) {
       .value("PIECES", CollisionShape::kPieces);
 
   bind_object_spec(m);
+  bind_tether_spec(m);
   py::class_<VehicleSpec, std::shared_ptr<VehicleSpec>>(m, "VehicleSpec")
       .def(py::init<>())
       .def_readwrite("name", &VehicleSpec::name)
@@ -135,6 +136,7 @@ void bind_sim(py::module_& m) {
   bind_telemetry(m, simulation);
   bind_commands(simulation);
   bind_forces(m, simulation);
+  bind_tether(m, simulation);
   bind_pings(m, simulation);
   bind_link(m, simulation);
   bind_batch(m);

@@ -13,6 +13,9 @@ void bind_commands(py::class_<OwnedSimulation>& simulation);
 void bind_object_spec(py::module_& m);
 /// The forces on vehicles and objects.
 void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation);
+/// Tethers.
+void bind_tether_spec(py::module_& m);
+void bind_tether(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// Sonar heads and their pings in both modes.
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// The link between station and vehicles.

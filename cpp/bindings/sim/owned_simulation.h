@@ -67,6 +67,16 @@ class OwnedSimulation {
     });
   }
 
+  /// Adds a tether and returns its index.
+  std::size_t add_tether(const TetherSpec& spec) {
+    return with([&](Simulation& sim) {
+      tethers_.reserve(tethers_.size() + 1);
+      const std::size_t index = sim.add_tether(spec);
+      tethers_.push_back(spec);
+      return index;
+    });
+  }
+
   /// See Simulation::set_link.
   void set_link(const LinkSpec& spec) {
     with([&](Simulation& sim) {
@@ -83,6 +93,7 @@ class OwnedSimulation {
       auto fresh = std::make_shared<Simulation>(world, scene_, spec);
       for (const VehicleSpec& vehicle : vehicles_) fresh->add_vehicle(vehicle);
       for (const ObjectSpec& object : objects_) fresh->add_object(object);
+      for (const TetherSpec& tether : tethers_) fresh->add_tether(tether);
       if (link_) fresh->set_link(*link_);
       earlier_versions_ += old.version() + 1;
       previous_ = std::move(simulation_);
@@ -121,6 +132,7 @@ class OwnedSimulation {
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
   std::vector<ObjectSpec> objects_;
+  std::vector<TetherSpec> tethers_;
   std::optional<LinkSpec> link_;
   std::shared_ptr<Simulation> simulation_;
   // The simulation before the last restart, kept alive because a signal handler may restart the simulation during a

@@ -29,6 +29,7 @@ Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& wat
   forces.craft = craft.terms(still, rate, water, motion.time_s);
   forces.actuators = motion.actuators_body;
   forces.applied = motion.applied.body + in_body_axes(motion.applied.world, still.world_from_body.orientation);
+  forces.tether = in_body_axes(motion.tether_world, still.world_from_body.orientation);
   forces.contact = craft.rigid_mass() * rate - forces.sum();
   return forces;
 }
@@ -42,7 +43,8 @@ Forces that_move(const Craft& craft, const Motion& motion, const WaterField& wat
     const Eigen::Quaterniond& q = stage.state.world_from_body.orientation;
     add(forces, kStageShares[k], craft.terms(stage.state, stage.rate.velocity, water, stage.time_s));
     forces.applied += kStageShares[k] * (motion.applied.body + in_body_axes(motion.applied.world, q));
-    forces.contact += kStageShares[k] * in_body_axes(motion.all.world - motion.applied.world, q);
+    forces.tether += kStageShares[k] * in_body_axes(motion.tether_world, q);
+    forces.contact += kStageShares[k] * in_body_axes(motion.all.world - motion.applied.world - motion.tether_world, q);
   }
   return forces;
 }
@@ -50,7 +52,7 @@ Forces that_move(const Craft& craft, const Motion& motion, const WaterField& wat
 }  // namespace
 
 Vector6d Forces::sum() const {
-  Vector6d sum = actuators + applied + contact + dock;
+  Vector6d sum = actuators + applied + tether + contact + dock;
   for (const auto term : kTerms) sum += craft.*term;
   return sum;
 }
@@ -65,6 +67,7 @@ Forces forces_on(const MovedBody& body, const WaterField& water, double time_s, 
     add(mean, share, part.craft);
     mean.actuators += share * part.actuators;
     mean.applied += share * part.applied;
+    mean.tether += share * part.tether;
     mean.contact += share * part.contact;
   }
   return mean;

@@ -11,6 +11,7 @@ struct Forces {
   Craft::Terms craft;  ///< the body in the water
   Vector6d actuators = Vector6d::Zero();
   Vector6d applied = Vector6d::Zero();  ///< by apply_wrench
+  Vector6d tether = Vector6d::Zero();
   Vector6d contact = Vector6d::Zero();
   Vector6d dock = Vector6d::Zero();  ///< what holds a docked vehicle
 

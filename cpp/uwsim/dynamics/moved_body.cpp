@@ -23,6 +23,7 @@ Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
   Loads all{.body = tau_body, .world = impulse_world / step_s};
   if (!applied.body.isZero(0)) all.body += applied.body;
   if (!applied.world.isZero(0)) all.world += applied.world;
+  if (!tether_world.isZero(0)) all.world += tether_world;
   return all;
 }
 

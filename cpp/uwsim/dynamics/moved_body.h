@@ -37,6 +37,7 @@ struct Motion {
   BodyState start;
   Vector6d actuators_body = Vector6d::Zero();
   Loads applied = {};
+  Vector6d tether_world = Vector6d::Zero();
   Loads all = {};  ///< with those of its contacts
   double time_s = 0, step_s = 0;
   bool stops = false;  ///< its contacts stopped it, or it stayed at rest (resting.h)
@@ -55,8 +56,9 @@ struct Touch {
 struct MovedBody {
   BodySpec spec;  ///< includes its collision pieces for every shape
   BodyState state;
-  Vector6d tau_body = Vector6d::Zero();  ///< of the actuators
-  Loads applied = {};                    ///< by apply_wrench
+  Vector6d tau_body = Vector6d::Zero();      ///< of the actuators
+  Loads applied = {};                        ///< by apply_wrench
+  Vector6d tether_world = Vector6d::Zero();  ///< of the tethers at it, in the step under way or the last one
   Vector6d acceleration_body = Vector6d::Zero();
   bool held = false;
   bool in_contact = false;

@@ -34,7 +34,7 @@ Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s)
 }  // namespace
 
 RigidBodyWorld::RigidBodyWorld(const World& world, double step_s, EngineKind engine)
-    : step_s_(step_s), kind_(engine), engine_(make_engine(engine, world, step_s)) {}
+    : step_s_(step_s), kind_(engine), engine_(make_engine(engine, world, step_s)), world_(world) {}
 
 std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   spec = checked(std::move(spec));
@@ -72,7 +72,37 @@ void RigidBodyWorld::hold(std::size_t body, bool held) {
   engine_->forget(body);
 }
 
+std::size_t RigidBodyWorld::add_tether(const TetherSpec& spec, const WaterField& water, double time_s) {
+  require(kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet",
+          "must be uwsim for a tether: Bullet's bodies have no mass matrix that it could share");
+  for (const TetherEnd* end : {&spec.first, &spec.second}) {
+    require(end->body < bodies_.size() || end->body == TetherEnd::kNoBody, spec.name + " end", end->body,
+            "must be a body");
+  }
+  tethers_.emplace_back(spec, world_, bodies_).lay(bodies_, water, time_s);
+  return tethers_.size() - 1;
+}
+
+void RigidBodyWorld::require_tethers_reach(std::size_t body, const Pose& world_from_body) const {
+  if (tethers_.empty()) return;
+  std::vector<MovedBody> placed = bodies_;
+  placed.at(body).state.world_from_body = world_from_body;
+  for (const Tether& tether : tethers_) {
+    if (tether.holds(body)) tether.require_reaches(placed);
+  }
+}
+
+void RigidBodyWorld::lay_tethers(std::size_t body, const WaterField& water, double time_s) {
+  for (Tether& tether : tethers_) {
+    if (tether.holds(body)) tether.lay(bodies_, water, time_s);
+  }
+}
+
 void RigidBodyWorld::step(const WaterField& water, double time_s) {
+  if (!tethers_.empty()) {
+    for (MovedBody& body : bodies_) body.tether_world.setZero();
+    for (Tether& tether : tethers_) tether.step(bodies_, water, time_s, step_s_);
+  }
   engine_->step(bodies_, next_states_, water, time_s);
   for (std::size_t k = 0; k < bodies_.size(); ++k) bodies_[k].require_plausible(next_states_[k], time_s, step_s_);
   // Either all bodies move, or, if the step fails, none.
@@ -82,6 +112,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     body.state = next_states_[k];
   }
   engine_->moved();
+  for (Tether& tether : tethers_) tether.moved(bodies_, step_s_);
 }
 
 void RigidBodyWorld::exchange_state(StateArchive& archive) {
@@ -129,6 +160,16 @@ void RigidBodyWorld::exchange_last_step(StateArchive& archive) {
       require(touch.other < bodies_.size() || touch.other == Touch::kNoBody, "state.touch", touch.other,
               "must be a body");
     });
+  }
+}
+
+void RigidBodyWorld::exchange_tethers(StateArchive& archive) {
+  if (tethers_.empty()) return;
+  archive.same("tethers", tethers_.size());
+  for (Tether& tether : tethers_) tether.exchange_state(archive);
+  for (MovedBody& body : bodies_) {
+    archive(body.tether_world);
+    for (Motion& motion : body.motions) motion.tether_world = body.tether_world;
   }
 }
 

@@ -7,6 +7,7 @@
 #include "uwsim/dynamics/dynamics_engine.h"
 #include "uwsim/dynamics/forces.h"
 #include "uwsim/dynamics/moved_body.h"
+#include "uwsim/dynamics/tether.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -24,6 +25,16 @@ class RigidBodyWorld {
   /// Replaces the bodies' properties, one spec per body; the bodies keep their states. On error, throws InvalidValue
   /// and changes nothing.
   void change_bodies(std::vector<BodySpec> specs);
+
+  /// Adds a tether, after the bodies that it holds, and lays it. Throws InvalidValue, also for Bullet's engine.
+  std::size_t add_tether(const TetherSpec& spec, const WaterField& water, double time_s);
+  std::size_t tethers() const { return tethers_.size(); }
+  Tether& tether(std::size_t index) { return tethers_.at(index); }
+  const Tether& tether(std::size_t index) const { return tethers_.at(index); }
+  /// Throws InvalidValue unless the body's tethers reach it at this pose.
+  void require_tethers_reach(std::size_t body, const Pose& world_from_body) const;
+  /// Lays a body's tethers anew, after it has been placed.
+  void lay_tethers(std::size_t body, const WaterField& water, double time_s);
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
@@ -59,6 +70,8 @@ class RigidBodyWorld {
   void exchange_contacts(StateArchive& archive);
   /// Saves or restores what moved the bodies in the last step. A state that ends here has nothing. Throws InvalidValue.
   void exchange_last_step(StateArchive& archive);
+  /// Saves or restores the tethers, after all else. Throws InvalidValue.
+  void exchange_tethers(StateArchive& archive);
 
  private:
   void require_forces() const;
@@ -66,7 +79,9 @@ class RigidBodyWorld {
   double step_s_;
   EngineKind kind_;
   std::unique_ptr<DynamicsEngine> engine_;
+  World world_;  // for tethers
   std::vector<MovedBody> bodies_;
+  std::vector<Tether> tethers_;
   std::vector<BodyState> next_states_;  // kept so that steps allocate nothing
 };
 

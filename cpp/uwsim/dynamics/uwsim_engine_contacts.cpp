@@ -23,6 +23,7 @@ void UwsimEngine::move(const Interval& now) {
     body.motions.push_back({.start = states_[k],
                             .actuators_body = body.tau_body,
                             .applied = body.applied,
+                            .tether_world = body.tether_world,
                             .all = body.loads(Vector6d::Zero(), now.step_s),
                             .time_s = now.time_s,
                             .step_s = now.step_s});

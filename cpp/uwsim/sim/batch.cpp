@@ -77,6 +77,7 @@ std::shared_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
     require(object && object->body.craft, "objects.craft", "none", "must be set");
     simulation->add_object(*object);
   }
+  for (const TetherSpec& tether : spec.tethers) simulation->add_tether(tether);
   if (spec.link) simulation->set_link(*spec.link);
   return simulation;
 }

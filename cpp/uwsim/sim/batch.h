@@ -20,6 +20,7 @@ struct MemberSpec {
   std::vector<std::shared_ptr<const VehicleSpec>> vehicles;
   std::optional<LinkSpec> link;
   std::vector<std::shared_ptr<const ObjectSpec>> objects = {};
+  std::vector<TetherSpec> tethers = {};
 };
 
 /// Destinations for the position and motion of one vehicle in each member. Each array has one row per member.

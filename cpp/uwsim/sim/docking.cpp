@@ -12,10 +12,12 @@ void Simulation::release(std::size_t index) {
 void Simulation::dock(std::size_t index, const Pose& world_from_body) {
   Vehicle& free = changeable(index);
   require_free("vehicle '" + free.name + "' dock", world_from_body.position_m);
+  bodies_.require_tethers_reach(free.body, world_from_body);
   BodyState held;
   held.world_from_body = world_from_body;
   bodies_.set_state(free.body, held);
   bodies_.hold(free.body, true);
+  bodies_.lay_tethers(free.body, world_.water, time_s());
   free.battery.end_mission();
   free.actuators.set_effort(Vector6d::Zero());
   free.touching = false;

@@ -86,6 +86,7 @@ void Simulation::exchange_applied(StateArchive& archive) {
             "state.wrench", commanded.wrench.transpose(), "must be at most 1e9 N and N m");
   }
   bodies_.exchange_last_step(archive);
+  bodies_.exchange_tethers(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -44,6 +44,12 @@ class Simulation {
 
   /// Adds a loose body, after all vehicles, and returns its index. Throws InvalidValue like add_vehicle.
   std::size_t add_object(const ObjectSpec& spec);
+  /// Adds a tether, after all vehicles and objects, which are its bodies in that order, and returns its index. Throws
+  /// InvalidValue.
+  std::size_t add_tether(const TetherSpec& spec) { return bodies_.add_tether(spec, world_.water, time_s()); }
+  std::size_t tethers() const { return bodies_.tethers(); }
+  /// Throws std::out_of_range.
+  Tether& tether(std::size_t index) { return bodies_.tether(index); }
   std::size_t objects() const { return bodies_.size() - vehicles_.size(); }
   const BodyState& object_state(std::size_t object) const { return bodies_.state(body_of(object)); }
   /// The name of a body by its index: vehicles come first, then objects.

@@ -76,6 +76,10 @@ Transducer Simulation::transducer(std::size_t node) const {
 
 void Simulation::transmit() {
   PacketNetwork& network = link_->network;
+  for (std::size_t k = 0; k < tethers() && link_->spec.modem.kind == LinkKind::kCable; ++k) {
+    const std::uint64_t body = tether(k).spec().second.body;
+    if (tether(k).broken() && body < vehicles_.size()) network.cut_off(1 + body, true, time_ns());
+  }
   for (PositionExchange& one : link_->exchanges) {
     one.request(vehicles_[one.node() - 1].sensors.at(one.sensor()), network, time_ns());
   }

@@ -60,6 +60,9 @@ class MemberAboard(Simulator):
     def _add_objects(self) -> None:
         pass  # the batch has added them
 
+    def _add_tethers(self) -> None:
+        pass  # as above
+
     def _imaging_models(self, index: int, entry: VehicleEntry) -> Mapping[str, Acoustics]:
         if self._like is not None:
             other = self._like.parameters.scenario.vehicles[index]

@@ -13,6 +13,7 @@ from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.link import link_spec
 from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.simulation import simulation_spec
+from uwsim.scenario.build.tether import tether_specs
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.world import scenario_water
@@ -66,6 +67,7 @@ class Members:
         self._places: dict[tuple[str, ...], Sequence[Place]] = {}
         self.vehicles = [self._made(scenario, index) for index in range(len(scenario.vehicles))]
         self._objects = object_specs(scenario)
+        self._tethers = list(tether_specs(scenario).values())
         self._latest: tuple[Changes, Sequence[FaultModel], Scenario, list[_core.VehicleSpec]] = {}, (), scenario, []
 
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
@@ -84,7 +86,7 @@ class Members:
             if scenario.link is None
             else link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
         )
-        spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link, self._objects)
+        spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link, self._objects, self._tethers)
         return Member(original, scenario, water, changes, vehicles, spec)
 
     @cached_property

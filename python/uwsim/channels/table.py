@@ -31,6 +31,7 @@ from uwsim.channels.families.plain_link import plain_link_channels
 from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
 from uwsim.channels.families.scans import scan_channels
 from uwsim.channels.families.telemetry import telemetry_channel
+from uwsim.channels.families.tether import tether_channels
 from uwsim.channels.families.twins import twin_channels
 from uwsim.channels.families.water_column import water_column_channels
 from uwsim.channels.source import Source
@@ -146,7 +147,7 @@ class Table:
     def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
         found = frames.vehicle_channels(source, self.tf, truth=self.truth) + estimate_channels(source, self.tf)
         found.append(telemetry_channel(source, truth=self.truth))
-        found += force_channels(source, sim) if self.truth else []
+        found += force_channels(source, sim) + tether_channels(source, sim) if self.truth else []
         found += plain_link_channels(source, sim)
         found += sensor_channels(source, sim)
         found += vehicle_cameras(source, sim, self.pictures)

@@ -32,6 +32,7 @@ from uwsim.scenario.build.ping_chain import ping_chain
 from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
+from uwsim.scenario.build.tether import tether_errors_at, tether_specs
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
@@ -44,6 +45,7 @@ from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.properties import SimulatorProperties
+from uwsim.simulator.tether import Tether
 from uwsim.simulator.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
@@ -148,6 +150,7 @@ class Simulator(SimulatorProperties):
         found.raise_any()
         self.vehicles = Named(vehicles, "vehicles")
         self._add_objects()
+        self._add_tethers()
         bodies = {body.name: LooseBody(core, index, body.name) for index, body in enumerate(running.objects)}
         self.objects = Named(bodies, "objects")
         for index, rov in enumerate(vehicles.values()):
@@ -198,6 +201,7 @@ class Simulator(SimulatorProperties):
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
             control=control,
             beyond_terrain=lambda x_m, y_m: beyond_terrain(self._world, self.scenario, x_m, y_m),
+            tether=self._tether(index),
         )
 
     def _chain_of(self, index: int, model: _core.MultibeamModel, **options: Any) -> PingToMap:
@@ -224,6 +228,21 @@ class Simulator(SimulatorProperties):
         for index, spec in enumerate(object_specs(self.scenario)):
             with self.scenario.source_file.errors_at("objects", index):
                 self._core.add_object(spec)
+
+    def _add_tethers(self) -> None:
+        """Add the tethers to the native simulation, in the order of their vehicles. Raises ScenarioError."""
+        for index, spec in tether_specs(self.scenario).items():
+            with tether_errors_at(self.scenario, index):
+                self._core.add_tether(spec)
+
+    def _tether(self, index: int) -> Tether | None:
+        """Return a vehicle's tether, whose number is how many vehicles before it have one."""
+        entries = self.scenario.vehicles
+        tether = entries[index].tether
+        if tether is None:
+            return None
+        number = sum(entry.tether is not None for entry in entries[:index])
+        return Tether(self._core, number, tether.length_m / tether.elements)
 
     def _made_dock(self) -> Dock:
         station = self.scenario.station

@@ -27,6 +27,7 @@ from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
 from uwsim.simulator.programs import FailsafeLike, HoldsLike
+from uwsim.simulator.tether import Tether
 from uwsim.simulator.thruster import Thruster
 from uwsim.simulator.vehicle_commands import CommandedVehicle, Vector
 
@@ -40,8 +41,8 @@ class Vehicle(CommandedVehicle):
     sensors: sensors by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them.
     cameras,
     imaging_sonars: by name. lamps: keyed by switch name. control: the model and gains from its file, for a
-    Controller; later changes of parameters are not included. A docked vehicle's thrusters are off: if simulated time
-    passes while it is commanded, a DockedWarning is issued once.
+    Controller; later changes of parameters are not included. tether: None without one. A docked vehicle's thrusters
+    are off: if simulated time passes while it is commanded, a DockedWarning is issued once.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Vehicle(CommandedVehicle):
     lamps: Named[Lamp]
     imaging_sonars: Named[ImagingSonar]
     control: ControlSettings
+    tether: Tether | None
     _changed_by = MappingProxyType(
         {
             "pose": "place()",
@@ -82,12 +84,14 @@ class Vehicle(CommandedVehicle):
         navigate: Callable[[Vehicle, Start], Navigator],
         control: ControlSettings,
         beyond_terrain: Callable[[float, float], str | None],
+        tether: Tether | None = None,
     ) -> None:
         self._simulation = simulation
         self._index = index
         self.name = spec.name
         self.control = control
         self._beyond_terrain = beyond_terrain
+        self.tether = tether
         sensors: dict[str, Sensor[Any]] = {
             s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed)
             for k, s in enumerate(spec.sensors)
@@ -247,9 +251,10 @@ class Vehicle(CommandedVehicle):
         weight; buoyancy: the pressure of the water around, waves included; drag; added_mass: the inertia of the water
         that moves with the vehicle, -M_A (nu' - nu_c') - C_A nu_r; coriolis: -C_RB nu, since the axes turn; actuators:
         thrusters and fins; applied: by apply_wrench and the scenario's `wrenches`; contact; dock: what holds a docked
-        vehicle; and total, their sum, which is M_RB times the change of velocity in the step, to rounding error. Before
-        the first step, and after a placement or a change of parameters, they are those at this instant, without
-        actuators and contacts. Computed when read. Raises ValueError with `dynamics: {engine: bullet}`.
+        vehicle; tether, only in a scenario with one; and total, their sum, which is M_RB times the change of velocity
+        in the step, to rounding error. Before the first step, and after a placement or a change of parameters, they are
+        those at this instant, without actuators and contacts. Computed when read. Raises ValueError with `dynamics:
+        {engine: bullet}`.
         """
         return forces_by_name(self._simulation.forces(self._index), self.name)
 

@@ -18,6 +18,7 @@ from uwsim.base.journal import EFFORT, Journal
 from uwsim.base.sealed import Attached
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.helm import Helm, Reason, Source
+from uwsim.simulator.tether import Tether
 
 Vector = NDArray[np.float64]
 PLAIN = {float}
@@ -43,6 +44,7 @@ class CommandedVehicle(Attached, Placeable):
 
     name: str
     helm: Helm
+    tether: Tether | None
     _simulation: _core.Simulation
     _index: int
     _dock: Dock
@@ -214,6 +216,31 @@ class CommandedVehicle(Attached, Placeable):
             orientation_xyzw=orientation_xyzw,
             velocity_body=velocity_body,
         )
+
+    def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:
+        """Command the winch of the vehicle's tether: pay out at a rate, keep a tension, or, without either, hold.
+
+        It stops at its shortest and its greatest length. rate_m_s: negative to recover, which the tension slows: at the
+        winch's `strongest_n` it recovers nothing. Raises ValueError, changing nothing.
+        """
+        if rate_m_s is not None and tension_n is not None:
+            raise ValueError(f"tension_n = {tension_n} N: give either rate_m_s or tension_n")
+        rate = None if rate_m_s is None else number(rate_m_s, "rate_m_s", "m/s")
+        tension = None if tension_n is None else number(tension_n, "tension_n", "N")
+        self._own_tether.wind(rate, tension)
+        self._note("set_winch", rate_m_s=rate, tension_n=tension)
+
+    def cut_tether(self, at_m: float) -> None:
+        """Cut the vehicle's tether at this length from its anchor. Raises ValueError, changing nothing."""
+        at = number(at_m, "at_m", "m")
+        self._own_tether.cut(at)
+        self._note("cut_tether", at_m=at)
+
+    @property
+    def _own_tether(self) -> Tether:
+        if self.tether is None:
+            raise ValueError(f"vehicle '{self.name}': has no tether")
+        return self.tether
 
     def apply_wrench(
         self,

@@ -114,6 +114,14 @@ STEERING = [
         is_piloted=False, changes_world=True,
     ),
     Command(
+        "set_winch", "pay out a tether at a rate, or keep a tension; without either, hold",
+        (Argument("rate_m_s", unit="m/s", default=None), Argument("tension_n", unit="N", default=None)),
+    ),
+    Command(
+        "cut_tether", "cut a vehicle's tether at this length from its anchor", (Argument("at_m", unit="m", low=0.0),),
+        is_piloted=False, changes_world=True,
+    ),
+    Command(
         "apply_wrench", "push a vehicle from outside, at its origin, for a while or until the next such command",
         (
             Argument("force_n", "numbers", "N", length=3),

@@ -209,8 +209,14 @@ def _moves(arguments: Mapping[str, Any]) -> bool:
 
 
 def is_cut_off(sim: Simulator, vehicle: str) -> bool:
-    """Return whether a fault has cut off a vehicle; False in a scenario with a link, which loses packets instead."""
-    return sim.link is None and sim.faults.link_is_down(vehicle)
+    """Return whether a fault or a broken tether has cut off a vehicle.
+
+    False in a scenario with a link, which loses packets instead.
+    """
+    if sim.link is not None:
+        return False
+    tether = sim.vehicles[vehicle].tether
+    return sim.faults.link_is_down(vehicle) or (tether is not None and tether.is_broken)
 
 
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:

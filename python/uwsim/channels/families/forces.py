@@ -12,7 +12,7 @@ from uwsim.channels.channel import Channel, Delivery
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import FORCES
 from uwsim.channels.source import Source
-from uwsim.simulator.forces import TERMS, TOTAL
+from uwsim.simulator.forces import TOTAL
 from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 10.0
@@ -26,6 +26,7 @@ COLOURS = {
     "weight": (0.90, 0.16, 0.16), "buoyancy": (0.16, 0.47, 0.90), "drag": (0.98, 0.75, 0.18),
     "added_mass": (0.55, 0.34, 0.75), "coriolis": (0.60, 0.60, 0.60), "actuators": (0.20, 0.70, 0.29),
     "applied": (0.96, 0.51, 0.19), "contact": (0.00, 0.75, 0.75), "dock": (0.40, 0.40, 0.20),
+    "tether": (0.96, 0.80, 0.60),
     TOTAL: (1.0, 1.0, 1.0),
 }  # fmt: skip
 
@@ -81,7 +82,7 @@ def _arrows(source: Source, sim: Simulator, frame_id: str) -> Any:
     """Return an arrow for each force from the body's origin, and one for each contact from its point."""
     forces, (points, pushes) = source.of(sim).forces, _contacts(source, sim)
     origin = np.zeros(3)
-    arrows = [(name, index, origin, forces[name].force_body_n) for index, name in enumerate((*TERMS, TOTAL))]
+    arrows = [(name, index, origin, forces[name].force_body_n) for index, name in enumerate(forces)]
     arrows += [("contacts", index, *each) for index, each in enumerate(zip(points, pushes, strict=True))]
     longest_n = max((float(np.linalg.norm(force)) for *_, force in arrows), default=0.0)
     header = build.header(sim.time_ns, frame_id)

@@ -13,6 +13,7 @@ from uwsim.scenario.spec.battery import BatterySpec
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.tether import Tether
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel, VehicleName, load_vehicle
 
 Newtons = Annotated[float, InRange(-1e9, 1e9, "N")]
@@ -71,7 +72,7 @@ class VehicleEntry(Model):
     Python) or a free pose. battery: a battery of cells, which the thrusters drain; by default the scenario's
     mission_time_s. command_timeout_s: the simulated time after which it stops if a publisher of steering commands, such
     as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the published topic `key`
-    are held in any case. wrenches: what pushes it from outside, by schedule.
+    are held in any case. wrenches: what pushes it from outside, by schedule. tether: by default none.
     """
 
     name: Name
@@ -85,6 +86,7 @@ class VehicleEntry(Model):
     command_timeout_s: Annotated[float, InRange(0, 1e6, "s")] = 0.5
     battery: BatterySpec | None = None
     wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] = ()
+    tether: Tether | None = None
 
     @model_validator(mode="after")
     def _has_thrusters_for_its_battery(self) -> VehicleEntry:

@@ -58,7 +58,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
-    VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches"}),
+    VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches", "tether"}),
     VehicleModel: frozenset(
         [
             "builds_on",

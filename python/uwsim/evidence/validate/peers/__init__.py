@@ -20,6 +20,7 @@ PEERS = {
     "wave_loads": ("uwsim", "uwsim"),
     "added_mass": ("uwsim", "uwsim"),
     "lamp_light": ("uwsim", "uwsim"),
+    "tethers": ("uwsim", "uwsim"),
     "sea_water": ("gsw", "gsw"),
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),

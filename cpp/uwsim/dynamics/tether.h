@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "uwsim/core/state_archive.h"
+#include "uwsim/core/water_field.h"
+#include "uwsim/dynamics/block_band.h"
+#include "uwsim/dynamics/moved_body.h"
+#include "uwsim/dynamics/tether_spec.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim {
+
+/// A tether of lumped masses: nodes with half of the mass of the elements beside them, as in MoorDyn (Hall and Goupee
+/// 2015, Ocean Engineering 104:590). Elements have axial stiffness and damping in tension only; bending stiffness acts
+/// between neighbours; Morison's drag and added mass, weight and buoyancy act on the nodes, as does the bed, with
+/// Coulomb friction.
+///
+/// A step is backward Euler's. With directions, masses and friction's normal forces as at its start, each force is the
+/// gradient of a convex potential of the nodes' next positions, so that the step is the minimum of a strictly convex
+/// function: it exists at any stiffness, slackness and step, and, with constant masses, energy never grows. Newton's
+/// method finds it; each iteration solves a band matrix directly. A body at an end takes part with its full mass: the
+/// inverse of its 6 x 6 mass is condensed to the end's point, where the body is a 3 x 3 mass that moves as it would
+/// without the tether. What the minimum leaves of that motion is the force on the body, so momentum is exchanged
+/// exactly.
+///
+/// Backward Euler damps: oscillations with angular frequency w by the ratio w dt / 2.
+class Tether {
+ public:
+  /// The bodies' states are those at the start. Throws InvalidValue.
+  Tether(const TetherSpec& spec, const World& world, std::span<const MovedBody> bodies);
+
+  const TetherSpec& spec() const { return spec_; }
+  bool holds(std::size_t body) const { return spec_.first.body == body || spec_.second.body == body; }
+  /// Throws InvalidValue if the ends are farther apart than the tether is long.
+  void require_reaches(std::span<const MovedBody> bodies) const;
+  /// Lays the tether anew between its ends, at rest, and as near to equilibrium as it is unique: a circular arc in a
+  /// vertical plane that has settled.
+  void lay(std::span<const MovedBody> bodies, const WaterField& water, double time_s);
+
+  /// Finds the state at the end of a step from `time_s`, and adds the forces at the ends to the bodies' tether_world.
+  /// Throws InvalidValue if the motion diverges.
+  void step(std::span<MovedBody> bodies, const WaterField& water, double time_s, double step_s);
+  /// Called after the bodies have moved to their next states.
+  void moved(std::span<const MovedBody> bodies, double step_s);
+
+  /// Throws InvalidValue.
+  void command(const WinchCommand& command);
+  const WinchCommand& winch() const { return winch_; }
+  /// Cuts the element at this distance from the first end.
+  void cut(double at_m);
+
+  std::size_t elements() const { return nodes_.size() - 1; }
+  double length_m() const { return first_m_ + spec_.element_m() * static_cast<double>(elements() - 1); }
+  double rate_m_s() const { return rate_m_s_; }  ///< paid out in the last step
+  const Eigen::Vector3d& position_m(std::size_t node) const { return nodes_[node].position; }
+  const Eigen::Vector3d& velocity_m_s(std::size_t node) const { return nodes_[node].velocity; }
+  double tension_n(std::size_t element) const { return nodes_[element].tension_n; }
+  double rest_m(std::size_t element) const { return element == 0 ? first_m_ : spec_.element_m(); }
+  double mass_kg(std::size_t node) const { return spec_.mass_kg_m * span_m(node); }
+  /// The force of the tether on what holds its first (0) and its second end (1), world axes, in the last step.
+  const Eigen::Vector3d& end_force_n(std::size_t end) const { return end_forces_.at(end); }
+  /// The element that has broken, counted from the first end.
+  std::optional<std::size_t> broken() const;
+
+  /// Throws InvalidValue.
+  void exchange_state(StateArchive& archive);
+
+ private:
+  struct Node {
+    Eigen::Vector3d position, velocity;
+    Eigen::Vector3d grip;  // where friction holds it
+    double tension_n = 0;  // of the element after it
+  };
+  struct Pull {
+    double tension, stiffness;
+  };
+  /// What does not change within a step; and of the element after a node, its pull in the present iteration.
+  struct Frozen {
+    Eigen::Vector3d target, force, flow, tangent;
+    double normal_mass, tangential_mass, normal_drag, tangential_drag;
+    Eigen::Vector3d bed_normal;
+    double bed_level_m, bed_stiffness, friction_n;
+    // Of the element after it: at the start of the step, and in the present iteration.
+    double stretch_m, tension_n;
+    Eigen::Vector3d unit;
+    Pull pull;
+  };
+  /// An end in a step: fixed, or a mass that moves.
+  struct End {
+    bool is_fixed = true;
+    Eigen::Vector3d next = Eigen::Vector3d::Zero();  // without the tether
+    Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();
+  };
+  /// How long the first element may become in a step, and the tension at which it does.
+  struct Drum {
+    double low_m, high_m, tension_n;
+  };
+
+  double span_m(std::size_t node) const;
+  Eigen::Vector3d end_point(const TetherEnd& end, std::span<const MovedBody> bodies) const;
+  End end_of(const TetherEnd& end, std::span<MovedBody> bodies, const WaterField& water, double time_s,
+             double step_s) const;
+  void freeze(const WaterField& water, double time_s, double step_s);
+  void freeze_water(std::size_t node, const WaterField& water, double time_s);
+  void freeze_bed(std::size_t node);
+  Drum drum(double step_s) const;
+  bool find_next(double step_s);
+  void assemble(double step_s);
+  void add_node(std::size_t node, double step_s);
+  void add_element(std::size_t element, double step_s);
+  void add_bending(std::size_t node);
+  void add_ends(double step_s);
+  Pull pull(std::size_t element, double distance_m, double step_s) const;
+  void settle(std::span<const MovedBody> bodies, const WaterField& water, double time_s);
+  void wind(double step_s);
+  void grip(std::size_t node);
+  void break_if_overloaded();
+
+  TetherSpec spec_;
+  std::shared_ptr<const Heightfield> terrain_;
+  // The state.
+  std::vector<Node> nodes_;
+  double first_m_ = 0;  // rest length of the first element
+  double rate_m_s_ = 0;
+  std::uint64_t broken_ = kWhole;
+  WinchCommand winch_;
+  std::array<Eigen::Vector3d, 2> end_forces_;
+  // The step under way. Kept so that steps allocate nothing.
+  static constexpr std::uint64_t kWhole = std::numeric_limits<std::uint64_t>::max();
+  std::vector<Frozen> frozen_;
+  std::vector<Eigen::Vector3d> next_, gradient_, change_;
+  BlockBand hessian_;
+  std::array<End, 2> ends_;
+  Drum drum_{};
+  std::array<Eigen::Matrix3d, 2> end_next_;  // off the rows that fixed ends remove
+  std::array<double, 2> end_second_{};
+  std::array<Eigen::Vector3d, 2> end_gradient_;
+};
+
+}  // namespace uwsim

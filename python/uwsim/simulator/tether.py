@@ -1,0 +1,82 @@
+"""A vehicle's tether: its shape, tension and length, and its winch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.arguments import read_only
+from uwsim.base.short_repr import ShortRepr
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TetherReading(ShortRepr):
+    """A tether at one time, from its anchor to the vehicle.
+
+    points_world_m (n + 1, 3): the nodes between its elements. tensions_n (n,): of the elements. anchor_force_world_n,
+    vehicle_force_world_n (3,): of the tether on what holds its ends, in the last step. length_m: out, without load.
+    rate_m_s: paid out in the last step. broken_at_m: the length from the anchor at which it has broken, or None.
+    """
+
+    points_world_m: Floats
+    tensions_n: Floats
+    anchor_force_world_n: Floats
+    vehicle_force_world_n: Floats
+    length_m: float
+    rate_m_s: float
+    broken_at_m: float | None
+
+    @property
+    def anchor_tension_n(self) -> float:
+        """The tension at the anchor or winch."""
+        return float(np.linalg.norm(self.anchor_force_world_n))
+
+    @property
+    def vehicle_tension_n(self) -> float:
+        """The tension at the vehicle."""
+        return float(np.linalg.norm(self.vehicle_force_world_n))
+
+
+class Tether:
+    """A vehicle's tether, `Vehicle.tether`. Readings are true, not measured."""
+
+    def __init__(self, simulation: _core.Simulation, index: int, element_m: float) -> None:
+        self._simulation = simulation
+        self._index = index
+        self._element_m = element_m
+
+    def __repr__(self) -> str:
+        now = self.read()
+        state = "whole" if now.broken_at_m is None else f"broken at {now.broken_at_m:.1f} m"
+        return f"<Tether, {now.length_m:.2f} m out, {state}, {now.vehicle_tension_n:.1f} N at the vehicle>"
+
+    def read(self) -> TetherReading:
+        """Return its shape, tension and length now."""
+        now = self._simulation.tether(self._index)
+        broken = None
+        if now.broken is not None:  # in the middle of the element; the first one's length differs from the others'
+            first_m = now.length_m - (len(now.tensions_n) - 1) * self._element_m
+            broken = first_m / 2 if now.broken == 0 else first_m + (now.broken - 0.5) * self._element_m
+        points, tensions = np.array(now.points_world_m), np.array(now.tensions_n)
+        ends = [read_only(np.array(force)) for force in now.end_forces_n]
+        return TetherReading(
+            read_only(points), read_only(tensions), ends[0], ends[1], now.length_m, now.rate_m_s, broken
+        )
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether it has broken or been cut."""
+        return self._simulation.tether(self._index).broken is not None
+
+    def wind(self, rate_m_s: float | None, tension_n: float | None) -> None:
+        """Command the winch; see Vehicle.wind."""
+        self._simulation.command_winch(self._index, rate_m_s, tension_n)
+
+    def cut(self, at_m: float) -> None:
+        """Cut it; see Vehicle.cut_tether."""
+        self._simulation.cut_tether(self._index, at_m)

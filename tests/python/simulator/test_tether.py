@@ -1,0 +1,127 @@
+"""A vehicle's tether: it holds, winds, breaks, is read, saved, repeated and batched; what cannot be is refused."""
+
+import numpy as np
+import pytest
+
+from uwsim import Batch, Simulator
+from uwsim.channels import Table
+from uwsim.channels.authority.steering import is_cut_off
+from uwsim.scenario import Scenario, ScenarioError
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.validated import validated
+
+BED_M = -10.0
+TETHER = {"anchor": [0, 0, -4], "at_m": [-0.2, 0, 0], "length_m": 6.0, "elements": 12}
+
+
+def site(tether: dict | None = None, **changes: object) -> Scenario:
+    rov = {"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [5, 0, -4]}}
+    if tether is not None:
+        rov["tether"] = TETHER | tether
+    terrain = {"source": "noise", "size_m": [60, 60], "spacing_m": 1, "bed_depth_m": -BED_M, "hill_height_m": 0}
+    return validated(Scenario, {"name": "site", "terrain": terrain, "vehicles": [rov]} | changes)
+
+
+def test_a_vehicle_goes_no_farther_than_its_tether() -> None:
+    sim = Simulator(site({}))
+    sim.rov.set_effort(surge=0.4)
+    sim.advance(15.0)
+    now, rov = sim.rov.tether.read(), sim.rov
+    assert now.points_world_m.shape == (13, 3)
+    assert now.tensions_n.shape == (12,)
+    reach_m = np.linalg.norm(rov.pose.world_from_body[:3, :3] @ [-0.2, 0, 0] + rov.pose.position_world_m - [0, 0, -4])
+    assert 5.9 < reach_m < 6.0 * (1 + 1.2 * now.tensions_n.max() / 6.5e4)
+    assert now.points_world_m[-1] == pytest.approx(
+        rov.pose.position_world_m + rov.pose.world_from_body[:3, :3] @ [-0.2, 0, 0]
+    )
+    assert now.vehicle_tension_n > 5.0
+    pull = rov.forces["tether"]
+    assert rov.pose.world_from_body[:3, :3] @ pull.force_body_n == pytest.approx(now.vehicle_force_world_n, rel=1e-3)
+    assert pull.torque_body_nm == pytest.approx(np.cross([-0.2, 0, 0], pull.force_body_n), rel=1e-2, abs=1e-3)
+    momentum = sum(rov.forces[name].force_body_n for name in rov.forces if name != "total")
+    assert rov.forces["total"].force_body_n == pytest.approx(momentum)
+
+
+def test_its_state_is_saved_repeated_and_reset() -> None:
+    winch = {"longest_m": 9.0, "fastest_m_s": 0.3}
+    first, second = (Simulator(site({"winch": winch})) for _ in range(2))
+    for sim in (first, second):
+        sim.rov.set_winch(rate_m_s=0.2)
+        sim.rov.set_effort(surge=0.3, yaw=0.1)
+        sim.advance(2.0)
+        assert sim.rov.tether.read().length_m == pytest.approx(6.4)
+    state = first.save_state()
+    first.advance(3.0)
+    later = first.save_state()
+    second.rov.set_winch(tension_n=3.0)
+    second.restore_state(state)
+    second.advance(3.0)
+    assert second.save_state() == later
+    first.reset()
+    assert first.rov.tether.read().length_m == pytest.approx(6.0)
+    with pytest.raises(ValueError, match=r"winch = 0.4: must be at most 0.3 m/s"):
+        first.rov.set_winch(rate_m_s=0.4)
+
+
+def test_a_member_of_a_batch_equals_a_simulator() -> None:
+    scenario = site({})
+    batch, sims = Batch(scenario, n=2, seeds=[0, 5]), [Simulator(scenario, seed=seed) for seed in (0, 5)]
+    batch.set_effort([[0.4, 0, 0, 0, 0, 0.1]] * 2)
+    batch.step(400)
+    for member, sim in enumerate(sims):
+        sim.rov.set_effort(surge=0.4, yaw=0.1)
+        sim.step(400)
+        assert batch.save_state(member) == sim.save_state()
+
+
+def test_a_broken_tether_cuts_the_vehicle_off() -> None:
+    sim = Simulator(site({"breaking_load_n": 1.0}))
+    assert not is_cut_off(sim, "rov")
+    sim.rov.set_effort(surge=0.5)
+    sim.advance(10.0)
+    assert sim.rov.tether.is_broken
+    assert is_cut_off(sim, "rov")
+    assert np.linalg.norm(sim.rov.pose.position_world_m - [0, 0, -4]) > 6.5, "nothing holds it any more"
+
+
+def test_a_cable_link_is_lost_with_the_tether() -> None:
+    sim = Simulator(site({}), link="tether")
+    assert sim.link is not None
+    sim.link.send("station", "rov", "topic", b"0")
+    sim.advance(0.1)
+    assert len(sim.link.received("rov")) == 1
+    sim.rov.cut_tether(3.0)
+    sim.advance(0.1)
+    sim.link.send("station", "rov", "topic", b"1")
+    sim.advance(1.0)
+    assert len(sim.link.received("rov")) == 1
+
+
+def test_its_topics_exist_only_with_it() -> None:
+    sim = Simulator(site({}))
+    channels = {channel.name: channel for channel in Table(sim).channels}
+    assert len(channels["tether/shape"].read(sim).poses) == 13
+    assert channels["tether/tension"].read(sim).data[0] == pytest.approx(6.0)
+    assert not any("tether" in channel.name for channel in Table(Simulator(site())).channels)
+
+
+def test_no_tether_changes_no_fingerprint() -> None:
+    assert scenario_fingerprint(site()) == scenario_fingerprint(site().model_copy())
+    assert scenario_fingerprint(site()) != scenario_fingerprint(site({}))
+    assert "tether" not in Simulator(site()).rov.forces
+
+
+@pytest.mark.parametrize(
+    ("tether", "message"),
+    [
+        ({"length_m": 4.0}, "length_m = 4: must be at least the distance of its ends, 4.8 m"),
+        ({"mass_kg_m": 0.0}, r"tether.mass_kg_m = 0.*: must be"),
+        ({"anchor": [0, 0, -12]}, "must be above the bed"),
+        ({"winch": {"longest_m": 5.0}}, r"winch.longest_m = 5.* m: must be at least length_m, 6 m"),
+    ],
+)
+def test_what_cannot_be_is_refused(tether: dict, message: str) -> None:
+    with pytest.raises(ScenarioError, match=message) as refusal:
+        Simulator(site(tether))
+    assert "vehicles[0].tether" in str(refusal.value)
+    assert "\n" not in str(refusal.value).strip()
