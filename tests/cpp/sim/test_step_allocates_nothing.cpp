@@ -112,6 +112,23 @@ TEST(StepAllocatesNothing, InWavesAtTheSurfaceAndBelow) {
   EXPECT_EQ(dive.allocations(), 0u);
 }
 
+TEST(StepAllocatesNothing, OnATetherThatIsPaidOutOverTheBed) {
+  Dive dive(with_waves(uneven_world()));
+  TetherSpec tether;
+  tether.first.point_m = {-6, 0, -9};
+  tether.second.body = dive.add("rov", {0, 0, -5});
+  tether.length_m = 12;
+  tether.longest_m = 20;
+  tether.fastest_m_s = 0.5;
+  tether.mass_kg_m = 0.5;
+  dive.push(0, 0.3, 0.05, 0.1);
+  dive.sim().add_tether(tether);
+  dive.sim().tether(0).command({WinchCommand::Mode::kRate, 0.5});
+  const std::size_t before = dive.sim().tether(0).elements();
+  EXPECT_EQ(dive.allocations(), 0u);
+  EXPECT_GT(dive.sim().tether(0).elements(), before);
+}
+
 TEST(StepAllocatesNothing, RestingOnTheBed) {
   Dive dive(uneven_world());
   dive.add("rov", {0, 0, kBed_m + 0.4}, 1300);

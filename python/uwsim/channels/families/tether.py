@@ -10,12 +10,11 @@ from uwsim.channels.channel import Channel, Delivery
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.tether import TetherReading
 
 RATE_HZ = 10.0
 PATH, FLOATS = "nav_msgs/msg/Path", "std_msgs/msg/Float64MultiArray"
-FIELDS = (
-    "length out [m], rate [m/s], tension at the anchor and at the vehicle [N], 1 if broken, each element's tension"
-)
+FIELDS = "length out [m], rate [m/s], tension at the anchor and at the vehicle [N], 1 if broken, each element's tension"
 
 
 def tether_channels(source: Source, sim: Simulator) -> list[Channel]:
@@ -34,6 +33,12 @@ def tether_channels(source: Source, sim: Simulator) -> list[Channel]:
     ]  # fmt: skip
 
 
+def _read(source: Source, sim: Simulator) -> TetherReading:
+    tether = source.of(sim).tether
+    assert tether is not None, "its channels exist only with it"
+    return tether.read()
+
+
 def _shape(source: Source, sim: Simulator) -> Any:
     header = build.header(sim.time_ns, "world")
     pose, point = "geometry_msgs/msg/Pose", "geometry_msgs/msg/Point"
@@ -43,13 +48,13 @@ def _shape(source: Source, sim: Simulator) -> Any:
             "geometry_msgs/msg/PoseStamped", header=header,
             pose=build.message(pose, position=build.xyz(point, node), orientation=turn),
         )
-        for node in source.of(sim).tether.read().points_world_m
+        for node in _read(source, sim).points_world_m
     ]  # fmt: skip
     return build.message(PATH, header=header, poses=nodes)
 
 
 def _tension(source: Source, sim: Simulator) -> Any:
-    now = source.of(sim).tether.read()
+    now = _read(source, sim)
     broken = 0.0 if now.broken_at_m is None else 1.0
     first = [now.length_m, now.rate_m_s, now.anchor_tension_n, now.vehicle_tension_n, broken]
     return build.message(FLOATS, data=np.concatenate([first, now.tensions_n]))

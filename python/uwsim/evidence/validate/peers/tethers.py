@@ -43,8 +43,8 @@ def _at_rest(case: dict[str, Any]) -> list[Check]:
     name, (first, second) = f"a tether at rest, {case['name']}", case["end_tensions_n"]
     return [
         within(GROUP, f"{name}: shape", 0.0, float(apart_m), case["length_m"], AT_REST, "m"),
-        relative(GROUP, f"{name}: tension at its start", first, _norm(now.end_forces_n[0]), AT_REST, "N"),
-        relative(GROUP, f"{name}: tension at its end", second, _norm(now.end_forces_n[1]), AT_REST, "N"),
+        relative(GROUP, f"{name}: tension of its first element", first, float(now.tensions_n[0]), AT_REST, "N"),
+        relative(GROUP, f"{name}: tension of its last element", second, float(now.tensions_n[-1]), AT_REST, "N"),
     ]
 
 
