@@ -39,7 +39,7 @@ class Tether {
   bool holds(std::size_t body) const { return spec_.first.body == body || spec_.second.body == body; }
   /// Throws InvalidValue if the ends are farther apart than the tether is long.
   void require_reaches(std::span<const MovedBody> bodies) const;
-  /// Lays the tether anew between its ends, at rest, and as near to equilibrium as it is unique: a circular arc in a
+  /// Lays the tether between its ends again, at rest, and as near to equilibrium as it is unique: a circular arc in a
   /// vertical plane that has settled.
   void lay(std::span<const MovedBody> bodies, const WaterField& water, double time_s);
 
@@ -80,13 +80,13 @@ class Tether {
   struct Pull {
     double tension, stiffness;
   };
-  /// What does not change within a step; and of the element after a node, its pull in the present iteration.
+  /// Constant within a step; and of the element after a node, its pull in the present iteration.
   struct Frozen {
     Eigen::Vector3d target, force, flow, tangent;
     double normal_mass, tangential_mass, normal_drag, tangential_drag;
     Eigen::Vector3d bed_normal;
     double bed_level_m, bed_stiffness, friction_n;
-    // Of the element after it: at the start of the step, and in the present iteration.
+    // The element after it, at the start of the step and in the present iteration:
     double stretch_m, tension_n;
     Eigen::Vector3d unit;
     Pull pull;

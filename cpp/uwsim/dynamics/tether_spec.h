@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// Where a tether is fastened: to a point of a body, or of the world.
+/// The place where a tether is fastened: a point of a body, or of the world.
 struct TetherEnd {
   static constexpr std::uint64_t kNoBody = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t body = kNoBody;                       ///< index in the RigidBodyWorld
@@ -43,7 +43,7 @@ struct TetherSpec {
   void check() const;
 };
 
-/// What the winch does until the next command. In every mode it stops at the shortest and the greatest length.
+/// The winch's task until the next command. In every mode it stops at the shortest and the greatest length.
 struct WinchCommand {
   enum class Mode : std::uint64_t { kHold, kRate, kTension };
   Mode mode = Mode::kHold;

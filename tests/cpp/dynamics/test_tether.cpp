@@ -80,8 +80,6 @@ TEST(Tether, HangsInACatenary) {
     spec.second.point_m += Eigen::Vector3d(0.6 * end.x(), 0.8 * end.x(), end.y());
     Rig rig;
     const EvenWater water = still_water();
-    // The ends may be farther apart than an elastic tether is long, but not at the start.
-    if ((spec.second.point_m - spec.first.point_m).norm() > spec.length_m) continue;
     const Tether& tether = rig.add(spec, water);
     rig.step(water, 200);
     EXPECT_NEAR(tether.end_force_n(1).head<2>().norm(), h, 2e-3 * h);

@@ -38,7 +38,11 @@ vehicles:
     model: rov
     start: station
     failsafe: {silence_s: 0.5, then: hold, leak_then: surface}
-  - {name: scout, model: bluerov2_heavy, start: {position_m: [0, 0, -5], yaw_deg: 180}, battery: bluerov2_18ah}
+  - name: scout
+    model: bluerov2_heavy
+    start: {position_m: [0, 0, -5], yaw_deg: 180}
+    battery: bluerov2_18ah
+    tether: {anchor: [0, 2, -4], length_m: 20, winch: {longest_m: 30}}
   - {name: torpedo, model: remus100, start: {position_m: [0, 10, -5]}}
 """
 BETWEEN_S = 0.1
@@ -74,6 +78,8 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5, "yaw": 0.2}),
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5}),
     ("set_effort", {"vehicle": "rov", "sway": 0.3}),
+    ("set_winch", {"vehicle": "scout", "rate_m_s": 0.4}),
+    ("cut_tether", {"vehicle": "scout", "at_m": 5.0}),
     ("apply_wrench", {"vehicle": "rov", "force_n": [40.0, 0.0, 10.0], "axes": "world", "duration_s": 0.3}),
 ]
 NO_STATE = {

@@ -1,11 +1,16 @@
 """A vehicle's tether: it holds, winds, breaks, is read, saved, repeated and batched; what cannot be is refused."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from uwsim import Batch, Simulator
 from uwsim.channels import Table
 from uwsim.channels.authority.steering import is_cut_off
+from uwsim.live import LiveSimulator, replay
+from uwsim.recording import Recorder
+from uwsim.recording.replay import replay as replay_recording
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.validated import validated
@@ -61,6 +66,20 @@ def test_its_state_is_saved_repeated_and_reset() -> None:
     assert first.rov.tether.read().length_m == pytest.approx(6.0)
     with pytest.raises(ValueError, match=r"winch = 0.4: must be at most 0.3 m/s"):
         first.rov.set_winch(rate_m_s=0.4)
+
+
+def test_a_recording_of_a_winch_is_replayed(tmp_path: Path) -> None:
+    scenario = site({"winch": {"longest_m": 9.0}})
+    with LiveSimulator(Simulator(scenario), paused=True, speed="max") as live:
+        with Recorder(live, tmp_path / "run.mcap", topics=["tether/shape", "tether/tension"]):
+            live.rov.set_winch(rate_m_s=0.3)
+            live.step(100)
+            live.rov.cut_tether(2.0)
+            live.step(100)
+        state, tick = live.simulator.save_state(), live.tick
+    assert replay(Simulator(scenario), live.log, tick).save_state() == state
+    found = replay_recording(tmp_path / "run.mcap")
+    assert found.difference is None and found.state_compared and found.commands == 2
 
 
 def test_a_member_of_a_batch_equals_a_simulator() -> None:

@@ -77,13 +77,9 @@ class Commandable(Steerable, Protocol):
         """Command fin deflections by name; unnamed fins return to 0."""
         self.command("set_fins", angles_rad=angles_rad)
 
-    def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:
-        """Command the tether's winch: pay out at a rate, keep a tension, or, without either, hold."""
-        self.command("set_winch", rate_m_s=rate_m_s, tension_n=tension_n)
-
 
 class Placeable(Commandable, Protocol):
-    """A simulated vehicle, which can also be placed anywhere, and pushed."""
+    """A simulated vehicle, which can also be placed anywhere, pushed, and held by a tether."""
 
     def apply_wrench(
         self,
@@ -94,6 +90,10 @@ class Placeable(Commandable, Protocol):
     ) -> None:
         """Push the vehicle from outside with a force (3,) [N] and a torque (3,) [N m] at its origin."""
         self.command("apply_wrench", force_n=force_n, torque_nm=torque_nm, axes=axes, duration_s=duration_s)
+
+    def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:
+        """Command the tether's winch: pay out at a rate, keep a tension, or, without either, hold."""
+        self.command("set_winch", rate_m_s=rate_m_s, tension_n=tension_n)
 
     def cut_tether(self, at_m: float) -> None:
         """Cut the vehicle's tether at this length from its anchor."""

@@ -215,7 +215,8 @@ def is_cut_off(sim: Simulator, vehicle: str) -> bool:
     """
     if sim.link is not None:
         return False
-    tether = sim.vehicles[vehicle].tether
+    tethered = sim.vehicles.get(vehicle)  # None for the station
+    tether = None if tethered is None else tethered.tether
     return sim.faults.link_is_down(vehicle) or (tether is not None and tether.is_broken)
 
 
