@@ -10,7 +10,11 @@ namespace uwsim {
 namespace {
 
 constexpr int kIterations = 40;
-constexpr int kFull = 12;           // iterations after which changes are halved, in case that they alternate
+constexpr int kFull = 12;  // iterations after which changes are halved, in case that they alternate
+// If an iteration changes positions by more than kLost_m, or they are not found, the tether is made softer: to kSoft
+// times the stiffness with which its nodes' inertia resists in a step, and then stiffer by steps.
+constexpr double kLost_m = 1e6, kSoft = 10, kStiffer = 10;
+constexpr int kSoftIterations = 200;
 constexpr double kSolved_m = 1e-7;  // the change of an iteration after which positions are found
 constexpr double kLeast = 1e-12;    // m and m/s, below which a direction is arbitrary
 
@@ -173,29 +177,66 @@ Tether::Pull Tether::pull(std::size_t element, double distance_m, double step_s)
 }
 
 /// Newton's method for positions and tensions. Tensions are unknowns of their own, which each iteration eliminates, so
-/// that its convergence does not depend on the stiffness. Returns whether it has converged.
+/// that its convergence does not depend on the stiffness once it is near. If it does not converge from the start, a
+/// softer tether's positions are found first, whose stiffness then grows; the stiffest that has been found is taken.
+/// Returns whether it has converged at the full stiffness.
 bool Tether::find_next(double step_s) {
   const std::size_t rows = nodes_.size();
-  for (std::size_t i = 0; i < rows; ++i) {
-    next_[i] = frozen_[i].target;
-    frozen_[i].tension_n = nodes_[i].tension_n;
-  }
-  next_.front() = ends_[0].next;
-  next_.back() = ends_[1].next;
-  bool is_solved = false;
-  for (int iteration = 0; iteration < kIterations && !is_solved; ++iteration) {
-    const double share = iteration < kFull ? 1 : 0.5;
-    assemble(step_s);
-    for (std::size_t i = 0; i < rows; ++i) change_[i] = -gradient_[i];
-    hessian_.solve(rows, change_);
-    double largest = 0;
-    for (std::size_t i = 0; i < rows; ++i) largest = std::max(largest, change_[i].cwiseAbs().maxCoeff());
-    for (std::size_t i = 0; i < rows; ++i) next_[i] += share * change_[i];
-    for (std::size_t i = 0; i + 1 < rows; ++i) {
-      Frozen& f = frozen_[i];
-      f.tension_n = std::max(0.0, f.pull.tension + f.pull.stiffness * f.unit.dot(change_[i + 1] - change_[i]));
+  const auto solve = [&](int iterations) {
+    for (int iteration = 0; iteration < iterations; ++iteration) {
+      const double share = iteration < kFull ? 1 : 0.5;
+      assemble(step_s);
+      for (std::size_t i = 0; i < rows; ++i) change_[i] = -gradient_[i];
+      hessian_.solve(rows, change_);
+      double largest = 0;
+      for (std::size_t i = 0; i < rows; ++i) largest = std::max(largest, change_[i].cwiseAbs().maxCoeff());
+      for (std::size_t i = 0; i < rows; ++i) next_[i] += share * change_[i];
+      for (std::size_t i = 0; i + 1 < rows; ++i) {
+        Frozen& f = frozen_[i];
+        f.tension_n = std::max(0.0, f.pull.tension + f.pull.stiffness * f.unit.dot(change_[i + 1] - change_[i]));
+      }
+      if (largest <= kSolved_m) return true;
+      if (!(largest < kLost_m)) return false;
     }
-    is_solved = largest <= kSolved_m;
+    return false;
+  };
+  const auto begin = [&] {
+    for (std::size_t i = 0; i < rows; ++i) {
+      next_[i] = frozen_[i].target;
+      frozen_[i].tension_n = nodes_[i].tension_n;
+    }
+    next_.front() = ends_[0].next;
+    next_.back() = ends_[1].next;
+  };
+  begin();
+  bool is_solved = solve(kIterations);
+  if (!is_solved) {
+    const double stiffness = spec_.axial_stiffness_n, damping = spec_.axial_damping_n_s;
+    const double inertia = mass_kg(rows / 2) / (step_s * step_s) * spec_.element_m();
+    std::vector<Eigen::Vector3d> found;
+    std::vector<double> tensions(rows);
+    double share = std::min(1.0, kSoft * inertia / (stiffness + damping / step_s));
+    begin();
+    for (std::size_t i = 0; i < rows; ++i) frozen_[i].tension_n *= share;
+    for (bool goes_on = true; goes_on;) {
+      spec_.axial_stiffness_n = share * stiffness;
+      spec_.axial_damping_n_s = share * damping;
+      goes_on = solve(found.empty() ? kSoftIterations : kIterations);
+      if (goes_on || found.empty()) {
+        found.assign(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(rows));
+        for (std::size_t i = 0; i < rows; ++i) tensions[i] = frozen_[i].tension_n;
+        is_solved = goes_on && share == 1;
+        goes_on = goes_on && share < 1;
+        share = std::min(1.0, kStiffer * share);
+      }
+    }
+    std::ranges::copy(found, next_.begin());
+    for (std::size_t i = 0; i < rows; ++i) {
+      frozen_[i].tension_n = tensions[i];
+      change_[i].setZero();
+    }
+    spec_.axial_stiffness_n = stiffness;
+    spec_.axial_damping_n_s = damping;
   }
   const double per_s2 = 1 / (step_s * step_s);
   for (std::size_t k = 0; k < 2; ++k) {

@@ -93,6 +93,22 @@ def test_a_member_of_a_batch_equals_a_simulator() -> None:
         assert batch.save_state(member) == sim.save_state()
 
 
+@pytest.mark.parametrize("stiffness_n", [1e2, 1e6, 7e10])
+def test_no_stiffness_makes_it_unstable(stiffness_n: float) -> None:
+    """A fast vehicle on a thin, heavy tether of short elements, which it snaps taut again and again."""
+    thin = {"length_m": 6.14, "elements": 84, "diameter_m": 0.0054, "mass_kg_m": 0.05, "axial_damping_n_s": 44.0}
+    sim = Simulator(site(thin | {"axial_stiffness_n": stiffness_n, "breaking_load_n": 1e9}))
+    start_m_s = np.array([-2.88, -2.35, 1.54, -1.68, 1.49, 1.10])
+    sim.rov.place([3, 0, -4], velocity_body=start_m_s)
+    sim.rov.set_effort(surge=1.0)
+    for _ in range(100):
+        sim.step(4)
+        now = sim.rov.tether.read()
+        reach_m = np.linalg.norm(now.points_world_m[-1] - now.points_world_m[0])
+        assert np.linalg.norm(sim.rov.velocity.linear_body_m_s) < np.linalg.norm(start_m_s)
+        assert reach_m < 6.14 * (1.01 + now.tensions_n.max() / stiffness_n)
+
+
 def test_a_broken_tether_cuts_the_vehicle_off() -> None:
     sim = Simulator(site({"breaking_load_n": 1.0}))
     assert not is_cut_off(sim, "rov")
