@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kIterations = 40;
 constexpr int kFull = 12;  // iterations after which changes are halved, in case that they alternate
-// If an iteration changes positions by more than kLost_m, or they are not found, the tether is made softer: to kSoft
-// times the stiffness with which its nodes' inertia resists in a step, and then stiffer by steps.
-constexpr double kLost_m = 1e6, kSoft = 10, kStiffer = 10;
-constexpr int kSoftIterations = 200;
+// If an iteration changes positions by more than kLost_m, or they are not found, the tether is made as soft as its
+// nodes' inertia in a step, or softer, and then stiffer by stages.
+constexpr double kLost_m = 1e6, kSofter = 100, kStiffer = 5;
+constexpr int kStages = 30;
 constexpr double kSolved_m = 1e-7;  // the change of an iteration after which positions are found
 constexpr double kLeast = 1e-12;    // m and m/s, below which a direction is arbitrary
 
@@ -215,20 +215,31 @@ bool Tether::find_next(double step_s) {
     const double inertia = mass_kg(rows / 2) / (step_s * step_s) * spec_.element_m();
     std::vector<Eigen::Vector3d> found;
     std::vector<double> tensions(rows);
-    double share = std::min(1.0, kSoft * inertia / (stiffness + damping / step_s));
-    begin();
-    for (std::size_t i = 0; i < rows; ++i) frozen_[i].tension_n *= share;
-    for (bool goes_on = true; goes_on;) {
+    double share = std::min(1.0, inertia / (stiffness + damping / step_s));
+    found.reserve(rows);
+    for (int stage = 0; stage < kStages; ++stage) {
+      if (found.empty()) {
+        begin();
+        for (std::size_t i = 0; i < rows; ++i) frozen_[i].tension_n *= share;
+      }
       spec_.axial_stiffness_n = share * stiffness;
       spec_.axial_damping_n_s = share * damping;
-      goes_on = solve(found.empty() ? kSoftIterations : kIterations);
-      if (goes_on || found.empty()) {
+      if (solve(kIterations)) {
         found.assign(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(rows));
         for (std::size_t i = 0; i < rows; ++i) tensions[i] = frozen_[i].tension_n;
-        is_solved = goes_on && share == 1;
-        goes_on = goes_on && share < 1;
+        is_solved = share == 1;
+        if (is_solved) break;
         share = std::min(1.0, kStiffer * share);
+      } else if (found.empty()) {
+        share /= kSofter;
+      } else {
+        break;
       }
+    }
+    if (found.empty()) {  // it flies freely
+      begin();
+      found.assign(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(rows));
+      std::ranges::fill(tensions, 0);
     }
     std::ranges::copy(found, next_.begin());
     for (std::size_t i = 0; i < rows; ++i) {
