@@ -70,7 +70,7 @@ class Tether:
 
     @property
     def is_broken(self) -> bool:
-        """Whether it has broken or been cut."""
+        """True if it has broken or been cut."""
         return self._simulation.tether(self._index).broken is not None
 
     def wind(self, rate_m_s: float | None, tension_n: float | None) -> None:
