@@ -18,6 +18,7 @@ from uwsim.exercises.course import Course
 from uwsim.scenario.fingerprint import build_fingerprint
 
 PERSON_MAX = 80
+TEXTS = ("person", "title", "date")
 
 
 def checked_person(name: str) -> str:
@@ -54,4 +55,6 @@ def read_sheet(path: Path) -> dict[str, Any]:
         raise ValueError(f"'{path}': is not a score sheet with a digest")
     if digest_of(sheet) != sheet["digest"]:
         raise ValueError(f"'{path}': has been changed since it was written: its content does not have its digest")
+    if not all(isinstance(sheet.get(name), str) for name in TEXTS):
+        raise ValueError(f"'{path}': is not a score sheet with {', '.join(TEXTS)}")
     return sheet

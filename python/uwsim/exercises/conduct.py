@@ -60,14 +60,17 @@ class Conduct:
 
     def note_command(self, time_s: float, name: str, text: str) -> None:
         """Add a command to the vehicle, unless it repeats one by less than AGAIN_S."""
-        again_s = time_s - self._last.get(text, -AGAIN_S)
-        self._last[text] = time_s
-        if name in UNLISTED or again_s < AGAIN_S:
+        if name in UNLISTED:
             return
-        if len(self.pilot_acts) < ACTS_MAX:
-            self.pilot_acts.append(PilotAct(time_s, text))
-        else:
+        again_s, is_full = time_s - self._last.get(text, -AGAIN_S), len(self.pilot_acts) >= ACTS_MAX
+        if text in self._last or not is_full:
+            self._last[text] = time_s
+        if 0.0 <= again_s < AGAIN_S:  # negative if the instructor has returned to a time before
+            return
+        if is_full:
             self.pilot_omitted += 1
+        else:
+            self.pilot_acts.append(PilotAct(time_s, text))
 
     def note_pilot(self, name: str) -> None:
         """Note that another person than the one who began has the controls."""

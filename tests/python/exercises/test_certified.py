@@ -9,7 +9,7 @@ import pytest
 
 from command_line import uwsim
 from test_sheet import exercise, still
-from uwsim.exercises.certified import PERSON_MAX, read_sheet
+from uwsim.exercises.certified import PERSON_MAX, digest_of, read_sheet
 from uwsim.exercises.conduct import ACTS_MAX, Conduct
 from uwsim.exercises.exercise import Exercise
 from uwsim.exercises.flight import fly_exercise
@@ -107,8 +107,25 @@ def test_commands_are_bounded_and_another_pilot_spoils_the_score():
         conduct.note_command(float(k), "hold", f"hold: {k}")
     assert len(conduct.listed()["acts"]) == ACTS_MAX and conduct.listed()["acts_omitted"] == 5
     assert conduct.invalid_because == ""
+    assert len(conduct._last) <= ACTS_MAX, "what is remembered of repeats is bounded, too"
     conduct.note_pilot("Bob")
     assert conduct.invalid_because == "Bob had the controls, too"
+
+
+def test_aiming_is_not_remembered_and_a_command_after_a_return_to_an_earlier_time_is_listed():
+    conduct = Conduct([])
+    for k in range(100):
+        conduct.note_command(0.1 * k, "aim", f"aim: {k}")
+    conduct.note_command(50.0, "hold", "hold: depth")
+    conduct.note_command(20.0, "hold", "hold: depth")
+    assert [act["time_s"] for act in conduct.listed()["acts"]] == [50.0, 20.0] and len(conduct._last) == 1
+
+
+def test_a_sheet_without_a_person_is_refused_in_a_line(tmp_path):
+    path = tmp_path / "score.json"
+    path.write_text(json.dumps({"digest": digest_of({})}))
+    with pytest.raises(ValueError, match="is not a score sheet"):
+        read_sheet(path)
 
 
 def test_full_ahead_ends_at_the_wall_and_costs():

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -206,6 +208,56 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     assert anna("check", scenario="my_pool.yaml")["success"]
     station.left("anna")
     assert ben("edit", action="open", scenario="my_pool.yaml")["by"] == "ben"
+
+
+def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others(station: Station) -> None:
+    anna = Member(station, "anna")
+    anna("edit", action="open", scenario="pool")
+    assert anna("edit", action="save", name="one")["is_saved"] and anna("edit", action="save", name="two")["is_saved"]
+    (station.sessions.folder / "one.yaml").unlink()
+    (station.sessions.folder / "two.yaml").write_text("name: [")
+    names = [each["name"] for each in anna("catalog")["scenarios"]]
+    assert "pool" in names and not {"one.yaml", "two.yaml"} & set(names)
+    assert "must be one of" in anna("check", scenario=["pool"])["message"]
+
+
+def test_hostile_changes_are_refused_in_a_line(station: Station) -> None:
+    anna, deep = Member(station, "anna"), []
+    anna("edit", action="open", scenario="pool")
+    for _ in range(300):
+        deep = [deep]
+    for values in ({"position_m": deep}, {"position_m": [2**70, 0]}, {"name": "\ud800"}):
+        answer = anna("edit", action="set", section="obstacles", place=["obstacles", 0], values=values)
+        assert "must be plain JSON" in answer["message"]
+    for text in ("[" * 1000, '["' + "]" * 1000 + '", ' + "[" * 1000):
+        answer = anna("edit", action="set", section="obstacles", place=["obstacles", 0], values={"material": text})
+        assert "is nested more than 20 deep" in answer["message"]
+
+
+def test_a_client_leaves_without_waiting_for_a_change(station: Station) -> None:
+    Member(station, "anna")("edit", action="open", scenario="pool")
+    editor = station.sessions.editor
+    leaving = threading.Thread(target=station.left, args=("anna",), daemon=True)
+    with editor._lock:  # as while a change is made
+        leaving.start()
+        leaving.join(10)
+        assert not leaving.is_alive(), "the network thread calls this, and all stop goes through it"
+        closing = [each for each in threading.enumerate() if each.name == "uwsim-edit-close"]
+    for each in closing:
+        each.join()
+    assert not editor.by
+
+
+def test_what_the_instructor_edits_is_not_reported_to_the_trainee(tmp_path: Path) -> None:
+    station = Station(offered="pool", folder=tmp_path, instructor_token="a token of tests")
+    station.connect(Node())
+    anna, ben = Member(station, "anna"), Member(station, "ben")
+    station.instructor.clients.add("ben")
+    ben("edit", action="open", scenario="pool")
+    station.sessions.running = SimpleNamespace(stop=lambda: None)
+    assert anna("edit", action="report")["message"] == "for the instructor only"
+    assert ben("edit", action="report")["is_open"]
+    station.sessions.close()
 
 
 def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station) -> None:

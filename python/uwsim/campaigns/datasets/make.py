@@ -47,7 +47,7 @@ class Dataset:
 
     @property
     def interrupted(self) -> bool:
-        """Whether frames are missing; `resume=True` renders them."""
+        """True if frames are missing; `resume=True` renders them."""
         return self.finished < self.spec.n
 
     @property

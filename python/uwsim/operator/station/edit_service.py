@@ -37,6 +37,8 @@ class EditService:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
         if action != "report":
             self._require(caller, is_open=action == "open")
+        elif self._instructor is not None and self._sessions.running is not None:
+            self._instructor.require(caller)  # who may prepare what the trainee must not see
         if action == "open":
             self._open(caller, request.get("scenario"))
         elif action == "check":

@@ -80,7 +80,7 @@ class Station:
             self.instructor.clients.discard(client)
         if self.lease.leave(client):
             self.sessions.change_pilot()
-        self.sessions.editor.close(client)
+        self.sessions.editor.left(client)
         if not self.lease.members:
             self.sessions.prepared.forget()  # no client is left at the start screen
         self._pulse.publish()

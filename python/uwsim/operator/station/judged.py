@@ -177,14 +177,15 @@ class Judged:
         self._writing = [*(each for each in self._writing if each.is_alive()), writing]
 
     def _write_now(self, course: Course, sheet: Values) -> None:
+        what = "the score sheet"
         try:
             folder = self._new_folder()
             write_sheet(folder, course, sheet)
-            self._sheet = folder
+            self._sheet, what = folder, "the line in the log book"
             log_attempt(sheet)
         except Exception as error:
-            self._error = f"the score sheet could not be written: {error}"
-            LOGGER.exception("the score sheet could not be written")
+            self._error = f"{what} could not be written: {error}"
+            LOGGER.exception("%s could not be written", what)
 
     def _new_folder(self) -> Path:
         self._folder.mkdir(parents=True, exist_ok=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
@@ -27,6 +28,7 @@ from uwsim.operator.station.replay import REFUSAL
 from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import saved_names
 from uwsim.operator.station.sessions import Sessions
+from uwsim.scenario import ScenarioError
 from uwsim.simulator.notes import comment_of
 
 SUPERVISED = ("record", "stop_recording")  # controls of a pilot who has an instructor
@@ -256,7 +258,10 @@ class Services:
         found = catalog(self._sessions.offered)
         defaults = found["defaults"] | ({"link": self._link} if self._link else {})
         flights = [] if self._sessions.flights is None else self._sessions.flights.listed()
-        own = [described(name, path) for name, path in self._sessions.editor.saved.items()]
+        own = []
+        for name, path in self._sessions.editor.saved.copy().items():
+            with suppress(ScenarioError, OSError):  # its file was removed, or changed by hand
+                own.append(described(name, path))
         found = {**found, "scenarios": [*own, *found["scenarios"]]}
         return {**found, "defaults": defaults, "saves": saved_names(self._sessions.folder), "flights": flights}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,8 @@ class Line(Placed):
     radius_m: radius of the bar or rope, or of the bar that a chain's links are made of. sag_m: how far the middle of
     each piece hangs below its chord, as a parabola. links: whether it is a chain.
     """
+
+    example: ClassVar = {"on_bed": True, "lines_m": [[[0.0, 0.0, 0.0], [0.0, 0.0, 2.0]]], "radius_m": 0.05}
 
     kind: Literal["line"]
     name: Name

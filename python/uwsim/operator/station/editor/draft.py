@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import accumulate
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -20,6 +21,8 @@ MAX_BYTES = 64_000
 """The largest text that is edited: each change reads it twice, which takes about 10 ms per 1000 bytes."""
 STEPS_MAX = 200
 TEXT_MAX = 4000
+DEPTH_MAX = 20
+"""Brackets within brackets in a value: the parser's time rises with their square, to 7 s for TEXT_MAX of them."""
 Place = tuple[Key, ...]
 
 
@@ -249,11 +252,19 @@ def _given(field: Mapping[str, Any], value: Any) -> Any:
     if field["type"] == "yaml" and isinstance(value, str):
         if len(value) > TEXT_MAX:
             raise ValueError(f"{field['name']}: has {len(value)} characters: at most {TEXT_MAX}")
+        if _depth(value) > DEPTH_MAX:
+            raise ValueError(f"{field['name']}: is nested more than {DEPTH_MAX} deep")
         value = yaml_document(f"value: {value}", field["name"]).values.get("value")
         if len(flow(value)) > TEXT_MAX:
             raise ValueError(f"{field['name']}: its aliases written out, must have at most {TEXT_MAX} characters")
     _require_near(field["name"], value)
     return unflattened(dict(field), value) if field["columns"] else value
+
+
+def _depth(text: str) -> int:
+    """Return how deeply brackets are nested in a text."""
+    steps = ((each in "[{") - (each in "]}") for each in text)
+    return max(accumulate(steps, lambda depth, step: max(depth + step, 0), initial=0))
 
 
 def _require_near(name: str, value: Any) -> None:

@@ -71,12 +71,29 @@ class Editor:
     def close(self, client: str) -> None:
         """End a client's editing, and forget what was not saved."""
         with self._lock:
-            if client == self._by:
-                self._draft, self._by = None, ""
+            self._forget(client)
+
+    def left(self, client: str) -> None:
+        """As `close`, but without waiting for a change that is being made, which may take seconds."""
+        if self._lock.acquire(blocking=False):
+            try:
+                self._forget(client)
+            finally:
+                self._lock.release()
+        else:
+            threading.Thread(target=self.close, args=(client,), name="uwsim-edit-close", daemon=True).start()
+
+    def _forget(self, client: str) -> None:
+        if client == self._by:
+            self._draft, self._by = None, ""
 
     def act(self, request: Values) -> Place:
         """Change the scenario; return the place of a part that was added, or (). Raises ValueError."""
-        if len(orjson.dumps(request)) > MAX_BYTES:  # before anything is made of it
+        try:
+            size = len(orjson.dumps(request))
+        except TypeError as error:  # such as whole numbers of more than 64 bits
+            raise ValueError(f"a change must be plain JSON: {error}") from None
+        if size > MAX_BYTES:  # before anything is made of it
             raise ValueError(f"a change must have at most {MAX_BYTES} bytes")
         with self._lock:
             draft, action = self.draft, request.get("action")
