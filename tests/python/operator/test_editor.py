@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from station_pages import require_described
-from uwsim.operator.station import Station
+from uwsim.operator.station import Station, rebuild
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
 from uwsim.operator.station.editor.forms import SECTIONS, forms
+from uwsim.operator.station.saves import continue_maps
 from uwsim.scenario import load
 from uwsim.scenario.read.assets import assets_folder
 
@@ -260,7 +261,7 @@ def test_what_the_instructor_edits_is_not_reported_to_the_trainee(tmp_path: Path
     station.sessions.close()
 
 
-def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station) -> None:
+def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
     anna, ben = Member(station, "anna"), Member(station, "ben")
     assert anna("start", scenario="pool", seed=7)["success"]
     anna("take_control")
@@ -277,8 +278,14 @@ def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station) -> None:
     def there(sim):
         return sim.time_s, np.array(sim.rov.pose.position_world_m), np.array(sim.rov.velocity.linear_body_m_s), sim.seed
 
+    def stopped_meanwhile(rebuilt, folder):
+        ben("all_stop", vehicle="rov", on=True).result()
+        continue_maps(rebuilt, folder)
+
     before = live.read(there).result()
+    monkeypatch.setattr(rebuild, "continue_maps", stopped_meanwhile)
     assert anna("edit", action="apply")["success"]
+    assert station.present().live.simulator.rov.all_stopped
     again = station.present().live
     assert again is not live and again.paused
     for one, other in zip(before, again.read(there).result(), strict=True):

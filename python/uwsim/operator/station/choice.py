@@ -39,7 +39,7 @@ def chosen(
     """
     errors: dict[str, str] = {name: "unknown field" for name in choice if name not in FIELDS}
     values = {name: choice.get(name) for name in FIELDS}
-    known = {**{name: name for name in scenarios(offered)}, **saved}
+    known: dict[str, str | Path] = {**{name: name for name in scenarios(offered)}, **saved}
     scenario = _try(errors, "scenario", lambda: load(known[_name(values["scenario"] or offered, list(known))]))
     speed = _try(errors, "speed", lambda: _speed(values["speed"]))
     _try(errors, "link", lambda: _link(values["link"]))

@@ -46,6 +46,9 @@ def rebuild(sessions: Sessions, edited: Scenario) -> None:
         for name, ping_map in running.maps.items():
             ping_map.write(Path(folder) / f"{name}.ot")
         sessions.run(make, lambda rebuilt: continue_maps(rebuilt, Path(folder)), choice=choice)
+    for name, vehicle in live.simulator.vehicles.items():
+        if vehicle.helm.all_stopped:  # perhaps since the state was taken over
+            sessions.present().live.command("all_stop", vehicle=name, on=True).result()
 
 
 def _hindrance(running: Running) -> str:

@@ -18,7 +18,7 @@ from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
 
 MAX_BYTES = 64_000
-"""The largest text that is edited: each change reads it twice, which takes about 10 ms per 1000 bytes."""
+"""The largest text that is edited: each change reads it twice, which takes 14 to 30 ms per 1000 bytes."""
 STEPS_MAX = 200
 TEXT_MAX = 4000
 DEPTH_MAX = 20
