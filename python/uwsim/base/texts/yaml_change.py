@@ -89,6 +89,8 @@ def _is_same(one: Any, other: Any) -> bool:
 
 def _item(values: Any, key: Key, name: str, place: Place) -> Any:
     try:
+        if isinstance(values, str):  # whose letters are no items
+            raise KeyError(key)
         return values[key]
     except (KeyError, IndexError, TypeError):
         raise ValueError(f"{name}: {dotted(place)}: is not written there") from None
@@ -210,7 +212,9 @@ class _Text:
         end = self._end(_pairs(node)[index][1])
         if node.flow_style and index > 0:
             yield _Span(self._end(_pairs(node)[index - 1][1]), end, "")
-        elif node.flow_style or (isinstance(node, MappingNode) and self._is_after_a_dash(starts[index])):
+        elif index + 1 < len(starts) and (
+            node.flow_style or (isinstance(node, MappingNode) and self._is_after_a_dash(starts[index]))
+        ):
             yield _Span(starts[index], starts[index + 1], "")
         else:
             yield _Span(self._line_start(starts[index]), self._line_end(end) + len(self.newline), "")

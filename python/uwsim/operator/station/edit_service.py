@@ -87,6 +87,6 @@ class EditService:
         known = [*saved, *scenarios(self._sessions.offered)]
         if not isinstance(name, str) or name not in known:
             raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
-        self._of = None
         path = saved[name] if name in saved else find_yaml(name, "scenarios")
         self._editor.open(caller, name, Path(path))
+        self._of = None
