@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import threading
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -249,15 +248,17 @@ def test_a_client_leaves_without_waiting_for_a_change(station: Station) -> None:
     assert not editor.by
 
 
-def test_what_the_instructor_edits_is_not_reported_to_the_trainee(tmp_path: Path) -> None:
+def test_what_the_instructor_edits_is_logged_and_not_reported_to_the_trainee(tmp_path: Path) -> None:
     station = Station(offered="pool", folder=tmp_path, instructor_token="a token of tests")
     station.connect(Node())
     anna, ben = Member(station, "anna"), Member(station, "ben")
     station.instructor.clients.add("ben")
-    ben("edit", action="open", scenario="pool")
-    station.sessions.running = SimpleNamespace(stop=lambda: None)
+    assert anna("start", scenario="pool")["success"] and ben("instruct", action="pause", args={})["success"]
+    assert ben("edit", action="open")["success"] and ben("edit", action="apply")["success"]
     assert anna("edit", action="report")["message"] == "for the instructor only"
     assert ben("edit", action="report")["is_open"]
+    station.instructor._writer.submit(lambda: None).result()
+    assert [each["action"] for each in station.instructor.log] == ["pause", "rebuild"]
     station.sessions.close()
 
 

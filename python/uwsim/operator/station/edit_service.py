@@ -51,6 +51,8 @@ class EditService:
             rebuild(self._sessions, self._editor.draft.scenario)
             self._of = self._sessions.running
             message = "the world is rebuilt"
+            if self._instructor is not None and self._of is not None:
+                self._instructor.note(1e-9 * self._of.live.time_ns, "instructor", "rebuild", {})
         elif action == "close":
             self._editor.close(caller)
         elif action in CHANGES:
