@@ -234,6 +234,15 @@ def test_hostile_changes_are_refused_in_a_line(station: Station) -> None:
         assert "is nested more than 20 deep" in answer["message"]
 
 
+def test_a_change_beside_another_is_refused_and_occupies_no_thread(station: Station) -> None:
+    anna = Member(station, "anna")
+    anna("edit", action="open", scenario="pool")
+    with station.sessions.editor._changing:
+        for request in ({"action": "undo"}, {"action": "open", "scenario": "pool"}):
+            assert "another change is being made" in anna("edit", **request)["message"]
+    assert "nothing to undo" in anna("edit", action="undo")["message"]
+
+
 def test_a_client_leaves_without_waiting_for_a_change(station: Station) -> None:
     Member(station, "anna")("edit", action="open", scenario="pool")
     editor = station.sessions.editor

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ class Editor:
     def __init__(self, folder: Path, threads: int | None) -> None:
         self.saved: dict[str, Path] = {}
         self._folder, self._threads = folder, threads
-        self._lock, self._building = threading.Lock(), threading.Lock()
+        self._lock, self._changing, self._building = threading.Lock(), threading.Lock(), threading.Lock()
         self._draft: Draft | None = None
         self._base = ""  # the text that was opened or saved last
         self._by = self._name = ""
@@ -64,9 +65,20 @@ class Editor:
         self._take(client, scenario.name, make)
 
     def _take(self, client: str, name: str, make: Callable[[], Draft]) -> None:
-        with self._lock:
+        with self._alone():
             draft = make()
             self._draft, self._base, self._by, self._name = draft, draft.text, client, name
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Make one change at a time, and refuse others, which would occupy the threads of all services."""
+        if not self._changing.acquire(blocking=False):
+            raise ValueError("another change is being made: wait for its answer")
+        try:
+            with self._lock:
+                yield
+        finally:
+            self._changing.release()
 
     def close(self, client: str) -> None:
         """End a client's editing, and forget what was not saved."""
@@ -95,7 +107,7 @@ class Editor:
             raise ValueError(f"a change must be plain JSON: {error}") from None
         if size > MAX_BYTES:  # before anything is made of it
             raise ValueError(f"a change must have at most {MAX_BYTES} bytes")
-        with self._lock:
+        with self._alone():
             draft, action = self.draft, request.get("action")
             if action in ("undo", "redo"):
                 draft.undo(1 if action == "undo" else -1)
