@@ -60,9 +60,12 @@ def test_a_rope_hangs_and_a_chain_has_links_along_it() -> None:
     [
         ({**NET, "holes": 90, "hole_m": 1.9}, "too many holes for this wall"),
         ({**NET, "strand_m": 0.3}, r"strand_m = 0.3 m: must be below half of mesh_m"),
-        ({**NET, "mesh_m": 0.01}, "the wall has [0-9]+ knots"),
+        ({**NET, "mesh_m": 0.01}, "wall and bottom have [0-9]+ knots"),
+        ({**NET, "radius_m": 150.0, "depth_m": 0.02, "mesh_m": 0.02, "strand_m": 0.002}, "bottom have [0-9]+ knots"),
         ({**LINE, "lines_m": [[[0, 0, 0], [0, 0, 0]]]}, "a point occurs twice in a row"),
         ({**LINE, "lines_m": [[[0, 0, 0], [9000, 0, 0]]], "links": True}, "at most 5000 links"),
+        ({**LINE, "lines_m": PIECE, "links": True, "sag_m": 1000.0}, "at most 5000 links"),
+        ({**LINE, "lines_m": [[[k, 0, 0] for k in range(200)]] * 40, "sag_m": 1.0}, "at most 100000 bars"),
     ],
 )
 def test_mistakes_are_reported(change: dict[str, Any], message: str) -> None:

@@ -19,7 +19,7 @@ from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
 SAG_PIECES = 16
 PITCH = 5.0
 """Distance between the middles of a chain's links in radii of its bar: inside, a link is 5 radii long and 2 wide."""
-MAX_LINKS = 5000
+MAX_LINKS, MAX_BARS = 5000, 100_000
 Polyline = Annotated[tuple[Point3, ...], Field(min_length=2, max_length=200)]
 Floats = NDArray[np.float64]
 
@@ -49,8 +49,11 @@ class Line(Placed):
         lengths = [float(np.linalg.norm(piece)) for piece in pieces]
         if min(lengths) < 1e-3:
             raise broken("a point occurs twice in a row", at=("lines_m",))
-        if self.links and sum(lengths) > MAX_LINKS * PITCH * self.radius_m:
+        hung_m = sum(length + 2 * self.sag_m for length in lengths)  # at least the length of the parabolas
+        if self.links and hung_m > MAX_LINKS * PITCH * self.radius_m:
             raise broken(f"a chain must have at most {MAX_LINKS} links", at=("lines_m",))
+        if (SAG_PIECES if self.sag_m else 1) * len(lengths) > MAX_BARS:
+            raise broken(f"must have at most {MAX_BARS} bars, or {MAX_BARS // SAG_PIECES} that sag", at=("lines_m",))
         return self
 
     def solid(self, terrain: Bed) -> Solid:

@@ -43,9 +43,9 @@ class Net(Placed):
 
     @model_validator(mode="after")
     def _fits(self) -> Net:
-        around, rows = self._counts()
-        if around * rows > MAX_KNOTS:
-            raise broken(f"the wall has {around * rows} knots: must be at most {MAX_KNOTS}; make mesh_m larger")
+        around, rows, rings = self._counts()
+        if (knots := around * (rows + rings)) > MAX_KNOTS:
+            raise broken(f"wall and bottom have {knots} knots: must be at most {MAX_KNOTS}; make mesh_m larger")
         if self.strand_m >= 0.5 * self.mesh_m:
             raise broken("must be below half of mesh_m", at=("strand_m",), value=self.strand_m, unit="m")
         if self.holes and 2 * self.hole_m >= self.depth_m:
@@ -70,12 +70,11 @@ class Net(Placed):
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""
-        around, rows = self._counts()
+        around, rows, rings = self._counts()
         turn = 2 * np.pi * np.arange(around) / around
         circle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
         levels = -self.depth_m * np.arange(rows) / (rows - 1)
         wall = self.radius_m * circle[None] + levels[:, None, None] * [0, 0, 1]
-        rings = max(round(self.radius_m / self.mesh_m / 2), 2)
         inward = np.linspace(1.0, 0.06, rings)[:, None, None]
         cone = self.radius_m * circle[None] * inward - (self.depth_m + self.cone_m * (1 - inward)) * [0, 0, 1]
         starts, ends = [], []
@@ -94,9 +93,10 @@ class Net(Placed):
         vertices, triangles = joined(parts)
         return Solid(posed(vertices, self.position_m, LEVEL), triangles.astype(np.uint32), [])
 
-    def _counts(self) -> tuple[int, int]:
-        """Return the number of vertical strands, and of rows of knots in the wall."""
-        return max(round(2 * np.pi * self.radius_m / self.mesh_m), 8), max(round(self.depth_m / self.mesh_m), 1) + 1
+    def _counts(self) -> tuple[int, int, int]:
+        """Return the number of vertical strands, of rows of knots in the wall, and of those in the bottom."""
+        around = max(round(2 * np.pi * self.radius_m / self.mesh_m), 8)
+        return around, max(round(self.depth_m / self.mesh_m), 1) + 1, max(round(self.radius_m / self.mesh_m / 2), 2)
 
 
 def _strands(start: Floats, end: Floats, radius_m: float) -> tuple[Floats, NDArray[np.uint32]]:
