@@ -45,7 +45,7 @@ class Viewpoint:
 
 def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: str) -> None:
     """Draw a map as a PNG. Raises ValueError if no voxel is occupied, OSError if the file cannot be written."""
-    centres, edge_m = occupied_cubes(occupancy, MAX_CUBES)
+    centres, edge_m = occupied_cubes(occupancy, title, MAX_CUBES)
     shift = occupancy.origin_world_m - np.floor(occupancy.origin_world_m / edge_m) * edge_m
     on_grid = centres - shift  # cubes must lie at multiples of their edge length
     heights = height_range(centres[:, 2])

@@ -70,7 +70,7 @@ def _no_session(*_: object) -> Any:
 
 def _files(occupancy: OccupancyMap, name: str, voxels_max: int) -> dict[str, File]:
     """Return what the page loads: the map's description, and its occupied cubes as a MapChanges message."""
-    centres, edge_m = occupied_cubes(occupancy, voxels_max)
+    centres, edge_m = occupied_cubes(occupancy, name, voxels_max)
     keys = voxel_keys(centres - occupancy.origin_world_m, edge_m).astype(np.int16)
     keys = keys[np.lexsort((keys >> BLOCK_BITS).T)]
     blocks, counts, packed = in_blocks(OccupancyChanges(keys, np.ones(len(keys), np.bool_)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import resource
 from dataclasses import replace
 from pathlib import Path
 
@@ -125,6 +126,8 @@ def test_a_path_is_followed(tmp_path: Path) -> None:
         ({"quality": "best"}, "quality = 'best': must be one of draft, good, high"),
         ({"until_s": 1.0}, "until = 1 s: must be above from = 2 s"),
         ({"from_s": 50.0, "until_s": 60.0}, "ends before from = 50 s"),
+        ({"from_s": 2.0, "until_s": 2.1}, "has less than a frame between from = 2 s and until = 2.1 s"),
+        ({"size": (0, 28)}, "size = 0x28: both must be in"),
     ],
 )
 def test_mistakes_are_reported(recording: Path, tmp_path: Path, options: dict, message: str) -> None:
@@ -138,3 +141,37 @@ def test_a_file_of_another_program_stays(recording: Path, tmp_path: Path) -> Non
     with pytest.raises(FileExistsError, match="uwsim did not write it"):
         make_film(recording, theirs, **OPTIONS)
     assert theirs.read_bytes() == b"theirs" and not theirs.with_suffix(".frames").exists()
+    frame = tmp_path / "other.frames" / "000002.png"
+    frame.parent.mkdir()
+    frame.write_bytes(b"theirs")
+    with pytest.raises(FileExistsError, match="uwsim did not write it"):
+        make_film(recording, tmp_path / "other.webp", **OPTIONS)
+    assert frame.read_bytes() == b"theirs" and list(frame.parent.iterdir()) == [frame]
+
+
+def test_a_film_of_another_flight_is_not_resumed(tmp_path: Path) -> None:
+    mission, out = tmp_path / "mission.py", tmp_path / "film.webp"
+    text = "from uwsim.missions import wait\n\n\ndef mission(vehicle):\n    yield wait({:g})\n"
+    mission.write_text(text.format(1.0))
+    options = {"size": (8, 8), "fps": 5.0, "until_s": 0.4, "workers": 0, "scenario": "pool", "quality": "draft"}
+    assert make_film(mission, out, **options, stop_requested=lambda: True).interrupted
+    mission.write_text(text.format(2.0))
+    with pytest.raises(ValueError, match=r"flight is mission.py \([0-9a-f]{16}\) in pool until 0.4 s: was begun with"):
+        make_film(mission, out, **options, resume=True)
+
+
+def test_a_film_has_many_frames_of_which_few_are_open(tmp_path: Path) -> None:
+    frames = [tmp_path / f"{k:06d}.png" for k in range(40)]
+    for k, path in enumerate(frames):
+        Image.new("RGB", (8, 8), (6 * k, 0, 0)).save(path)
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    opened = len(list(Path("/proc/self/fd").iterdir()))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (opened + 20, limits[1]))
+    try:
+        make._write_webp(tmp_path / "film.webp", frames, 25.0)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    with Image.open(tmp_path / "film.webp") as film:
+        assert film.n_frames == 40
+        film.seek(39)
+        assert abs(film.convert("RGB").getpixel((4, 4))[0] - 234) < 12

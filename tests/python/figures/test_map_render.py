@@ -27,7 +27,7 @@ def test_a_map_is_drawn_in_colour_and_reproducibly(folder, tmp_path):
 
 def test_a_map_of_too_many_voxels_is_drawn_in_larger_cubes(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(map_render, "MAX_CUBES", 500)
-    centres, edge_m = occupied_cubes(OccupancyMap.read(folder / "pool.bt", (0.1, 0.2, 0.3)), 500)
+    centres, edge_m = occupied_cubes(OccupancyMap.read(folder / "pool.bt", (0.1, 0.2, 0.3)), "pool", 500)
     assert len(centres) <= 500
     assert edge_m > VOXEL_M
     uwsim_map("render", folder / "pool.bt", "--out", tmp_path / "a.png", "--width", "300")

@@ -95,7 +95,8 @@ def test_the_command_serves_until_ctrl_c(slope, tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content, word", [(b"# Octomap OcTree binary file\nid OcTree\n", "broken.bt"), (None, "no occupied voxels")]
+    "content, word",
+    [(b"# Octomap OcTree binary file\nid OcTree\n", "broken.bt"), (None, "'empty.bt': has no occupied voxels")],
 )
 def test_bad_maps_are_refused_in_one_line(content, word, tmp_path) -> None:
     path = tmp_path / ("empty.bt" if content is None else "broken.bt")

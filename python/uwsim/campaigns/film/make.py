@@ -20,7 +20,7 @@ from uwsim.base.ffmpeg import encoder_path
 from uwsim.base.folder_lock import alone_in
 from uwsim.base.own_files import is_own, remove_own, require_own
 from uwsim.campaigns.film import views
-from uwsim.campaigns.film.roll import Roll
+from uwsim.campaigns.film.roll import Roll, scene_of
 from uwsim.campaigns.film.shot import WITHOUT, FilmCamera, Shot, shoot
 from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
 from uwsim.flight.folder import made_folder
@@ -36,6 +36,8 @@ FOV_DEG = 75.0
 METERED_S, METERED_PIXELS, STEADY_S = 0.2, 96, 1.0
 """Exposure: time between its measurements, their width, and the standard deviation of the Gaussian that steadies it."""
 RUN = "run.mcap"
+MAX_PIXELS = 8192
+"""Most pixels along an edge: those of a camera."""
 Floats = NDArray[np.float64]
 
 
@@ -93,6 +95,8 @@ def make_film(
     if Ledger(folder).exists != resume:
         rule = "holds no film to resume" if resume else "holds a film already: --resume, or another --out"
         raise ValueError(f"'{folder}': {rule}")
+    if not all(1 <= pixels <= MAX_PIXELS for pixels in size):
+        raise ValueError(f"size = {size[0]}x{size[1]}: both must be in [1, {MAX_PIXELS}] pixels")
     for path in (source, camera):
         if Path(path).suffix in (".mcap", ".csv") and not Path(path).is_file():
             raise FileNotFoundError(f"'{path}': no such file")
@@ -105,8 +109,11 @@ def make_film(
                 shots = _shots(
                     recording, folder, camera, vehicle, size, fps, QUALITIES[quality], from_s, until_s, threads
                 )
-            plan = {"size": list(size), "fps": fps, "quality": quality, "camera": camera, "run": _digest(shots),
-                    "build": build_fingerprint()}  # fmt: skip
+            if not resume:
+                for shot in shots:
+                    require_own(Path(shot.path))
+            plan = {"flight": _flight(source, scenario, until_s), "size": list(size), "fps": fps, "quality": quality,
+                    "camera": camera, "run": _digest(shots), "build": build_fingerprint()}  # fmt: skip
             made = 0
             with Ledger.opened(folder, plan, resume=resume, what="film", jobs="frames") as ledger:
                 missing = {k: shot for k, shot in enumerate(shots) if ledger.lacks(k) or not Path(shot.path).exists()}
@@ -139,6 +146,16 @@ def _recorded(source: str | Path, folder: Path, scenario: str, until_s: float, *
         mission, where = (source, scenario) if Path(source).suffix == ".py" else (None, source)
         fly(mission, where, time_limit_s=until_s, record=run, sample_sensors=False, report="none", autosave_s=0.0)
     return run
+
+
+def _flight(source: str | Path, scenario: str, until_s: float) -> str | None:
+    """Return what was flown for the film, for its plan; None if it was recorded before. Raises OSError."""
+    if Path(source).suffix == ".mcap":
+        return None
+    if Path(source).suffix == ".py":
+        mission = hashlib.blake2b(Path(source).read_bytes(), digest_size=8).hexdigest()
+        return f"{Path(source).name} ({mission}) in {scenario} until {until_s:g} s"
+    return f"the survey of {source} until {until_s:g} s"
 
 
 def _shots(
@@ -179,7 +196,7 @@ def _gains(sim: Simulator, roll: Roll, poses: Floats, mount: CameraMount, hidden
     small = mount.model_copy(
         update={"width": METERED_PIXELS, "height": max(METERED_PIXELS * mount.height // mount.width, 1)}
     )
-    scene = next(iter(sim.rov.cameras.values())).scene
+    scene = scene_of(sim)
     at = np.arange(0, len(poses), every)
     seen = [
         FilmCamera(small, scene, poses[k], hidden)
@@ -214,6 +231,8 @@ def _encoder(out: Path, size: tuple[int, int], fps: float) -> Callable[[list[Pat
     if out.suffix not in SUFFIXES:
         raise ValueError(f"--out {out}: must end in {' or '.join(SUFFIXES)}")
     require_own(out)
+    if out.is_dir():
+        raise IsADirectoryError(f"--out {out}: is a folder")
     if out.suffix == ".webp":
         return lambda frames: _write_webp(out, frames, fps)
     if size[0] % 2 or size[1] % 2:
@@ -227,20 +246,28 @@ def _write_webp(out: Path, frames: list[Path], fps: float) -> None:
 
     from PIL import Image
 
-    pictures = [Image.open(path) for path in frames]
-    stream = io.BytesIO()
+    class Reel(Image.Image):
+        """The frames as one image with many pictures, of which one is open at a time."""
+
+        n_frames = len(frames)
+
+        def seek(self, frame: int) -> None:
+            with Image.open(frames[frame]) as picture:
+                picture.load()
+                self.im, self._mode, self._size = picture.im, picture.mode, picture.size
+
+    reel, stream = Reel(), io.BytesIO()
+    reel.seek(0)
     ends_ms = [round(1000 * k / fps) for k in range(len(frames) + 1)]
-    pictures[0].save(
-        stream, "WEBP", save_all=True, append_images=pictures[1:], duration=np.diff(ends_ms).tolist(), loop=0,
-        quality=60, method=4,
-    )  # fmt: skip
+    reel.save(stream, "WEBP", save_all=True, duration=np.diff(ends_ms).tolist(), loop=0, quality=60, method=4)
     write_atomically(out, stream.getvalue())
 
 
 def _write_mp4(program: str, out: Path, frames: list[Path], fps: float) -> None:
     with tempfile.TemporaryDirectory() as folder:
         coded = Path(folder) / "film.mp4"
-        command = [program, "-loglevel", "error", "-framerate", f"{fps:g}", "-i", str(frames[0].parent / "%06d.png")]
+        command = [program, "-loglevel", "error", "-framerate", f"{fps:g}", "-i", "%06d.png"]
+        command += ["-frames:v", str(len(frames))]
         command += [
             "-c:v",
             "libx264",
@@ -253,7 +280,7 @@ def _write_mp4(program: str, out: Path, frames: list[Path], fps: float) -> None:
             "-movflags",
             "+faststart",
         ]
-        done = subprocess.run([*command, str(coded)], capture_output=True, check=False)
+        done = subprocess.run([*command, str(coded)], cwd=frames[0].parent, capture_output=True, check=False)
         if done.returncode:
             raise OSError(f"'{out}': ffmpeg: {done.stderr[-200:].decode(errors='replace').strip()}")
         write_atomically(out, coded.read_bytes())

@@ -9,9 +9,14 @@ from numpy.typing import NDArray
 
 from uwsim.base.agenda import NEVER, Rank
 from uwsim.instruments.cameras import Camera
-from uwsim.instruments.cameras.shared_scene import Snapshot
+from uwsim.instruments.cameras.shared_scene import SharedScene, Snapshot
 from uwsim.recording.replay import replay
 from uwsim.simulator.simulator import Simulator
+
+
+def scene_of(sim: Simulator) -> SharedScene:
+    """Return what a simulator's cameras see, even if it has none."""
+    return sim._shared_scene
 
 
 class Roll:
@@ -41,7 +46,10 @@ class Roll:
         if result.difference is not None:
             raise ValueError(f"recording '{recording}': {result.difference}")
         if len(roll.states) < 2:
-            raise ValueError(f"recording '{recording}': ends before from = {from_s:g} s")
+            rule = f"has less than a frame between from = {from_s:g} s and until = {until_s:g} s"
+            raise ValueError(
+                f"recording '{recording}': " + (rule if roll.states else f"ends before from = {from_s:g} s")
+            )
         roll.poses = np.array(roll._poses).reshape(-1, 7)
         return roll, result.sim
 
@@ -69,8 +77,7 @@ class Roll:
         return self._camera
 
     def _take(self, tick: int) -> None:
-        any_camera = self._camera or next(iter(self._vehicle.cameras.values()))
-        self.states.append(any_camera.snapshot())
+        self.states.append(scene_of(self._sim).snapshot(with_lamps=True))
         if self._camera is not None:
             self._poses.append(np.concatenate(self._camera.pose))
         due_s = self._from_s + len(self.states) / self._fps

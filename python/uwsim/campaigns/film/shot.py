@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, product
+from uwsim.campaigns.film.roll import scene_of
 from uwsim.instruments.cameras.camera import Camera
 from uwsim.instruments.cameras.image_file import encode_png
 from uwsim.instruments.cameras.shared_scene import SharedScene, Snapshot
@@ -126,6 +127,6 @@ def _nearest(turns: Floats, to: Floats) -> Floats:
 def _stage(recording: str, modified_ns: int, threads: int | None) -> SharedScene:
     """Return the scene of a recording's scenario."""
     sim = new_simulator(Recording(recording), threads)
-    scene = next(iter(sim.rov.cameras.values())).scene
+    scene = scene_of(sim)
     scene.__dict__["simulator"] = sim  # whose files live as long as it does
     return scene

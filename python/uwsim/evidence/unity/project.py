@@ -12,6 +12,7 @@ from uwsim.base.texts.yaml_document import yaml_document
 GUID = re.compile(r"^guid: ([0-9a-f]{32})", re.MULTILINE)
 DOCUMENT = re.compile(r"^--- !u!(\d+) &(-?\d+)( stripped)?\n(.*?)(?=^--- |\Z)", re.DOTALL | re.MULTILINE)
 """A document's class, its identifier in the file, whether it only refers to a prefab's, and its YAML."""
+META_MAX = 10_000
 COMPONENTS = re.compile(r"^  m_Component:\n(  - .*\n)*", re.MULTILINE)
 """An object's list of components, which also name it; old prefabs have numbers as keys in it."""
 CLASSES = {1, 4, 23, 33, 54, 224, 1001}
@@ -38,10 +39,17 @@ class Project:
     def _paths(self) -> dict[str, Path]:
         found = {}
         for meta in sorted((self.folder / "Assets").rglob("*.meta")):
-            guid = GUID.search(meta.read_text(errors="replace"))
+            if not self._contains(meta) or not self._contains(meta.with_suffix("")) or not meta.is_file():
+                continue
+            with meta.open(errors="replace") as file:
+                guid = GUID.search(file.read(META_MAX))
             if guid is not None:
                 found[guid[1]] = meta.with_suffix("")
         return found
+
+    def _contains(self, path: Path) -> bool:
+        """Return whether a path is in the checkout, rather than a link to elsewhere."""
+        return path.resolve().is_relative_to(self.folder.resolve())
 
     def path(self, guid: str) -> Path | None:
         """Return the file of an identifier, which may be missing, or None if no .meta file has it."""

@@ -28,7 +28,7 @@ SURFACE_M = 75.3
 """Height of the published water's surface: WaterController.cs."""
 TERRAIN, STATION, WATER = "SolidTerrain", "ControlStation", "water"
 HULL = "vehicle.ply"
-SPACING_M, ABOVE_M, DEEP_M = 0.5, 1e3, 1e4
+SPACING_M, ABOVE_M, DEEP_M, BED_MAX_M = 0.5, 1e3, 1e4, 2000.0
 KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_time_s")
 """Keys of the packaged scenario `paper` that hold for this lake, too."""
 
@@ -105,6 +105,8 @@ class _Files:
 
     def add(self, name: str, content: bytes) -> None:
         require_own(self._folder / name)
+        if name in self._contents:
+            raise ValueError(f"'{self._folder / name}': would be written twice: rename the scene")
         self._contents[name] = content
 
     def mesh(self, name: str, vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> None:
@@ -157,12 +159,16 @@ def _bed(pieces: list[Piece]) -> tuple[bytes, float]:
     vertices, triangles = _joined(pieces, _in_world)
     world = _core.World()
     world.add_solid("bed", vertices, triangles.astype(np.uint32))
+    if (wide_m := 2.0 * float(np.abs(vertices[:, :2]).max())) > BED_MAX_M:
+        raise ValueError(f"the bed needs a grid about the origin {wide_m:.0f} m wide: must be at most {BED_MAX_M:g} m")
     half = SPACING_M * np.ceil(np.abs(vertices[:, :2]).max() / SPACING_M)
     places = np.arange(-half, half, SPACING_M) + SPACING_M / 2.0
     east, north = np.meshgrid(places, places[::-1])
     above = np.stack([east.ravel(), north.ravel(), np.full(east.size, vertices[:, 2].max() + ABOVE_M)], axis=1)
     ranges = _core.RayScene(world).cast(above, np.array([[0.0, 0.0, -1.0]]).repeat(len(above), 0), DEEP_M).ranges_m
     heights = above[:, 2] - ranges
+    if not np.isfinite(heights).any():
+        raise ValueError("the bed has no surface that can be seen from above")
     fill_m = float(heights[np.isfinite(heights)].min())
     grid = np.where(np.isfinite(heights), heights, fill_m).reshape(east.shape)
     head = f"ncols {len(places)}\nnrows {len(places)}\nxllcorner {-half}\nyllcorner {-half}\ncellsize {SPACING_M}\n"

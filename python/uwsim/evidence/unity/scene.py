@@ -20,6 +20,7 @@ Matrix = NDArray[np.float64]
 LEFT_HANDED = np.diag([-1.0, 1.0, 1.0, 1.0])
 """Unity mirrors the x of a file's points and transforms, since its frames are left-handed (y up, z forward)."""
 BUILT_IN = {10202: "cube", 10206: "cylinder", 10207: "sphere", 10209: "plane"}
+MAX_PREFABS = 10_000
 TRANSFORMS = ("Transform", "RectTransform")
 FIELDS = {"m_LocalPosition": "xyz", "m_LocalRotation": "xyzw", "m_LocalScale": "xyz"}
 
@@ -40,16 +41,24 @@ class Piece:
 
 @dataclass
 class Scene:
-    """The pieces of a scene. dropped: how many objects were left out, by reason."""
+    """The pieces of a scene. prefabs: instances so far. dropped: how many objects were left out, by reason."""
 
     pieces: list[Piece] = field(default_factory=list)
+    prefabs: int = 0
     dropped: Counter[str] = field(default_factory=Counter)
 
 
 def read_scene(project: Project, path: Path) -> Scene:
     """Read a scene or prefab. Raises ValueError or OSError."""
     scene = Scene()
-    _File(project, path, scene, {}).read(np.eye(4), (), None, {})
+    try:
+        _File(project, path, scene, {}).read(np.eye(4), (), None, {})
+    except RecursionError:
+        raise ValueError(f"'{path}': an object or a prefab contains itself") from None
+    except (LookupError, TypeError, AttributeError, ValueError) as error:
+        if isinstance(error, ImportError) or str(project.folder) in str(error):
+            raise
+        raise ValueError(f"'{path}': must be as Unity writes it: {type(error).__name__}: {error}") from None
     return scene
 
 
@@ -142,6 +151,9 @@ class _File:
         }
         name = next((str(value) for (_, key), value in changes.items() if key == "m_Name"), "?")
         file = self._project.path(values["m_SourcePrefab"]["guid"])
+        self._scene.prefabs += 1
+        if self._scene.prefabs > MAX_PREFABS:
+            raise ValueError(f"more than {MAX_PREFABS} prefabs, or one that contains itself")
         if file is not None and file.suffix == ".prefab" and file.is_file():
             _File(self._project, file, self._scene, self._models).read(world, path, body, changes)
             return
@@ -158,6 +170,8 @@ class _File:
 
     def _add(self, mesh: NodeMesh, world_from_file: Matrix, path: tuple[str, ...], body: Any) -> None:
         vertices, triangles = mesh.placed(LEFT_HANDED @ world_from_file)  # right-handed, which decides the winding
+        if not np.isfinite(vertices).all():
+            raise ValueError(f"{'/'.join(path)}: has points that are not finite")
         self._scene.pieces.append(Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body))
 
 
