@@ -163,7 +163,7 @@ def test_a_film_of_another_flight_is_not_resumed(tmp_path: Path) -> None:
 def test_a_film_has_many_frames_of_which_few_are_open(tmp_path: Path) -> None:
     frames = [tmp_path / f"{k:06d}.png" for k in range(40)]
     for k, path in enumerate(frames):
-        Image.new("RGB", (8, 8), (6 * k, 0, 0)).save(path)
+        Image.new("RGB", (8, 8), (255 * (k % 2),) * 3).save(path)
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
     opened = len(list(Path("/proc/self/fd").iterdir()))
     resource.setrlimit(resource.RLIMIT_NOFILE, (opened + 20, limits[1]))
@@ -174,4 +174,4 @@ def test_a_film_has_many_frames_of_which_few_are_open(tmp_path: Path) -> None:
     with Image.open(tmp_path / "film.webp") as film:
         assert film.n_frames == 40
         film.seek(39)
-        assert abs(film.convert("RGB").getpixel((4, 4))[0] - 234) < 12
+        assert min(film.convert("RGB").getpixel((4, 4))) > 240

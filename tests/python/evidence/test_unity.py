@@ -9,7 +9,9 @@ import pytest
 import uwsim
 from command_line import uwsim as command
 from uwsim.evidence.unity.project import Project
+from uwsim.evidence.unity.scenario import scenario_from
 from uwsim.evidence.unity.scene import _number, read_scene
+from uwsim.scenario import load
 
 pytest.importorskip("xxhash", reason="the extra unity")
 GUID = "0123456789abcdef0123456789abcdef"
@@ -121,6 +123,32 @@ def test_the_scenario_can_be_flown_and_says_what_it_lacks(project: Path, tmp_pat
     assert hull.buoyancy == "neutral" or hull.mass_kg == pytest.approx(6.0 * 998.0, rel=0.01)  # a block of 3 x 2 x 1 m
 
 
+def changed(old: str, new: str):
+    def change(folder: Path) -> None:
+        scene = folder / "Assets/LawnTest.unity"
+        scene.write_text(scene.read_text().replace(old, new))
+
+    return change
+
+
+def in_itself(folder: Path) -> None:
+    assets = folder / "Assets"
+    (assets / "Loop.prefab").write_text("%YAML 1.1\n" + INSTANCE.replace(GUID, "f" * 32))
+    (assets / "Loop.prefab.meta").write_text(f"guid: {'f' * 32}\n")
+    changed(GUID, "f" * 32)(folder)
+
+
+def test_names_are_a_scenario_s_and_links_out_of_the_checkout_are_not_followed(project: Path, tmp_path: Path) -> None:
+    changed("m_Name: Turned", "m_Name: '7 / ö'")(project)
+    changed("m_Name: Dark", "m_Name: '///'")(project)
+    changed("m_Enabled: 0", "m_Enabled: 1")(project)
+    (project / "Assets/Pair.fbx").rename(tmp_path / "Pair.fbx")
+    (project / "Assets/Pair.fbx").symlink_to(tmp_path / "Pair.fbx")
+    made = scenario_from(Project(project), project / "Assets/LawnTest.unity", tmp_path / "lake")
+    assert any("Pair: its file is not in the checkout" in note for note in made.notes)
+    assert [one.name for one in load(made.path).obstacles] == ["obstacle_0"]
+
+
 @pytest.mark.parametrize(
     "break_it, words",
     [
@@ -128,6 +156,11 @@ def test_the_scenario_can_be_flown_and_says_what_it_lacks(project: Path, tmp_pat
         (lambda folder: (folder / "Assets/LawnTest.unity").write_bytes(b"\0\1\2"), "must be YAML"),
         (lambda folder: (folder / "Assets/LawnTest.unity").rename(folder / "Assets/A.unity"), "--scene = 'LawnTest'"),
         (lambda folder: (folder / "Assets/LawnTest.unity").write_text("%YAML 1.1\n"), "0 rigid bodies"),
+        (changed("m_Children: []", "m_Children: [{fileID: 101}]"), "object 101 is the child of several, or of itself"),
+        (changed("  m_Father: {fileID: 0}\n", ""), "LawnTest.unity': must be as Unity writes it: KeyError 'm_Father'"),
+        (changed("y: 55.3", "y: .nan"), "SolidTerrain: has points that are not finite"),
+        (changed("x: 40, y: 1, z: 40", "x: 1e6, y: 1, z: 1e6"), "m wide: must be at most 2000 m"),
+        (in_itself, "more than 20 in each other"),
     ],
 )
 def test_mistakes_are_one_line_and_write_nothing(break_it, words: str, project: Path, tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from uwsim.evidence.unity.scene import Piece, read_scene
 from uwsim.evidence.vehicle.draft import drafted
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.assets import find_yaml
+from uwsim.scenario.spec.fields import NAME
 
 FROM_UNITY = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """The published wire's axes (west, up, south) to east, north, up; and its body's axes (aft, up, starboard) to forward,
@@ -88,7 +89,12 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
         kept, file = _joined(pieces, _in_world), f"obstacle_{k}"
         written.mesh(file, *kept)
         values["obstacles"].append(
-            {"kind": "mesh", "name": _name(name), "file": f"{file}.ply", "position_m": [0, 0, 0]}
+            {
+                "kind": "mesh",
+                "name": _name(name, k, values["obstacles"]),
+                "file": f"{file}.ply",
+                "position_m": [0, 0, 0],
+            }
         )
     text, drafting = written.drafted()
     written.add("vehicle.yaml", text.encode())
@@ -175,6 +181,9 @@ def _bed(pieces: list[Piece]) -> tuple[bytes, float]:
     return (head + "\n".join(" ".join(f"{height:.3f}" for height in row) for row in grid) + "\n").encode(), fill_m
 
 
-def _name(text: str) -> str:
-    """Return a name as scenarios have it."""
-    return "".join(letter if letter.isalnum() else "_" for letter in text.lower()).strip("_")
+def _name(text: str, number: int, others: list[dict[str, Any]]) -> str:
+    """Return a name as scenarios have it, unlike those of others."""
+    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in text.lower()).strip("_")
+    if NAME.fullmatch(plain) and plain not in [other["name"] for other in others]:
+        return plain
+    return f"obstacle_{number}"

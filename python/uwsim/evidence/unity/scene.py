@@ -20,7 +20,7 @@ Matrix = NDArray[np.float64]
 LEFT_HANDED = np.diag([-1.0, 1.0, 1.0, 1.0])
 """Unity mirrors the x of a file's points and transforms, since its frames are left-handed (y up, z forward)."""
 BUILT_IN = {10202: "cube", 10206: "cylinder", 10207: "sphere", 10209: "plane"}
-MAX_PREFABS = 10_000
+MAX_PREFABS, MAX_DEPTH = 10_000, 20
 TRANSFORMS = ("Transform", "RectTransform")
 FIELDS = {"m_LocalPosition": "xyz", "m_LocalRotation": "xyzw", "m_LocalScale": "xyz"}
 
@@ -54,20 +54,23 @@ def read_scene(project: Project, path: Path) -> Scene:
     try:
         _File(project, path, scene, {}).read(np.eye(4), (), None, {})
     except RecursionError:
-        raise ValueError(f"'{path}': an object or a prefab contains itself") from None
+        raise ValueError(f"'{path}': its objects are nested too deeply") from None
     except (LookupError, TypeError, AttributeError, ValueError) as error:
         if isinstance(error, ImportError) or str(project.folder) in str(error):
             raise
-        raise ValueError(f"'{path}': must be as Unity writes it: {type(error).__name__}: {error}") from None
+        raise ValueError(f"'{path}': must be as Unity writes it: {type(error).__name__} {error}") from None
     return scene
 
 
 class _File:
-    """A scene or prefab that is read into a Scene. models: the meshes of files read so far."""
+    """A scene or prefab that is read into a Scene. models: the meshes of files read so far. depth: of prefabs."""
 
-    def __init__(self, project: Project, path: Path, scene: Scene, models: dict[Path, list[NodeMesh]]) -> None:
-        self._project, self._scene, self._models = project, scene, models
+    def __init__(
+        self, project: Project, path: Path, scene: Scene, models: dict[Path, list[NodeMesh]], depth: int = 0
+    ) -> None:
+        self._project, self._scene, self._models, self._depth = project, scene, models, depth
         self._documents = project.documents(path)
+        self._placed: set[int] = set()
         self._parts: dict[int, list[Document]] = {}
         for document in self._documents.values():
             owner = document.values.get("m_GameObject", {}).get("fileID", 0)
@@ -89,6 +92,9 @@ class _File:
             self._prefab(values, world, path, body)
 
     def _object(self, identifier: int, world: Matrix, path: tuple[str, ...], body: Any, changes: Any) -> None:
+        if identifier in self._placed:
+            raise ValueError(f"object {identifier} is the child of several, or of itself")
+        self._placed.add(identifier)
         transform = self._documents[identifier].values
         owner = transform["m_GameObject"]["fileID"]
         known = self._documents.get(owner)
@@ -152,10 +158,10 @@ class _File:
         name = next((str(value) for (_, key), value in changes.items() if key == "m_Name"), "?")
         file = self._project.path(values["m_SourcePrefab"]["guid"])
         self._scene.prefabs += 1
-        if self._scene.prefabs > MAX_PREFABS:
-            raise ValueError(f"more than {MAX_PREFABS} prefabs, or one that contains itself")
+        if self._scene.prefabs > MAX_PREFABS or self._depth >= MAX_DEPTH:
+            raise ValueError(f"more than {MAX_PREFABS} prefabs, or more than {MAX_DEPTH} in each other")
         if file is not None and file.suffix == ".prefab" and file.is_file():
-            _File(self._project, file, self._scene, self._models).read(world, path, body, changes)
+            _File(self._project, file, self._scene, self._models, self._depth + 1).read(world, path, body, changes)
             return
         if any(key == "m_IsActive" and not int(value) for (_, key), value in changes.items()):
             self._scene.dropped[f"{'/'.join((*path, name))}: inactive"] += 1
@@ -171,7 +177,7 @@ class _File:
     def _add(self, mesh: NodeMesh, world_from_file: Matrix, path: tuple[str, ...], body: Any) -> None:
         vertices, triangles = mesh.placed(LEFT_HANDED @ world_from_file)  # right-handed, which decides the winding
         if not np.isfinite(vertices).all():
-            raise ValueError(f"{'/'.join(path)}: has points that are not finite")
+            raise ValueError(f"{'/'.join(path)[:200]}: has points that are not finite")
         self._scene.pieces.append(Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body))
 
 
