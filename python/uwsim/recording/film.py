@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.base.own_files import require_own
 from uwsim.figures.map_film import FILMS, MapFilm, write_film
 from uwsim.flight.map_growth import growth_row
 from uwsim.flight.ping_log import PingLog
@@ -26,6 +27,7 @@ def film_of(recording: Recording, out: Path, *, pictures: int = 60, seconds: flo
     """
     if out.suffix not in FILMS:
         raise ValueError(f"film '{out}': must end in {' or '.join(FILMS)}")
+    require_own(out)
     if recording.start.kind != SURVEY:
         raise ValueError(f"recording '{recording.path}': must be that of a survey or of a mission with a map")
     sim, request = new_simulator(recording), request_of(recording)

@@ -149,7 +149,7 @@ def _recorded(source: str | Path, folder: Path, scenario: str, until_s: float, *
 
 
 def _flight(source: str | Path, scenario: str, until_s: float) -> str | None:
-    """Return what was flown for the film, for its plan; None if it was recorded before. Raises OSError."""
+    """Return the name of the flight made for a film, for its plan; None for a recording. Raises OSError."""
     if Path(source).suffix == ".mcap":
         return None
     if Path(source).suffix == ".py":

@@ -15,7 +15,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 def scene_of(sim: Simulator) -> SharedScene:
-    """Return what a simulator's cameras see, even if it has none."""
+    """Return the scene of a simulator's cameras, even if it has none."""
     return sim._shared_scene
 
 

@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable, within
+from uwsim.cli.bounds import readable, within, writable
 
 
 def film(
     source: Annotated[Path, typer.Argument(help="A survey's recording, FILE.mcap.", callback=readable)],
-    out: Annotated[Path, typer.Option(help="The film to write, .webp or .gif.")] = Path("map.webp"),
+    out: Annotated[Path, typer.Option(help="The film to write, .webp or .gif.", callback=writable)] = Path("map.webp"),
     pictures: Annotated[int, typer.Option(help="Number of pictures.", callback=within(2, 1000))] = 60,
     seconds: Annotated[float, typer.Option(help="How long it lasts [s].", callback=within(1, 600, "s"))] = 12.0,
     width: Annotated[
