@@ -56,7 +56,8 @@ NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
 """Flags that are not tried by themselves."""
 
 # Lines that work and end soon. SERVER marks those that end by SIGTERM.
-SERVER = frozenset({"serve", "station", "connect", "nodes", "teleop"})
+SERVER = frozenset({"serve", "station", "connect", "nodes", "teleop", "map view"})
+BROWSING = ("station", "map view")
 BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "survey": (["pool.yaml"], {"out": "out", "mission_time": "2", "report": "none"}),
     "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
@@ -96,10 +97,13 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "map score": (["map.bt"], {"scenario": "pool.yaml", "out": "score.png"}),
     "map render": (["map.bt"], {"out": "map.png"}),
     "map diff": (["map.bt", "map.bt"], {}),
+    "map view": (["map.bt"], {"port": "0"}),
+    "map film": (["run.mcap"], {"out": "map.webp", "pictures": "2"}),
     "map slice": (["map.bt"], {"z": "-1", "out": "slice.png"}),
     "scenario list": ([], {}),
     "scenario new": (["mine.yaml"], {}),
     "scenario check": (["pool.yaml"], {}),
+    "scenario from": (["folder"], {"out": "unity"}),
     "scenario schema": (["scenario"], {}),
 }
 NOT_TRIED = {
@@ -219,7 +223,7 @@ def lines() -> Iterator[Line]:
                     )
                 else:
                     texts[place : place + 1] = [value]
-                flags = ["--no-browser"] if command == "station" and parameter.name != "browser" else []
+                flags = ["--no-browser"] if command in BROWSING and parameter.name != "browser" else []
                 words = [*command.split(), *(word for words in given.values() for word in words), *flags, "--", *texts]
                 yield Line(command, parameter.name, parameter.kind, value, tuple(words))
 

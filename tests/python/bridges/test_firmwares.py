@@ -79,6 +79,7 @@ def test_a_step_is_made_when_all_frames_are_in_whoever_is_late(scenario: Scenari
             with Standin(two.port, late(TURN, second_s)) as second:
                 sim.step(160)
                 assert sim.tick == one.counts.frames == two.counts.frames == 160
+                until(lambda: min(len(first.lines), len(second.lines)) >= 160, "the answers to all frames")
             for rov, autopilot in zip(sim.vehicles.values(), (first, second), strict=True):
                 east, north, up = rov.pose.position_world_m
                 np.testing.assert_allclose(autopilot.lines[159]["position"], (north, east, -up), rtol=0, atol=1e-12)

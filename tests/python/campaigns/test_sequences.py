@@ -375,9 +375,7 @@ def test_baselines_estimate_the_track_and_leave_the_measurements_as_they_are(wor
         out = tmp_path / str(baselines)
         options = {"cameras": (), "without": ("ahead", "aside"), "bag": False, "seed": 5}
         made = uwsim.make_sequence(world, mission, out, baselines=baselines, **options)
-        files[baselines] = {
-            str(each.relative_to(out)): each.read_bytes() for each in out.rglob("*.*") if each.is_file()
-        }
+        files[baselines] = {str(each.relative_to(out)): each.read_bytes() for each in out.rglob("*.*")}
     found = json.loads(files[True].pop(ABOUT))["baselines"]
     assert found == made.baselines and set(found) == {"reckoning", "icp", "filter"}
     true = np.loadtxt(tmp_path / "True" / TRUTH)

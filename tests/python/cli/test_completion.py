@@ -36,9 +36,9 @@ def offered(shell: str, line: str, cwd: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ("uwsim map ", {"info", "convert", "from", "merge", "score", "render", "diff", "slice"}),
+        ("uwsim map ", {"info", "convert", "from", "merge", "score", "render", "diff", "slice", "view", "film"}),
         ("uwsim map sc", {"score"}),
-        ("uwsim scenario ", {"list", "new", "check", "schema"}),
+        ("uwsim scenario ", {"list", "new", "check", "schema", "from"}),
         ("uwsim map slice --o", {"--out", "--origin"}),
         ("uwsim scenario schema s", {"scenario", "sonar", "sensors"}),
         ("uwsim survey po", {"pool", "pole.yaml"}),

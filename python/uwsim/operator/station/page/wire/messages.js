@@ -41,6 +41,7 @@ export const COMMANDS = {
   inject_fault: ['kind'],
   end_fault: ['name'],
   hold: ['heading', 'depth', 'altitude', 'position', 'speed'],
+  set_winch: ['rate_m_s', 'tension_n'],
   start_navigation: [],
   aim: ['elevation_rad', 'sonar'],
   set_lamp: ['lamp', 'on'],
