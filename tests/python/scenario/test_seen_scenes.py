@@ -3,9 +3,12 @@
 import math
 
 import numpy as np
+import pytest
 from scipy.ndimage import binary_dilation
 
 from uwsim import Simulator
+from uwsim.scenario import ScenarioError
+from uwsim.scenario.spec.optics import Optics
 
 AHEAD_M = 11.7
 
@@ -31,3 +34,8 @@ def test_the_training_pool_has_a_wall_in_every_direction():
         ranges_m = np.asarray(sim.scene.cast(np.tile([0.0, 0.0, -2.0], (len(rays), 1)), rays, 100.0).ranges_m)
     walls_m = np.minimum(12.5 / np.abs(rays[:, 0]).clip(1e-9), 10.0 / np.abs(rays[:, 1]).clip(1e-9))
     np.testing.assert_allclose(ranges_m, walls_m, atol=0.06)  # targets and lamps stand out by up to 5 cm
+
+
+def test_a_visibility_that_no_such_water_has_is_refused_before_a_picture() -> None:
+    with pytest.raises(ScenarioError, match=r"visibility_m = 0.1 m: impossible in this water: optics.diffuse_atten"):
+        Optics(jerlov="III").with_changes({"jerlov": "I", "visibility_m": 0.1})

@@ -21,8 +21,9 @@ from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage, look_ah
 from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_radius_m
-from uwsim.scenario.build.optics import core_optics, visibility_m
+from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.spec.turbidity import visibility_m
 from uwsim.scenario.variation import extremes, level_at
 from uwsim.simulator.simulator import Simulator
 

@@ -28,7 +28,7 @@ from uwsim.live import LiveSimulator
 from uwsim.operator.station.lease import Lease
 from uwsim.operator.station.running import Moment, Running
 from uwsim.operator.station.sessions import Sessions
-from uwsim.scenario.build.optics import visibility_m
+from uwsim.scenario.spec.turbidity import visibility_m
 
 LOG = "instructor-log.jsonl"
 MOMENTS_MAX = 20

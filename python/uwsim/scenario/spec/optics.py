@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, model_validator
 
 from uwsim import _core
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, OneOf, broken
+from uwsim.scenario.spec.turbidity import scaled_to
 
 PerMetre = Annotated[float, InRange(1e-4, 100, "1/m")]
 PerBand = tuple[PerMetre, PerMetre, PerMetre]
@@ -79,6 +80,24 @@ class Optics(Model):
     particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
     turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0
     forward_scatter_mrad: Annotated[float, InRange(0, 200, "mrad")] = 0.0
+
+    @property
+    def water(self) -> _core.WaterOptics:
+        """The optical properties of the water, scaled to the visibility that is set, if one is."""
+        own = self.coefficients
+        if own is None:
+            return scaled_to(self.visibility_m, _core.WaterOptics.jerlov(self.jerlov))
+        return scaled_to(self.visibility_m, _core.WaterOptics(own.diffuse_attenuation, own.absorption, own.scattering))
+
+    @model_validator(mode="after")
+    def _water_can_be_that_turbid(self) -> Optics:
+        if self.visibility_m is not None:
+            try:
+                _ = self.water
+            except ValueError as error:
+                rule = f"impossible in this water: {error}"
+                raise broken(rule, at=("visibility_m",), value=self.visibility_m, unit="m") from None
+        return self
 
     def with_changes(self, changes: Mapping[str, Any]) -> Optics:
         """Return a validated copy with some fields replaced. Raises ScenarioError."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from uwsim.scenario import rigid_body
-from uwsim.scenario.build.optics import core_optics, visibility_m
+from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.spec.actuator import ThrusterMount
 from uwsim.scenario.spec.fields import Model
@@ -13,6 +13,7 @@ from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.turbidity import visibility_m
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 
