@@ -56,7 +56,7 @@ def is_own(path: Path) -> bool:
 
 def require_own(path: Path) -> None:
     """Raise FileExistsError if a path cannot be written without loss: its file is neither empty nor our own."""
-    if os.path.lexists(path) and not path.is_dir() and not _is_empty(path) and not is_own(path):
+    if os.path.lexists(path) and not path.is_dir() and not is_empty(path) and not is_own(path):
         raise FileExistsError(
             f"'{path}': exists, and uwsim did not write it as it is: choose another name, or remove it first"
         )
@@ -83,7 +83,8 @@ def remove_own(folder: Path) -> list[Path]:
     return left
 
 
-def _is_empty(path: Path) -> bool:
+def is_empty(path: Path) -> bool:
+    """Return whether a path is a regular file without content, which can be replaced without loss. Raises OSError."""
     found = path.lstat()
     return stat.S_ISREG(found.st_mode) and found.st_size == 0
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import read_npz
-from uwsim.base.own_files import adopt, is_own, remove_own
+from uwsim.base.own_files import adopt, is_empty, is_own, remove_own
 from uwsim.flight.mission_log import LOG
 from uwsim.flight.samples import COLUMNS
 from uwsim.flight.saved_flight import SavedFlight, read_state
@@ -135,6 +135,7 @@ class FlightCheckpoint:
 
     def remove(self) -> None:
         """Remove the saved flight; called when it has ended. Files that are not our own stay."""
+        _remove_leftovers(self.folder)
         with contextlib.suppress(OSError):
             remove_own(self.folder)
 
@@ -146,6 +147,7 @@ class FlightCheckpoint:
         if not self.exists:
             return None
         aside = self.out / EARLIER
+        _remove_leftovers(aside)
         if aside.exists() and (left := remove_own(aside)):
             first = left[0].relative_to(self.out)
             raise OSError(f"--out {self.out}: '{first}' is not as uwsim wrote it: remove it first")
@@ -169,10 +171,11 @@ class FlightCheckpoint:
 
 
 def _remove_leftovers(folder: Path) -> None:
+    """Remove temporary files of ended processes: those with our mark, and empty ones, which were not marked yet."""
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             found = LEFTOVER.fullmatch(path.name)
-            if found and is_own(path) and not (found[1] and _is_running(int(found[1]))):
+            if found and (is_own(path) or is_empty(path)) and not (found[1] and _is_running(int(found[1]))):
                 path.unlink()
 
 

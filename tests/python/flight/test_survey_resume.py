@@ -134,6 +134,16 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
         assert suffixes == {".bt", ".json", ".jsonl", ".csv", ".npz"}, "no leftovers"
 
 
+def test_temporary_files_are_removed_even_if_the_process_was_killed_before_it_marked_them(tmp_path: Path) -> None:
+    survey(tmp_path, autosave=SaveAt(30))
+    folder = tmp_path / "checkpoint"
+    (folder / ".uwsim-4194305-0.tmp").touch()  # larger than any process ID
+    (folder / ".flight-7.npz.abc_1234").touch()
+    (folder / ".flight-8.npz.abc_1234").write_bytes(b"foreign")
+    resume(tmp_path)
+    assert [path.name for path in folder.iterdir()] == [".flight-8.npz.abc_1234"]
+
+
 @pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])
 def test_results_of_an_earlier_survey_are_removed(tmp_path: Path, name: str) -> None:
     write_atomically(tmp_path / name, b"of an earlier survey")
