@@ -11,13 +11,14 @@ import fcntl
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
 from uwsim.base.texts.json_text import json_value
 
 NAME, LINE_MAX = "logbook.jsonl", 100_000
+RULE = "is not an entry of a log book"
 
 
 class Entry(BaseModel):
@@ -80,20 +81,35 @@ def log_attempt(sheet: Mapping[str, Any]) -> Path | None:
     return path
 
 
-def entries(path: Path) -> list[Entry]:
-    """Return the entries of a file in order; none if there is no file. Raises OSError, or ValueError for a bad line."""
-    found = []
+class Book(NamedTuple):
+    """A log book's entries in order, and the numbers of the lines that are none, such as one that was cut short."""
+
+    entries: list[Entry]
+    unread: list[int]
+
+
+def read_book(path: Path) -> Book:
+    """Read a log book; a missing file has no entries.
+
+    Raises OSError, or ValueError for a file in which no line is an entry.
+    """
+    book = Book([], [])
     with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
         for number, line in enumerate(file, start=1):
-            found.append(_entry(line, f"'{path}', line {number}"))
-    return found
+            try:
+                book.entries.append(_entry(line, f"'{path}', line {number}"))
+            except ValueError:
+                book.unread.append(number)
+    if book.unread and not book.entries:
+        raise ValueError(f"'{path}', line {book.unread[0]}: {RULE}")
+    return book
 
 
 def _entry(line: bytes, where: str) -> Entry:
     try:
         return Entry.model_validate(json_value(line, where))
     except ValueError:
-        raise ValueError(f"{where}: is not an entry of a log book") from None
+        raise ValueError(f"{where}: {RULE}") from None
 
 
 def totals(found: Iterable[Entry]) -> dict[str, dict[str, Any]]:

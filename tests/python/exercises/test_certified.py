@@ -9,12 +9,13 @@ import pytest
 
 from command_line import uwsim
 from test_sheet import exercise, still
+from uwsim.cli.exit_codes import INCOMPLETE
 from uwsim.exercises.certified import PERSON_MAX, digest_of, read_sheet
 from uwsim.exercises.conduct import ACTS_MAX, Conduct
 from uwsim.exercises.exercise import Exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.exercises.limits import Area, Collisions
-from uwsim.exercises.logbook import entries, totals
+from uwsim.exercises.logbook import read_book, totals
 from uwsim.missions import wait
 from uwsim.scenario.fingerprint import build_fingerprint
 
@@ -64,7 +65,7 @@ def test_a_sheet_has_who_when_and_with_what_limits_and_acts_and_no_change_of_it_
 def test_the_log_book_keeps_each_attempt_of_a_named_person(tmp_path, book):
     for person in ("Ada", "", "Bob", "Ada"):
         fly_exercise(limited(), still, person=person)
-    found = entries(book)
+    found = read_book(book).entries
     assert [each.person for each in found] == ["Ada", "Bob", "Ada"]
     assert totals(found)["Ada"] == {
         "exercises": 1,
@@ -84,8 +85,14 @@ def test_a_line_that_was_cut_short_spoils_no_later_one_and_a_strangers_file_stay
         file.write(b'{"date": "2026')
     fly_exercise(limited(), still, person="Bob")
     assert len(book.read_text().splitlines()) == 3
-    with pytest.raises(ValueError, match="line 2: is not an entry of a log book"):
-        entries(book)
+    found = read_book(book)
+    assert [each.person for each in found.entries] == ["Ada", "Bob"] and found.unread == [2]
+    printed = uwsim("logbook", "--json")
+    assert printed.returncode == INCOMPLETE and [each["person"] for each in json.loads(printed.stdout)] == [
+        "Ada",
+        "Bob",
+    ]
+    assert "line 2: is not an entry of a log book" in printed.stderr and "Traceback" not in printed.stderr
     book.write_text("my notes\n")
     with pytest.raises(ValueError, match="line 1: is not an entry"):
         fly_exercise(limited(), still, person="Ada")

@@ -18,7 +18,7 @@ from uwsim.channels.calls.rcl_parameters import rcl_parameter_services
 from uwsim.channels.ros import build
 from uwsim.exercises import load_exercise
 from uwsim.exercises.exercise import Aid
-from uwsim.exercises.logbook import entries
+from uwsim.exercises.logbook import read_book
 from uwsim.live import COMMANDS
 from uwsim.operator.station.flights import Bounds
 from uwsim.recording.replay import replay
@@ -270,7 +270,7 @@ def test_an_attempt_is_of_the_person_who_began_it(tmp_path, monkeypatch):
             until(lambda: not ada.call("exercise")["is_valid"], "another pilot")
     score = score_of(station)
     assert score["person"] == "Ada" and score["invalid_because"] == "Bob had the controls, too"
-    (entry,) = entries(tmp_path / "book.jsonl")
+    (entry,) = read_book(tmp_path / "book.jsonl").entries
     assert (entry.person, entry.is_valid, entry.digest) == ("Ada", False, score["digest"])
 
 

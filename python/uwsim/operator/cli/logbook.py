@@ -11,6 +11,7 @@ import typer
 
 from uwsim.base.options import WithoutEffectError
 from uwsim.cli.bounds import readable
+from uwsim.cli.exit_codes import INCOMPLETE
 from uwsim.cli.groups import under
 
 if TYPE_CHECKING:
@@ -32,10 +33,11 @@ def logbook(
     """Print the hours and exercises of each person.
 
     The log book has each attempt of a named person that `uwsim exercise` has judged. The file is uwsim/logbook.jsonl in
-    the folder of the user's data, or that in the environment variable UWSIM_LOGBOOK.
+    the folder of the user's data, or that in the environment variable UWSIM_LOGBOOK. Lines that are no entries, such as
+    one that was cut short, are reported and left out; the exit code is then 4.
     """
     from uwsim.exercises.certified import checked_person, read_sheet
-    from uwsim.exercises.logbook import entries, logbook_path
+    from uwsim.exercises.logbook import RULE, logbook_path, read_book
 
     if check is not None:
         if person is not None or json or csv:
@@ -51,7 +53,8 @@ def logbook(
     if path is None:
         raise ValueError("UWSIM_LOGBOOK: is empty: there is no log book")
     wanted = None if person is None else checked_person(person)
-    found = [each for each in entries(path) if wanted is None or each.person == wanted]
+    book = read_book(path)
+    found = [each for each in book.entries if wanted is None or each.person == wanted]
     if json:
         typer.echo(_json(found))
     elif csv:
@@ -60,6 +63,10 @@ def logbook(
         for line in _attempts(found) if wanted is not None else _totals(found):
             typer.echo(line)
         typer.echo(f"{path}: {len(found)} attempts")
+    for number in book.unread:
+        typer.echo(f"uwsim: warning: '{path}', line {number}: {RULE}; it is left out", err=True)
+    if book.unread:
+        raise typer.Exit(INCOMPLETE)
 
 
 def _attempts(found: Sequence[Entry]) -> list[str]:
