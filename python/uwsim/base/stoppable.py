@@ -17,6 +17,8 @@ class Stoppable:
     in_haste: whether to skip everything that can be done later, such as a report.
     """
 
+    at_once = False
+    """Whether the first request ends the run at once, by KeyboardInterrupt: at present there is nothing to keep."""
     in_haste = False
     heard = False
     """Whether the run has noticed the request and will end."""
@@ -37,9 +39,9 @@ class Stoppable:
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
     """During the block, a first Ctrl-C or SIGTERM ends the flight at its next pause, and a second one ends it at once.
 
-    After SIGTERM, work that can be done later is skipped, and KeyboardInterrupt is raised if there is no pause within
-    GRACE_S, for example during a long computation. Since only the main thread receives signals, this does nothing on
-    other threads.
+    Where the flight is `at_once`, the first one does. After SIGTERM, work that can be done later is skipped, and
+    KeyboardInterrupt is raised if there is no pause within GRACE_S, for example during a long computation. Since only
+    the main thread receives signals, this does nothing on other threads.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -47,7 +49,7 @@ def stop_on_signals(flight: Stoppable) -> Iterator[None]:
     terminated = False
 
     def interrupt(number: int, frame: object) -> None:
-        if flight.stop_requested():
+        if flight.stop_requested() or flight.at_once:
             raise KeyboardInterrupt
         flight.stop()
 
@@ -56,6 +58,8 @@ def stop_on_signals(flight: Stoppable) -> Iterator[None]:
         if terminated:
             raise KeyboardInterrupt
         terminated = True
+        if flight.at_once:
+            raise KeyboardInterrupt
         flight.stop(in_haste=True)
         signal.setitimer(signal.ITIMER_REAL, GRACE_S)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +14,7 @@ from uwsim import _core
 from uwsim.base.atomic_file import write_atomically
 from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import view_of_box
+from uwsim.figures.reel import PictureStore
 from uwsim.figures.render_3d import Subject, cast_at_cubes, cast_at_world, render
 from uwsim.figures.style import ACCENT, HEIGHTS, INK, height_range
 from uwsim.figures.truth_and_map import AZIMUTH_RAD, CUT_DEPTH_M, OVERVIEW_ELEVATION_RAD, SUN_WORLD, ground_heights
@@ -28,7 +27,7 @@ LAST_SHARE = 20  # the last picture is shown as long as this many others
 
 
 class MapFilm:
-    """The pictures of a film: the truth on the left, and the map so far on the right.
+    """The pictures of a film: the truth on the left, and the map so far on the right. They are kept in a file.
 
     rays: the ray scene of the world. area_world_m: the polygon (k, 2) that is shown. width: of each half [pixels].
     """
@@ -49,7 +48,7 @@ class MapFilm:
         block = Subject(cast_at_world(rays), self._colours, ClipPrism(self._area, floor_m), world.height_at)
         self._truth = render(block, self._view, self._sun)
         self._font = ImageFont.truetype(findfont("DejaVu Sans"), TEXT_SHARE * width)
-        self.pictures: list[Image.Image] = []
+        self.pictures = PictureStore()
 
     def add(self, occupied_centres_m: NDArray[np.float64], path_world_m: NDArray[np.float64], text: str) -> None:
         """Add a picture of voxels (n, 3) and of the sonar's path so far (m, 3), with a text above the map."""
@@ -60,7 +59,7 @@ class MapFilm:
         pen = ImageDraw.Draw(picture)
         for left, line in ((0, "truth"), (wide + GAP_PIXELS, text)):
             pen.text((left + GAP_PIXELS, HEAD_PIXELS / 2), line, fill=INK, font=self._font, anchor="lm")
-        self.pictures.append(picture)
+        self.pictures.add(picture)
 
     def _map(self, centres_m: NDArray[np.float64], path_world_m: NDArray[np.float64]) -> Image.Image:
         mapped = centres_m[inside_polygon(centres_m[:, :2], self._area)]
@@ -78,12 +77,10 @@ class MapFilm:
         return np.asarray(HEIGHTS(self._heights(heights_m))[:, :3], np.float64)
 
 
-def write_film(path: Path, pictures: Sequence[Image.Image], seconds: float) -> None:
+def write_film(path: Path, pictures: PictureStore, seconds: float) -> None:
     """Write an endless film that lasts `seconds`. Raises ValueError for another suffix than FILMS, or OSError."""
     if path.suffix not in FILMS:
         raise ValueError(f"film '{path}': must end in {' or '.join(FILMS)}")
     shown_ms = round(1000 * seconds / (len(pictures) - 1 + LAST_SHARE))
     durations = [shown_ms] * (len(pictures) - 1) + [LAST_SHARE * shown_ms]
-    buffer = io.BytesIO()
-    pictures[0].save(buffer, path.suffix[1:], save_all=True, append_images=pictures[1:], duration=durations, loop=0)
-    write_atomically(path, buffer.getvalue())
+    write_atomically(path, pictures.reel().encoded(path.suffix[1:], durations))

@@ -68,7 +68,7 @@ def film(
         made = make_film(
             source, out, scenario=scenario or "lake", camera=camera, vehicle=vehicle, size=found, fps=fps,
             quality=quality, from_s=from_s, until_s=until_s, workers=workers, scheduler=scheduler, resume=resume,
-            stop_requested=progress.stop_requested, tell=progress.tell, show=progress.activity,
+            stop_requested=progress.stop_requested, tell=progress.tell, show=progress.abandonable,
         )  # fmt: skip
     if made.interrupted:
         typer.echo(f"interrupted after {made.finished:,} of {made.frames:,} frames; --resume continues", err=True)

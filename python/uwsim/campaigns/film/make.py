@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 from scipy.ndimage import gaussian_filter1d
 
 from uwsim.base.atomic_file import write_atomically
@@ -23,6 +25,7 @@ from uwsim.campaigns.film import views
 from uwsim.campaigns.film.roll import Roll, scene_of
 from uwsim.campaigns.film.shot import WITHOUT, FilmCamera, Shot, shoot
 from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.figures.reel import Reel
 from uwsim.flight.folder import made_folder
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.spec.camera import CameraMount
@@ -144,7 +147,12 @@ def _recorded(source: str | Path, folder: Path, scenario: str, until_s: float, *
         from uwsim.flight.fly import fly  # many imports
 
         mission, where = (source, scenario) if Path(source).suffix == ".py" else (None, source)
-        fly(mission, where, time_limit_s=until_s, record=run, sample_sensors=False, report="none", autosave_s=0.0)
+        flown = fly(
+            mission, where, time_limit_s=until_s, record=run, sample_sensors=False, report="none", autosave_s=0.0
+        )
+        if flown.interrupted:
+            run.unlink(missing_ok=True)  # half a flight, which --resume would film
+            raise KeyboardInterrupt  # which the flight caught
     return run
 
 
@@ -242,25 +250,9 @@ def _encoder(out: Path, size: tuple[int, int], fps: float) -> Callable[[list[Pat
 
 
 def _write_webp(out: Path, frames: list[Path], fps: float) -> None:
-    import io
-
-    from PIL import Image
-
-    class Reel(Image.Image):
-        """The frames as one image with many pictures, of which one is open at a time."""
-
-        n_frames = len(frames)
-
-        def seek(self, frame: int) -> None:
-            with Image.open(frames[frame]) as picture:
-                picture.load()
-                self.im, self._mode, self._size = picture.im, picture.mode, picture.size
-
-    reel, stream = Reel(), io.BytesIO()
-    reel.seek(0)
     ends_ms = [round(1000 * k / fps) for k in range(len(frames) + 1)]
-    reel.save(stream, "WEBP", save_all=True, duration=np.diff(ends_ms).tolist(), loop=0, quality=60, method=4)
-    write_atomically(out, stream.getvalue())
+    reel = Reel(len(frames), lambda number: Image.open(io.BytesIO(frames[number].read_bytes())))
+    write_atomically(out, reel.encoded("webp", np.diff(ends_ms).tolist(), quality=60, method=4))
 
 
 def _write_mp4(program: str, out: Path, frames: list[Path], fps: float) -> None:

@@ -50,6 +50,7 @@ class ClusterWorkers:
         self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())
         self._seen_s = time.monotonic()  # when workers were last seen
+        self._has_dropped = False
         if not self.count:
             raise ValueError("the scheduler has no workers")
         self._require_same_build()
@@ -94,6 +95,7 @@ class ClusterWorkers:
                     yield finished
         finally:
             if under_way:
+                self._has_dropped = True
                 with contextlib.suppress(Exception):
                     self._client.cancel(list(under_way.values()))
 
@@ -103,8 +105,8 @@ class ClusterWorkers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Disconnect from the cluster. Shut a local cluster down, immediately if this process is being interrupted."""
-        if kind is None or issubclass(kind, Exception):
+        """Disconnect from the cluster. Shut a local one down, immediately if its jobs are no longer waited for."""
+        if not self._has_dropped and (kind is None or issubclass(kind, Exception)):
             self._closers.close()
             return
         self._kill()

@@ -16,9 +16,11 @@ class JobProgress(Stoppable):
 
     def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
         self._bar, self._task, self._doing = bar, task, doing
+        self.has_begun = False
 
     def tell(self, finished: int, failed: int, count: int) -> None:
         """Show the number of finished and failed jobs."""
+        self.has_begun = True
         note = f"[red]{failed:,} failed" if failed else ""
         self._bar.update(self._task, completed=finished, total=count, note=note, activity=self._doing)
 
@@ -27,6 +29,16 @@ class JobProgress(Stoppable):
         """Show an activity for the duration of the block."""
         self._bar.update(self._task, activity=activity)
         yield
+
+    @contextmanager
+    def abandonable(self, activity: str) -> Iterator[None]:
+        """Show an activity that a first Ctrl-C ends at once, since it has nothing to keep, until it is finished."""
+        self.at_once = True
+        try:
+            with self.activity(activity):
+                yield
+        finally:
+            self.at_once = False
 
     def stop(self, *, in_haste: bool = False) -> None:
         """Stop early; jobs in progress are lost. in_haste: stop immediately, since finished jobs are on disk."""
@@ -49,9 +61,11 @@ def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
         console=console,
         disable=not console.is_terminal,
     )
+    progress = JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
     try:
         with bar:
-            yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
+            yield progress
     except KeyboardInterrupt:
-        console.print("interrupted; finished jobs are kept: --resume continues", highlight=False, soft_wrap=True)
+        kept = "; finished jobs are kept: --resume continues" if progress.has_begun else ""
+        console.print(f"interrupted{kept}", highlight=False, soft_wrap=True)
         raise
