@@ -3311,6 +3311,7 @@ class ObjectSpec:
         friction: typing.SupportsFloat | typing.SupportsIndex,
         restitution: typing.SupportsFloat | typing.SupportsIndex,
         start: BodyState,
+        wrenches: collections.abc.Sequence[AppliedWrench] = [],
     ) -> None: ...
 
 class TetherEnd:
@@ -3502,6 +3503,16 @@ class Simulation:
         """
         Set the elevation to which the head turns over time; positive is up. Raises ValueError.
         """
+    def apply_object_wrench(
+        self,
+        object: typing.SupportsInt | typing.SupportsIndex,
+        wrench: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        in_world_axes: bool,
+        duration_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        See apply_wrench.
+        """
     def apply_wrench(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,
@@ -3665,6 +3676,12 @@ class Simulation:
         self, object: typing.SupportsInt | typing.SupportsIndex
     ) -> list[tuple[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]]]: ...
     def object_state(self, object: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
+    def object_wet_surface(
+        self, object: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        See wet_surface.
+        """
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping:
@@ -3812,6 +3829,13 @@ class Simulation:
     ) -> None:
         """
         Start collecting the samples measured at or after from_ns, as they arrive; None stops collecting.
+        """
+    def wet_surface(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        Return the corners (n, 3, 3) [m] of the triangles of the hull that are under water, those at the surface
+        cut at it, and the force of the water's pressure on each (n, 3) [N]; body axes.
         """
     @property
     def tick(self) -> int: ...

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "bindings/core/arrays.h"
 #include "bindings/core/record.h"
 #include "bindings/sim/binders.h"
 
@@ -39,6 +40,15 @@ std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulati
   return terms;
 }
 
+std::pair<py::array_t<double>, py::array_t<double>> as_arrays(WetSurface wet) {
+  const auto n = static_cast<py::ssize_t>(wet.forces_body_n.size() / 3);
+  auto corners = move_out(std::move(wet.corners_body_m), {n, 3, 3});
+  auto forces = move_out(std::move(wet.forces_body_n), {n, 3});
+  forbid_writing(corners);
+  forbid_writing(forces);
+  return {std::move(corners), std::move(forces)};
+}
+
 }  // namespace
 
 void bind_object_spec(py::module_& m) {
@@ -51,14 +61,15 @@ void bind_object_spec(py::module_& m) {
            "last excluded.");
   py::class_<ObjectSpec, std::shared_ptr<ObjectSpec>>(m, "ObjectSpec", "A loose body.")
       .def(py::init([](std::string name, std::shared_ptr<Craft> craft, CollisionShape shape, double friction,
-                       double restitution, const BodyState& start) {
+                       double restitution, const BodyState& start, std::vector<AppliedWrench> wrenches) {
              auto spec = std::make_shared<ObjectSpec>();
              spec->body = {std::move(name), std::move(craft), shape, friction, restitution};
              spec->start = start;
+             spec->wrenches = std::move(wrenches);
              return spec;
            }),
            py::arg("name"), py::arg("craft").none(false), py::arg("shape"), py::arg("friction"), py::arg("restitution"),
-           py::arg("start"));
+           py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{});
 }
 
 void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
@@ -76,6 +87,26 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           py::arg("vehicle"), py::arg("wrench"), py::arg("in_world_axes"), py::arg("duration_s"),
           "Exert a wrench (6,) on a vehicle at its origin, besides those by schedule, for a duration, which may be\n"
           "inf, or until the next call. Raises ValueError.")
+      .def(
+          "apply_object_wrench",
+          [](OwnedSimulation& o, std::size_t k, const Vector6d& wrench, bool in_world_axes, double duration_s) {
+            o.with([&](Simulation& s) { s.apply_object_wrench(k, wrench, in_world_axes, duration_s); });
+          },
+          py::arg("object"), py::arg("wrench"), py::arg("in_world_axes"), py::arg("duration_s"), "See apply_wrench.")
+      .def(
+          "wet_surface",
+          [](OwnedSimulation& o, std::size_t v) {
+            return as_arrays(o.with([&](Simulation& s) { return s.wet_surface(v); }));
+          },
+          py::arg("vehicle"),
+          "Return the corners (n, 3, 3) [m] of the triangles of the hull that are under water, those at the surface\n"
+          "cut at it, and the force of the water's pressure on each (n, 3) [N]; body axes.")
+      .def(
+          "object_wet_surface",
+          [](OwnedSimulation& o, std::size_t k) {
+            return as_arrays(o.with([&](Simulation& s) { return s.object_wet_surface(k); }));
+          },
+          py::arg("object"), "See wet_surface.")
       .def(
           "forces",
           [](OwnedSimulation& o, std::size_t v) {

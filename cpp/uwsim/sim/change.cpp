@@ -34,7 +34,7 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     exchange_vehicle(same, changed[k]);
     changed[k].actuators.renew_commands();
     changed[k].sensors.watch_like(vehicles_[k].sensors);
-    changed[k].commanded = vehicles_[k].commanded;
+    changed[k].pushes.commanded = vehicles_[k].pushes.commanded;
     same_hulls = same_hulls &&
                  vehicles[k].craft->hull().mesh_body().vertices_m == vehicles_[k].craft->hull().mesh_body().vertices_m;
   }

@@ -68,25 +68,22 @@ void Simulation::exchange_state(StateArchive& archive) {
   exchange_applied(archive);
 }
 
-/// The wrenches that act on the vehicles, and the last step, after all else: a state that ends before them was saved by
+/// The wrenches that act on the bodies, and the last step, after all else: a state that ends before them was saved by
 /// an earlier build.
 void Simulation::exchange_applied(StateArchive& archive) {
-  const bool is_older = archive.at_end();
-  for (Vehicle& vehicle : vehicles_) {
-    AppliedWrench& commanded = vehicle.commanded;
+  const auto exchange = [&archive](Pushes& pushes, bool is_older) {
     if (is_older) {
-      commanded = {};
-      continue;
+      pushes.commanded = {};
+    } else {
+      pushes.exchange_state(archive);
     }
-    archive(commanded.wrench);
-    archive(commanded.in_world_axes);
-    archive(commanded.from_tick);
-    archive(commanded.until_tick);
-    require(commanded.wrench.allFinite() && commanded.wrench.cwiseAbs().maxCoeff() <= AppliedWrench::kLargest,
-            "state.wrench", commanded.wrench.transpose(), "must be at most 1e9 N and N m");
-  }
+  };
+  const bool is_older = archive.at_end();
+  for (Vehicle& vehicle : vehicles_) exchange(vehicle.pushes, is_older);
   bodies_.exchange_last_step(archive);
   bodies_.exchange_tethers(archive);
+  const bool has_no_objects = archive.at_end();
+  for (Pushes& pushes : object_pushes_) exchange(pushes, has_no_objects);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -71,6 +71,7 @@ std::size_t Simulation::add_object(const ObjectSpec& spec) {
     require(body_name(k) != spec.body.name, "objects.name", spec.body.name, "must be unique");
   require_free("object '" + spec.body.name + "' start", spec.start.world_from_body.position_m);
   bodies_.add_body(spec.body, spec.start);
+  object_pushes_.push_back({spec.wrenches, {}});
   hulls_->add(spec.body.craft->hull().mesh_body());
   hulls_version_ = kUnplaced;
   return objects() - 1;
@@ -84,7 +85,7 @@ Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec
   vehicle.name = from.name;
   vehicle.craft = from.craft;
   vehicle.actuators = Actuators(from.actuators);
-  vehicle.scheduled = from.wrenches;
+  vehicle.pushes.scheduled = from.wrenches;
   vehicle.sensors = SensorRack(from.sensors, spec.seed, from.name, step_ns_);
   vehicle.sensors.use_link(link_ && link_->spec.modem.kind == LinkKind::kModem);
   for (const SonarSpec& sonar : from.sonars) {
@@ -117,6 +118,7 @@ void Simulation::step_once() {
   }
   if (link_) transmit();
   for (Vehicle& vehicle : vehicles_) drive(vehicle);
+  for (std::size_t k = 0; k < object_pushes_.size(); ++k) bodies_.apply(body_of(k), object_pushes_[k].at(tick_));
   bodies_.step(world_.water, time_s());
   for (Vehicle& vehicle : vehicles_) {
     const bool touches = bodies_.in_contact(vehicle.body);
@@ -138,7 +140,7 @@ void Simulation::drive(Vehicle& vehicle) {
                                ? vehicle.craft->submerged_fraction(state.world_from_body, world_.water, time_s())
                                : 1;
   bodies_.set_wrench(vehicle.body, actuators.wrench_body(state, world_.water, time_s(), submerged));
-  bodies_.apply(vehicle.body, applied(vehicle));
+  bodies_.apply(vehicle.body, vehicle.pushes.at(tick_));
 }
 
 std::size_t Simulation::body_of(std::size_t object) const {

@@ -102,11 +102,16 @@ class Simulation {
   /// or until the next call. Throws InvalidValue for more than 1e9 N or N m and a negative duration.
   void apply_wrench(std::size_t vehicle, const Vector6d& wrench, bool in_world_axes,
                     double duration_s = std::numeric_limits<double>::infinity());
+  void apply_object_wrench(std::size_t object, const Vector6d& wrench, bool in_world_axes,
+                           double duration_s = std::numeric_limits<double>::infinity());
   /// See RigidBodyWorld::forces and RigidBodyWorld::touches.
   Forces forces(std::size_t vehicle) const;
   const std::vector<Touch>& touches(std::size_t vehicle) const;
   Forces object_forces(std::size_t object) const;
   const std::vector<Touch>& object_touches(std::size_t object) const;
+  /// See BuoyantHull::wet_surface.
+  WetSurface wet_surface(std::size_t vehicle) const;
+  WetSurface object_wet_surface(std::size_t object) const;
 
   /// Throws std::out_of_range, as do all functions with an index.
   const Vehicle& vehicle(std::size_t index) const;
@@ -158,7 +163,6 @@ class Simulation {
   RayScene scene_around(const Vehicle& vehicle) const;
   void step_once();
   void drive(Vehicle& vehicle);
-  Loads applied(const Vehicle& vehicle) const;
   void transmit();
   void receive();
   void join_instruments();
@@ -175,6 +179,7 @@ class Simulation {
   std::uint64_t version_ = 0;
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
+  std::vector<Pushes> object_pushes_;  // one for each object
   std::optional<Link> link_;
   std::shared_ptr<MovingBodies> hulls_;  // the bodies as ray targets
   mutable std::uint64_t hulls_version_;  // the version for which they were placed

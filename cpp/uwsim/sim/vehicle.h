@@ -23,6 +23,20 @@ struct AppliedWrench {
   std::uint64_t from_tick = 0, until_tick = 0;
 };
 
+/// The pushes on a body from outside: those by schedule, and the last command.
+struct Pushes {
+  std::vector<AppliedWrench> scheduled;
+  AppliedWrench commanded;
+
+  Loads at(std::uint64_t tick) const;
+  /// Replaces the command. Throws InvalidValue, which names the body, for more than 1e9 N or N m and a negative
+  /// duration.
+  void command(const std::string& body, const Vector6d& wrench, bool in_world_axes, std::uint64_t tick,
+               double duration_s, double step_s);
+  /// Saves or restores the command. Throws InvalidValue.
+  void exchange_state(StateArchive& archive);
+};
+
 /// The parameters from which a vehicle is built.
 struct VehicleSpec {
   std::string name;
@@ -46,6 +60,7 @@ struct VehicleSpec {
 struct ObjectSpec {
   BodySpec body;
   BodyState start;
+  std::vector<AppliedWrench> wrenches;  ///< that act on it, by schedule
 };
 
 /// A vehicle in a simulation: its equipment and state, except for the state of its body.
@@ -59,8 +74,7 @@ struct Vehicle {
   Battery battery;
   bool touching = false;
   std::uint64_t collisions = 0;  ///< how often it has come into contact with anything
-  std::vector<AppliedWrench> scheduled;
-  AppliedWrench commanded;
+  Pushes pushes;
 
   /// A mission starts when the vehicle leaves its dock.
   bool released() const { return battery.mission_started(); }

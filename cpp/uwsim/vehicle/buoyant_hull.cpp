@@ -185,6 +185,39 @@ double BuoyantHull::submerged_volume_m3(const Pose& world_from_body, const Water
   return sum;
 }
 
+/// Empty if the hull is dry.
+std::vector<WaterPlane> BuoyantHull::water_planes(const Placed& at, const WaterField& water, double time_s) const {
+  const double bound_m = water.wave_bound_m();
+  if (at.top_m() <= -bound_m) return {{}};
+  if (at.bottom_m() >= bound_m) return {};
+  if (bound_m == 0) return {{.up_body = at.hull.up_body, .level_m = -at.position_world_m.z()}};
+  std::vector<WaterPlane> planes;
+  const double half_length_m = 0.5 * parts_.length_m;
+  Eigen::Index longest = 0;
+  whole_.half_size_m.maxCoeff(&longest);
+  const auto add = [&](const Slice& slice, const Cut& cut, const VolumeMoments&, const WaterSurface&) {
+    WaterPlane& plane = planes.emplace_back();
+    plane.up_body = cut.up_body;
+    plane.level_m = cut.up_body.dot(slice.middle_body_m) - cut.middle_z_m;
+    if (&slice == &in_slices().divisions[0].front()) return;
+    plane.axis = longest;
+    const double middle_m = slice.middle_body_m(longest), half_m = slice.half_size_m(longest);
+    const double beyond_m = std::abs(middle_m - whole_.middle_body_m(longest)) + half_m;
+    const bool ends_the_hull = beyond_m > (1 - kThinnest) * half_length_m;
+    const bool is_low = middle_m < whole_.middle_body_m(longest);
+    if (!ends_the_hull || !is_low) plane.from_m = middle_m - half_m;
+    if (!ends_the_hull || is_low) plane.to_m = middle_m + half_m;
+  };
+  visit_wet_slices(at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s), add);
+  return planes;
+}
+
+WetSurface BuoyantHull::wet_surface(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
+                                    const WaterField& water, double time_s) const {
+  const Placed at(*this, position_world_m, world_from_body);
+  return cut_at_surface(mesh_body_, water_planes(at, water, time_s), position_world_m, world_from_body, water, time_s);
+}
+
 Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                                const WaterField& water, double time_s) const {
   const Placed at(*this, position_world_m, world_from_body);

@@ -11,6 +11,7 @@
 #include "uwsim/core/volume_parts.h"
 #include "uwsim/core/water_field.h"
 #include "uwsim/vehicle/volume_moments.h"
+#include "uwsim/vehicle/wet_surface.h"
 
 namespace uwsim {
 
@@ -56,6 +57,9 @@ class BuoyantHull {
   Displacement displacement(const Pose& world_from_body, double level_m = 0) const;
   /// The volume that `buoyancy` treats as submerged [m^3].
   double submerged_volume_m3(const Pose& world_from_body, const WaterField& water, double time_s) const;
+  /// The triangles that are under water: the hull's own, cut by the planes by which `buoyancy` cuts its volume.
+  WetSurface wet_surface(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
+                         const WaterField& water, double time_s) const;
   /// `world_from_body` is the rotation of the body located at `position_world_m`.
   Buoyancy buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                     const WaterField& water, double time_s) const;
@@ -88,6 +92,7 @@ class BuoyantHull {
                                const VolumeMoments& wet) const;
   WaterSurface surface_over(const Placed& at, const Slice& slice, const VolumePart& part, const WaterField& water,
                             double time_s) const;
+  std::vector<WaterPlane> water_planes(const Placed& at, const WaterField& water, double time_s) const;
   template <typename Visit>
   void visit_wet_slices(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull,
                         const Visit& visit) const;

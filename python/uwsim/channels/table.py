@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim.channels.authority.rights import Rights
 from uwsim.channels.authority.steering import Steering, is_cut_off
+from uwsim.channels.calls.command_services import push_service
 from uwsim.channels.calls.parameters import parameter_services
 from uwsim.channels.calls.services import simulation_services, stream_service, vehicle_services
 from uwsim.channels.channel import Channel, Service
@@ -34,6 +35,7 @@ from uwsim.channels.families.telemetry import telemetry_channel
 from uwsim.channels.families.tether import tether_channels
 from uwsim.channels.families.twins import twin_channels
 from uwsim.channels.families.water_column import water_column_channels
+from uwsim.channels.families.wet_triangles import wet_triangles_channel
 from uwsim.channels.source import Source
 from uwsim.simulator.helm import Helm
 from uwsim.simulator.simulator import Simulator
@@ -148,6 +150,7 @@ class Table:
         found = frames.vehicle_channels(source, self.tf, truth=self.truth) + estimate_channels(source, self.tf)
         found.append(telemetry_channel(source, truth=self.truth))
         found += force_channels(source, sim) + tether_channels(source, sim) if self.truth else []
+        found += [wet_triangles_channel(source)] if self.truth else []
         found += plain_link_channels(source, sim)
         found += sensor_channels(source, sim)
         found += vehicle_cameras(source, sim, self.pictures)
@@ -162,7 +165,7 @@ class Table:
         return found
 
     def _services(self, sim: Simulator) -> list[Service]:
-        found = simulation_services() + parameter_services()
+        found = simulation_services() + parameter_services() + ([push_service()] if sim.objects else [])
         found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
         for source in self.sources:
             found += vehicle_services(source, sim, self.pictures, self.maps, self.steering[source.name])

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from uwsim import _core
+from uwsim.base.journal import Journal
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import Named
 from uwsim.simulator.forces import Wrench, forces_by_name
+from uwsim.simulator.push import Vector, push
+from uwsim.simulator.wet_triangles import WetTriangles
 
 
 class LooseBody:
     """One of a simulator's `objects`, of the scenario's `objects:`. Its origin is the middle of its volume."""
 
-    def __init__(self, simulation: _core.Simulation, index: int, name: str) -> None:
+    def __init__(self, simulation: _core.Simulation, index: int, name: str, journal: Journal) -> None:
         self._simulation = simulation
+        self._journal = journal
         self._index = index
         self.name = name
 
@@ -41,3 +47,23 @@ class LooseBody:
     def contacts(self) -> list[_core.ContactForce]:
         """The points at which the body was pressed in the last step; see Vehicle.contacts."""
         return self._simulation.object_contacts(self._index)
+
+    def wet_triangles(self) -> WetTriangles:
+        """Return the triangles of the surface that are under water; see Vehicle.wet_triangles."""
+        return WetTriangles(*self._simulation.object_wet_surface(self._index))
+
+    def apply_wrench(
+        self,
+        force_n: Sequence[float] | Vector,
+        torque_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        axes: str = "body",
+        duration_s: float | None = None,
+    ) -> None:
+        """Push the body with a force (3,) [N] and a torque (3,) [N m] at its origin; see Vehicle.apply_wrench.
+
+        It is the command `push_object`. Raises ValueError, changing nothing.
+        """
+        pushed = push(force_n, torque_nm, axes, duration_s)
+        self._simulation.apply_object_wrench(self._index, pushed.wrench, pushed.in_world_axes, pushed.duration_s)
+        if self._journal.observers:
+            self._journal.note("push_object", object=self.name, **pushed.noted)

@@ -151,7 +151,9 @@ class Simulator(SimulatorProperties):
         self.vehicles = Named(vehicles, "vehicles")
         self._add_objects()
         self._add_tethers()
-        bodies = {body.name: LooseBody(core, index, body.name) for index, body in enumerate(running.objects)}
+        bodies = {
+            body.name: LooseBody(core, index, body.name, self.journal) for index, body in enumerate(running.objects)
+        }
         self.objects = Named(bodies, "objects")
         for index, rov in enumerate(vehicles.values()):
             if (text := short_wave_warning(running, index, world.water, rov.control.net_buoyancy_n)) is not None:

@@ -30,6 +30,7 @@ from uwsim.simulator.programs import FailsafeLike, HoldsLike
 from uwsim.simulator.tether import Tether
 from uwsim.simulator.thruster import Thruster
 from uwsim.simulator.vehicle_commands import CommandedVehicle, Vector
+from uwsim.simulator.wet_triangles import WetTriangles
 
 if TYPE_CHECKING:
     from uwsim.navigation.estimation import Navigator, Start
@@ -257,6 +258,14 @@ class Vehicle(CommandedVehicle):
         {engine: bullet}`.
         """
         return forces_by_name(self._simulation.forces(self._index), self.name)
+
+    def wet_triangles(self) -> WetTriangles:
+        """Return the triangles of the hull that are under water now, and the water's push on each, in body axes.
+
+        They are cut at the surface as the volume is from which `forces["buoyancy"]` follows: at the water's plane, or,
+        in waves, at the planes that have the mean height and slopes of the surface over slices of the hull.
+        """
+        return WetTriangles(*self._simulation.wet_surface(self._index))
 
     @property
     def contacts(self) -> list[_core.ContactForce]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -18,21 +17,11 @@ from uwsim.base.journal import EFFORT, Journal
 from uwsim.base.sealed import Attached
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.helm import Helm, Reason, Source
+from uwsim.simulator.push import push, six_numbers
 from uwsim.simulator.tether import Tether
 
 Vector = NDArray[np.float64]
 PLAIN = {float}
-AXES_OF_WRENCHES = ("body", "world")
-
-
-def six_numbers(**parts: tuple[Sequence[float] | Vector, str]) -> list[float]:
-    """Return the numbers of a force and a torque, each (3,) with its unit. Raises ValueError, naming the number."""
-    found: list[float] = []
-    for name, (part, unit) in parts.items():
-        if np.shape(part) != (3,):
-            raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
-        found += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
-    return found
 
 
 class CommandedVehicle(Attached, Placeable):
@@ -255,15 +244,9 @@ class CommandedVehicle(Attached, Placeable):
         to steps, or until the next call; (0, 0, 0) ends it. axes: "body", which turn with the vehicle, or "world". The
         dock holds a docked vehicle against it. Raises ValueError, changing nothing.
         """
-        parts = six_numbers(force_n=(force_n, "N"), torque_nm=(torque_nm, "N m"))
-        if axes not in AXES_OF_WRENCHES:
-            raise ValueError(f"axes = {axes!r}: must be one of {', '.join(AXES_OF_WRENCHES)}")
-        duration = math.inf if duration_s is None else number(duration_s, "duration_s", "s")
-        self._simulation.apply_wrench(self._index, np.array(parts), axes == "world", duration)
-        self._note(
-            "apply_wrench", force_n=parts[:3], torque_nm=parts[3:], axes=axes,
-            duration_s=None if duration_s is None else duration,
-        )  # fmt: skip
+        pushed = push(force_n, torque_nm, axes, duration_s)
+        self._simulation.apply_wrench(self._index, pushed.wrench, pushed.in_world_axes, pushed.duration_s)
+        self._note("apply_wrench", **pushed.noted)
 
     def _put(self, state: _core.BodyState) -> None:
         self._simulation.set_state(self._index, state)

@@ -58,6 +58,13 @@ REASONS = {
         "texture.format", "texture.header.frame_id", "texture.header.stamp.nanosec", "texture.header.stamp.sec",
         "texture_resource", "type", "uv_coordinates",
     )},
+    **{f"Marker.{name}": "triangles in the vehicle's frame" for name in (
+        "action", "frame_locked", "id", "lifetime.nanosec", "lifetime.sec", "mesh_file.data", "mesh_file.filename",
+        "mesh_resource", "mesh_use_embedded_materials", "pose.orientation.x", "pose.orientation.y",
+        "pose.orientation.z", "pose.position.x", "pose.position.y", "pose.position.z", "text", "texture.data",
+        "texture.format", "texture.header.frame_id", "texture.header.stamp.nanosec", "texture.header.stamp.sec",
+        "texture_resource", "uv_coordinates",
+    )},
     "Telemetry.alarms": PANEL, "Telemetry.collision_warning": PANEL, "Telemetry.collisions": PANEL,
     "Telemetry.failsafe": PANEL, "Telemetry.failsafe_cause": PANEL, "Telemetry.range_warning": PANEL,
     "Telemetry.holds": IDLE, "Telemetry.hold_targets": IDLE, "Telemetry.hold_note": IDLE,  # see test_holds.py

@@ -16,8 +16,11 @@ from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.schema import schema
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()
-EXPECTED = ["paper.yaml:57: vehicle 'rov' starts 4.1 m above the water"]
-"""As in the paper's own scenario: the vehicle hangs in a cage."""
+EXPECTED = (
+    "paper.yaml:57: vehicle 'rov' starts 4.1 m above the water",
+    "paper_buoyant.yaml:47: vehicle 'rov' rises by",
+)
+"""As in the paper's own scenario, the vehicle hangs in a cage; in the other, it floats."""
 
 
 def edited(path: Path, *edits: tuple[str, str]) -> str:
@@ -100,7 +103,7 @@ def test_nothing_follows_from_a_mistake_that_is_told(tmp_path: Path) -> None:
 def test_packaged_scenarios_have_no_mistakes_and_no_surprises(name: str) -> None:
     report = check_file(name)
     assert report.mistakes == ()
-    assert [warning for warning in report.warnings if warning not in EXPECTED] == []
+    assert [warning for warning in report.warnings if not warning.startswith(EXPECTED)] == []
 
 
 @pytest.mark.parametrize(

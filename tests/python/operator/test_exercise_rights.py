@@ -28,6 +28,7 @@ TOKEN = "a-secret-of-18-byte"
 VALUES = {
     "place": {"vehicle": "rov", "position_world_m": [0.0, 0.0, -2.0]},
     "apply_wrench": {"vehicle": "rov", "force_n": [1.0, 0.0, 0.0]}, "inject_fault": {"kind": "sonar"},
+    "push_object": {"object": "crate", "force_n": [1.0, 0.0, 0.0]},
     "end_fault": {"name": "sonar"}, "set_optics": {"sun_elevation_deg": 10.0},
     "cut_tether": {"vehicle": "rov", "at_m": 1.0},
     "set_parameter": {"name": "mission_time_s", "value": 9.0},

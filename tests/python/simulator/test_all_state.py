@@ -44,6 +44,8 @@ vehicles:
     battery: bluerov2_18ah
     tether: {anchor: [0, 2, -4], length_m: 20, winch: {longest_m: 30}}
   - {name: torpedo, model: remus100, start: {position_m: [0, 10, -5]}}
+objects:
+  - {shape: {kind: sphere, name: ball, position_m: [9, 9, -3], radius_m: 0.2}, density_kg_m3: 1000}
 """
 BETWEEN_S = 0.1
 EPISODE: list[tuple[str, dict[str, Any]]] = [
@@ -81,6 +83,7 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_winch", {"vehicle": "scout", "rate_m_s": 0.4}),
     ("cut_tether", {"vehicle": "scout", "at_m": 5.0}),
     ("apply_wrench", {"vehicle": "rov", "force_n": [40.0, 0.0, 10.0], "axes": "world", "duration_s": 0.3}),
+    ("push_object", {"object": "ball", "force_n": [5.0, 0.0, 0.0], "torque_nm": [0.0, 0.1, 0.0], "duration_s": 2.0}),
 ]
 NO_STATE = {
     "Vehicle._last_motion": "a cache of the present version",

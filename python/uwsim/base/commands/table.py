@@ -51,6 +51,16 @@ def _link_send(sim: Any, sender: str, receiver: str, topic: str, payload: bytes,
     sim.link.send(sender, receiver, topic, payload, **how)
 
 
+def _push_object(sim: Any, **how: Any) -> None:
+    item(sim.objects, how.pop("object"), "object").apply_wrench(**how)
+
+
+PUSH = (
+    Argument("force_n", "numbers", "N", length=3),
+    Argument("torque_nm", "numbers", "N m", length=3, default=(0.0, 0.0, 0.0)),
+    Argument("axes", "text", default="body"),
+    Argument("duration_s", unit="s", default=None),
+)
 DOCKING = [
     Command("release", "leave the station, which releases the vehicle", crosses_link=True, service=TRIGGER),
     Command("undock", "leave the station for free water", crosses_link=True, service=TRIGGER),
@@ -123,13 +133,12 @@ STEERING = [
     ),
     Command(
         "apply_wrench", "push a vehicle from outside, at its origin, for a while or until the next such command",
-        (
-            Argument("force_n", "numbers", "N", length=3),
-            Argument("torque_nm", "numbers", "N m", length=3, default=(0.0, 0.0, 0.0)),
-            Argument("axes", "text", default="body"),
-            Argument("duration_s", unit="s", default=None),
-        ),
-        service="uwsim_msgs/srv/ApplyWrench", is_piloted=False, changes_world=True,
+        PUSH, service="uwsim_msgs/srv/ApplyWrench", is_piloted=False, changes_world=True,
+    ),
+    Command(
+        "push_object", "push a loose body like apply_wrench", (Argument("object", "text"), *PUSH),
+        _push_object, of="simulator", notes_itself=True,
+        service="uwsim_msgs/srv/PushObject", is_piloted=False, changes_world=True,
     ),
 ]  # fmt: skip
 INSTRUMENTS = [

@@ -25,8 +25,17 @@ def command_services(source: Source, steering: Steering) -> list[Service]:
             command.description, is_vital=command.is_vital, permit=steering.rights.require,
         )
         for command in COMMANDS.values()
-        if command.service
+        if command.service and command.of != "simulator"
     ]  # fmt: skip
+
+
+def push_service() -> Service:
+    """Return the service that pushes loose bodies."""
+    command = COMMANDS["push_object"]
+    return Service(
+        f"simulation/{command.name}", command.service,
+        answered(lambda live, request: live.command(command.name, **request).result()), command.description,
+    )  # fmt: skip
 
 
 def _called(vehicle: str, command: Command, steering: Steering) -> Callable[[LiveSimulator, Request], Any]:

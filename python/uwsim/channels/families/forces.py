@@ -96,14 +96,15 @@ def _arrows(source: Source, sim: Simulator, frame_id: str) -> Any:
 
 def _arrow(header: Any, name: str, index: int, start: NDArray[np.float64], end: NDArray[np.float64]) -> Any:
     return build.message(
-        MARKER, header=header, ns=name, id=index, type=ARROW, action=ADD, pose=_still(),
+        MARKER, header=header, ns=name, id=index, type=ARROW, action=ADD, pose=still_pose(),
         scale=build.vector((0.02, 0.05, 0.08)),  # of the shaft and the head, and the head's length
         color=_colour(name), points=[build.xyz("geometry_msgs/msg/Point", point) for point in (start, end)],
     )  # fmt: skip
 
 
 @cache
-def _still() -> Any:
+def still_pose() -> Any:
+    """Return the pose of a marker in its own frame."""
     return build.message("geometry_msgs/msg/Pose", orientation=build.message("geometry_msgs/msg/Quaternion", w=1.0))
 
 

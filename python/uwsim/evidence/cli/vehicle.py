@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from uwsim.base.axes import AXES
-from uwsim.cli.bounds import UsageError, within
+from uwsim.cli.bounds import UsageError, within, writable
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import under
 from uwsim.cli.values import vehicles
+
+if TYPE_CHECKING:
+    from uwsim.simulator.simulator import Simulator
 
 DRIVEN = "surge,heave,yaw"
 BOWS: tuple[Literal["x", "-x", "y", "-y"], ...] = ("x", "-x", "y", "-y")
@@ -31,6 +34,14 @@ def vehicle(
     ],
     out: Annotated[Path | None, typer.Option(help="The HTML page to write. Default: no page.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    wet: Annotated[
+        Path | None,
+        typer.Option(
+            help="A picture to write instead, .png: the hull's triangles that are under water as the vehicle floats "
+            "upright in still water, or half under water if it sinks.",
+            callback=writable,
+        ),
+    ] = None,
     draft: Annotated[bool, typer.Option("--draft", help="Print a vehicle's YAML file, estimated from a mesh.")] = False,
     axes: Annotated[
         str | None, typer.Option(help=f"Axes that the draft's thrusters drive, of {','.join(AXES)}. Default: {DRIVEN}.")
@@ -56,6 +67,10 @@ def vehicle(
     (Hoerner, ITTC-57), thrusters, fins and sensors, each with its method and spread. `uwsim survey lake --vehicle-model
     mine.yaml` flies it.
     """
+    if wet is not None and (draft or as_json or out is not None):
+        raise UsageError("--wet draws a picture, not a report: leave out --draft, --out and --json")
+    if wet is not None and wet.suffix != ".png":
+        raise UsageError(f"--wet {wet}: must end in .png")
     if draft:
         if out is not None or as_json:
             raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
@@ -73,6 +88,9 @@ def vehicle(
         typer.echo(f"uwsim: error: {mistake}", err=True)
     if check.simulator is None or check.vehicle is None:
         raise typer.Exit(FAILED)
+    if wet is not None:
+        _draw_wet(wet, check.simulator)
+        return
     report = vehicle_report(check.simulator, check.vehicle)
     if as_json:
         typer.echo(json.dumps({**report.to_dict(), "warnings": list(check.warnings)}, indent=1))
@@ -85,6 +103,20 @@ def vehicle(
 
         write_page(out, report, check.warnings)
         typer.echo(f"page: {out}", err=as_json)
+
+
+def _draw_wet(path: Path, sim: Simulator) -> None:
+    """Draw the wet triangles of the first vehicle of a simulator in open water. Raises OSError."""
+    from uwsim.evidence.vehicle.afloat import afloat
+    from uwsim.figures.wet_triangles import draw_wet_triangles
+    from uwsim.scenario.build.hull import vehicle_hull
+
+    at = afloat(sim)
+    model = sim.scenario.vehicles[0].model
+    vertices, triangles = vehicle_hull(model)
+    draw_wet_triangles(path, model.name, vertices[triangles], at.wet, at.water_z_m)
+    how = "as it floats" if at.floats else "half under water: it does not float"
+    typer.echo(f"{path}: {len(at.wet):,} triangles under water, {at.wet.area_m2:.3g} m2, {how}")
 
 
 def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None, forward: str | None) -> None:

@@ -50,7 +50,7 @@ def _constants() -> str:
     types = {name.split("/")[-1]: name.replace("/msg/", "/") for name in TOPIC_TYPES}
     piloted = [command for command in COMMANDS.values() if command.is_piloted]
     commands = {command.name: [argument.name for argument in command.arguments] for command in piloted}
-    services = [name for name in commands if COMMANDS[name].service]
+    services = [name for name in commands if COMMANDS[name].service and COMMANDS[name].of != "simulator"]
     return "".join(
         f"{comment}export const {name} = {_literal(value)};\n"
         for name, value, comment in (

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
+from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.obstacles import grounded
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import surface_density_kg_m3
@@ -53,7 +54,7 @@ def object_specs(scenario: Scenario) -> list[_core.ObjectSpec]:
     specs = []
     for index, body in enumerate(scenario.objects):
         with scenario.source_file.errors_at("objects", index):
-            specs.append(_spec(body, build_terrain(scenario.terrain), surface_density_kg_m3(scenario.water)))
+            specs.append(_spec(body, scenario))
     return specs
 
 
@@ -68,8 +69,8 @@ def object_position(body: LooseBody, terrain: Bed) -> Floats:
     return _placed(body.shape, terrain).position_m
 
 
-def _spec(body: LooseBody, terrain: Bed, water_kg_m3: float) -> _core.ObjectSpec:
-    shape = _placed(body.shape, terrain)
+def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
+    shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
     volume_m3 = shape.solid.volume_m3
     density = body.density_kg_m3 if body.density_kg_m3 is not None else (body.mass_kg or 0.0) / volume_m3
     added, areas, paddles, rubbing = _flow(shape.vertices, shape.triangles)
@@ -85,6 +86,7 @@ def _spec(body: LooseBody, terrain: Bed, water_kg_m3: float) -> _core.ObjectSpec
     return _core.ObjectSpec(
         body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
         body.restitution, _core.BodyState(shape.position_m, shape.orientation_xyzw, velocity),
+        [applied_wrench(wrench, scenario.step_s) for wrench in body.wrenches or ()],
     )  # fmt: skip
 
 

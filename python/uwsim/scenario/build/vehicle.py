@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.quaternions import about_z
 from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.battery import battery_spec
 from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings
@@ -23,10 +24,9 @@ from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
-from uwsim.scenario.spec.vehicle_entry import AppliedWrench, VehicleEntry
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 Vector = NDArray[np.float64]
-FOREVER_S = 1e12
 COLLISION_SHAPES = {"hull": _core.CollisionShape.HULL, "box": _core.CollisionShape.BOX}
 
 
@@ -53,19 +53,11 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     position_m, yaw_rad = start_pose(scenario, vehicle)
     spec.set_start(position_m, about_z(yaw_rad))
     spec.docked = vehicle.start is None
-    spec.wrenches = [_applied(wrench, scenario.step_s) for wrench in vehicle.wrenches]
+    spec.wrenches = [applied_wrench(wrench, scenario.step_s) for wrench in vehicle.wrenches]
     spec.sensors = [sensor_spec(name, sensor) for name, sensor in model.sensors.items()]
     if model.sonar is not None:
         spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
     return spec
-
-
-def _applied(wrench: AppliedWrench, step_s: float) -> _core.AppliedWrench:
-    """Return a scheduled wrench, with its times rounded to steps, of which it lasts at least one."""
-    until_s = FOREVER_S if wrench.until_s is None else wrench.until_s
-    parts = np.array([*wrench.force_n, *wrench.torque_nm])
-    first = round(wrench.from_s / step_s)
-    return _core.AppliedWrench(parts, wrench.axes == "world", first, max(first + 1, round(until_s / step_s)))
 
 
 def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.VehicleSpec) -> ControlSettings:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
+from uwsim.scenario.spec.applied_wrench import AppliedWrench
 from uwsim.scenario.spec.fields import InRange, Model, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 
@@ -20,7 +21,7 @@ class LooseBody(Model):
     mass_kg: one of them; the mass fills the shape, so that the centre of mass is that of its volume. drag_coefficient:
     of the area that faces the flow: 0.47 for a sphere, 1.05 for a cube, 1.2 for a plate (Hoerner 1965, "Fluid-Dynamic
     Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). friction, restitution: as for vehicles. velocity_m_s: along the
-    world's axes.
+    world's axes. wrenches: what pushes it from outside, by schedule.
     """
 
     shape: ObstacleSpec
@@ -30,6 +31,7 @@ class LooseBody(Model):
     friction: Annotated[float, InRange(0, 10)] = 0.5
     restitution: Annotated[float, InRange(0, 1)] = 0.1
     velocity_m_s: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
+    wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] | None = None
 
     @property
     def name(self) -> str:

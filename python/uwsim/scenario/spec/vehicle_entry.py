@@ -9,15 +9,13 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.applied_wrench import AppliedWrench
 from uwsim.scenario.spec.battery import BatterySpec
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.tether import Tether
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel, VehicleName, load_vehicle
-
-Newtons = Annotated[float, InRange(-1e9, 1e9, "N")]
-NewtonMetres = Annotated[float, InRange(-1e9, 1e9, "N m")]
 
 
 class StartPose(Model):
@@ -28,26 +26,6 @@ class StartPose(Model):
 
     position_m: Point3
     yaw_deg: Degrees = 0.0
-
-
-class AppliedWrench(Model):
-    """A force and torque that act on the vehicle from outside, at its origin, in an interval of simulated time.
-
-    force_n, torque_nm: along the axes. axes: `body`, which turn with the vehicle, or `world`. until_s: by default the
-    end of the run.
-    """
-
-    force_n: tuple[Newtons, Newtons, Newtons] = (0.0, 0.0, 0.0)
-    torque_nm: tuple[NewtonMetres, NewtonMetres, NewtonMetres] = (0.0, 0.0, 0.0)
-    axes: Literal["body", "world"] = "body"
-    from_s: Annotated[float, InRange(0, 1e9, "s")] = 0.0
-    until_s: Annotated[float, InRange(0, 1e9, "s")] | None = None
-
-    @model_validator(mode="after")
-    def _ends_after_it_begins(self) -> AppliedWrench:
-        if self.until_s is not None and self.until_s <= self.from_s:
-            raise broken(f"must be after from_s, {self.from_s:g} s", at=("until_s",), value=self.until_s, unit="s")
-        return self
 
 
 def _start(value: object) -> object:
