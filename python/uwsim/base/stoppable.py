@@ -18,7 +18,7 @@ class Stoppable:
     """
 
     at_once = False
-    """Whether the first request ends the run at once, by KeyboardInterrupt: at present there is nothing to keep."""
+    """True while the first request ends the run at once, by KeyboardInterrupt, since there is nothing to keep."""
     in_haste = False
     heard = False
     """Whether the run has noticed the request and will end."""

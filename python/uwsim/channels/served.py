@@ -25,17 +25,19 @@ def served_table(
     truth: bool = True,
     tf: Tf = "truth",
     frame_prefix: str = "",
+    waits_at_full_speed: bool = True,
     **options: Any,
 ) -> Table:
     """Return the table of channels, plus /diagnostics and, because clients use simulated time, /clock.
 
     wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping pace is more
-    important. Steps that a client requests while the simulator is paused do wait. options: more of Table's. Raises
+    important. Steps that a client requests while the simulator is paused do wait, and those at full speed do if
+    waits_at_full_speed. options: more of Table's. Raises
     ValueError.
     """
 
     def may_wait() -> bool:
-        return live.speed == "max" or live.paused
+        return live.paused or (waits_at_full_speed and live.speed == "max")
 
     scenario = live.simulator.scenario
     wire = scenario.wire if wire is None else wire

@@ -28,6 +28,24 @@ def test_pictures_shrink_until_they_keep_their_rate_and_grow_again():
     assert fit.share == 1.0
 
 
+def test_pictures_are_larger_and_more_frequent_only_where_they_slow_nothing():
+    fit, full_s = Fit(), 0.015
+
+    def note(pictures, has_room):
+        for _ in range(pictures):
+            fit.note(full_s * fit.share**2, 0.1, has_room=has_room)
+
+    note(10 * PATIENCE, has_room=False)
+    assert fit.share == 1.0, "there is time, but the steps would be slower"
+    note(2 * PATIENCE, has_room=True)
+    assert fit.share == 1.5 and fit.is_large  # 34 ms of 67 ms
+    note(4, has_room=False)
+    assert fit.share == 1.0, "as soon as the steps do not keep their pace"
+    full_s = 0.025
+    note(10 * PATIENCE, has_room=True)
+    assert fit.share == 1.0  # 56 ms of 67 ms would be too long
+
+
 def test_one_slow_picture_does_not_shrink_a_stream():
     fit = Fit()
     for k in range(200):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-SHARES = (1.0, 0.75, 0.5)  # fractions of the full width
+SHARES = (1.5, 1.0, 0.75, 0.5)  # of the camera's width
+USUAL = SHARES.index(1.0)
+"""The share at the start; larger pictures, at HASTE times the rate, are shown where the machine has room for them."""
+HASTE = 1.5
 TOO_LONG, SHORT = 0.8, 0.65  # fractions of a period: above the first, shrink; below the second, try a larger size
 SMOOTHING = 0.25
 LEAST_PICTURES = 4  # minimum number before the size changes; the first picture fills caches
@@ -13,29 +16,39 @@ class Fit:
     """Chooses the fraction of the full width from rendering times, which are proportional to the number of pixels."""
 
     def __init__(self) -> None:
-        self._step = 0
+        self._step = USUAL
         self._patience = PATIENCE
         self._has_grown = False
         self._pictures, self._took_s = 0, 0.0  # at the current size
 
     @property
     def share(self) -> float:
-        """Fraction of the full width, in (0, 1]."""
+        """Fraction of the full width, in (0, 1.5]."""
         return SHARES[self._step]
 
-    def note(self, took_s: float, period_s: float) -> None:
-        """Record how long a picture at the current size took, and choose the size of the next one."""
+    @property
+    def is_large(self) -> bool:
+        """True for pictures that are larger than the camera's, and more frequent."""
+        return self._step < USUAL
+
+    def note(self, took_s: float, period_s: float, *, has_room: bool = False) -> None:
+        """Record how long a picture at the current size took, and choose the size of the next one.
+
+        period_s: of pictures of the usual size. has_room: whether larger pictures would slow nothing else.
+        """
+        period_s = period_s / HASTE if self.is_large else period_s
         self._pictures += 1
         self._took_s = took_s if self._pictures <= 2 else self._took_s + SMOOTHING * (took_s - self._took_s)
         if self._pictures < LEAST_PICTURES:
             return
-        if self._took_s > TOO_LONG * period_s and self._step < len(SHARES) - 1:
+        must_shrink = self._took_s > TOO_LONG * period_s or (self.is_large and not has_room)
+        if must_shrink and self._step < len(SHARES) - 1:
             if self._has_grown:
                 self._patience = min(2 * self._patience, PATIENCE_MAX)
             self._turn(1)
-        elif self._pictures >= self._patience and self._step > 0:
+        elif self._pictures >= self._patience and self._step > (0 if has_room else USUAL):
             growth = (SHARES[self._step - 1] / self.share) ** 2
-            if growth * self._took_s < SHORT * period_s:
+            if growth * self._took_s < SHORT * (period_s / HASTE if self._step == USUAL else period_s):
                 self._turn(-1)
 
     def _turn(self, steps: int) -> None:

@@ -14,6 +14,11 @@ from uwsim.simulator.simulator import Simulator
 T = TypeVar("T")
 
 
+def load_navigation() -> None:
+    """Import the libraries of the estimate, which the panel would otherwise import between two steps."""
+    import scipy.spatial.transform  # noqa: F401  # slow to import
+
+
 class Prepared:
     """Holds at most one simulator, for the last validated choice. Choices are identified by scenario content.
 
@@ -74,6 +79,7 @@ class Prepared:
 
         This does not change the simulator's state.
         """
+        load_navigation()
         simulator = self._make(scenario)
         for camera in list(simulator.rov.cameras.values())[:1]:
             camera.resized(64).capture().jpeg(80)

@@ -27,6 +27,7 @@ from uwsim.operator.station.inspection import Inspection
 from uwsim.operator.station.judged import Judged
 from uwsim.operator.station.pilot import Pilot
 from uwsim.operator.station.plan import PlanFlight
+from uwsim.operator.station.prepared import load_navigation
 from uwsim.operator.station.replay import Replay
 from uwsim.operator.station.scene import Scene
 from uwsim.operator.station.snapshots import Snapshots
@@ -82,7 +83,7 @@ class Running:
         self.feed = feed or Feed(live)
         self.replay = replay
         self.truth = truth = truth or replay is not None
-        self.table = table = served_table(live, wire=wire, origin=origin, truth=truth)
+        self.table = table = served_table(live, wire=wire, origin=origin, truth=truth, waits_at_full_speed=False)
         over_modem = sim.link is not None and sim.link.modem.kind == "modem"
         has_carrier = sim.link is not None and replay is None  # a replay shows the values aboard, and sends nothing
         self.carrier = Carrier(live, table, only=SHOWN if over_modem else None) if has_carrier else None
@@ -125,6 +126,7 @@ class Running:
         """Start stepping the simulator and building the map."""
         if self.replay is not None:
             self.replay.start()
+        load_navigation()
         if not self.live.running:
             self.live.start()
         if self.carrier is not None:

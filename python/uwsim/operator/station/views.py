@@ -23,19 +23,26 @@ from uwsim.operator.station.fit import Fit
 from uwsim.simulator.simulator import Simulator
 
 RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
+LARGE_WIDTH = 960  # of a picture that is larger than its camera's
+ON_PACE = 0.98  # share of the requested speed that steps must reach beside large pictures
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
 UNAWAITED_PERIOD_S = 0.5  # extra delay of pictures that no viewer is waiting for, or in which nothing can have changed
 SMALL_PATIENCE_S = 1.0  # longest time that a small picture waits for large ones
 POLL_S = 0.03  # interval between checks whether a due picture can be rendered
 JPEG = "sensor_msgs/msg/CompressedImage"
+CORES = len(os.sched_getaffinity(0))
 THREADS = max(1, (os.cpu_count() or 2) - 1)  # leaves a core for the steps
 
 
 @dataclass(frozen=True)
 class Size:
-    """Settings for rendering a view. width 0: the camera's own width, or less if the rate requires it."""
+    """Settings for rendering a view.
 
-    rate_hz: float = RATE_HZ
+    width 0: the camera's own width, or less if the rate requires it, or up to LARGE_WIDTH where nothing else needs the
+    cores. rate_hz None: RATE_HZ, or RATE_MAX_HZ for such large pictures.
+    """
+
+    rate_hz: float | None = None
     width: int = 0
     quality: int = 80
 
@@ -63,7 +70,7 @@ class Stream:
         """Return the camera at the size of the next picture."""
         width = self.camera.mount.width
         if self.fit is not None:
-            width = round(self.fit.share * width)
+            width = min(round(self.fit.share * width), max(width, LARGE_WIDTH))
         if self._fitted is None or self._fitted.mount.width != width:
             self._fitted = self.camera.resized(width)  # cached, since building its ray table takes time
         return self._fitted
@@ -72,6 +79,13 @@ class Stream:
         """Switch to pictures from another camera or of another size."""
         self.camera, self.size, self._fitted = camera, size, None
         self.fit = None if size.width else Fit()
+
+    @property
+    def period_s(self) -> float:
+        """The time between pictures."""
+        if self.size.rate_hz is not None:
+            return 1.0 / self.size.rate_hz
+        return 1.0 / (RATE_MAX_HZ if self.fit is not None and self.fit.is_large else RATE_HZ)
 
     @property
     def is_free(self) -> bool:
@@ -177,7 +191,8 @@ class Views:
         view = self.view(request.get("name"))
         given = {name: request[name] for name in ("rate_hz", "width", "quality") if name in request}
         size = replace(view.large.size, **given)
-        _require(_is_within(size.rate_hz, 0.1, RATE_MAX_HZ), "rate_hz", size.rate_hz, f"in [0.1, {RATE_MAX_HZ:g}]")
+        rates = f"in [0.1, {RATE_MAX_HZ:g}]"
+        _require(size.rate_hz is None or _is_within(size.rate_hz, 0.1, RATE_MAX_HZ), "rate_hz", size.rate_hz, rates)
         widths = f"0 or in {list(WIDTHS)}"
         _require(size.width == 0 or _is_within(size.width, *WIDTHS, whole=True), "width", size.width, widths)
         _require(_is_within(size.quality, 1, 100, whole=True), "quality", size.quality, "in [1, 100]")
@@ -206,7 +221,7 @@ class Views:
         return [stream for view in self._made for stream in (view.large, view.small)]
 
     def _begin(self, stream: Stream, now_s: float) -> None:
-        period_s = 1.0 / stream.size.rate_hz
+        period_s = stream.period_s
         stream.rendered, stream.begun_s = self._live.simulator.version, now_s
         stream.due_s = max(stream.due_s + period_s, now_s - period_s)
         quality, fit = int(stream.size.quality), stream.fit
@@ -218,7 +233,8 @@ class Views:
             message = compressed_image(frame.jpeg(quality), frame.time_ns, stream.frame_id)
             self._node.publish(stream.topic, message, frame.time_ns)
             if fit is not None:
-                fit.note(time.monotonic() - begun_s, period_s)
+                usual_s = 1.0 / (stream.size.rate_hz or RATE_HZ)
+                fit.note(time.monotonic() - begun_s, usual_s, has_room=self._has_room(stream))
 
         def render(snapshot: Future[Any]) -> None:
             if snapshot.exception() is None:
@@ -230,6 +246,16 @@ class Views:
             stream.job.add_done_callback(render)
         except NotRunningError:
             stream.due_s += 1.0
+
+    def _has_room(self, stream: Stream) -> bool:
+        """Return whether pictures may be larger than the camera's: its are small, and the steps keep their pace.
+
+        With a single core, or at full speed, the steps could use all of it.
+        """
+        speed = self._live.speed
+        if CORES < 2 or stream.size.rate_hz is not None or stream.camera.mount.width >= LARGE_WIDTH or speed == "max":
+            return False
+        return self._live.paused or self._live.factor >= ON_PACE * speed
 
 
 def _views(sim: Simulator, table: Table) -> Iterable[View]:
