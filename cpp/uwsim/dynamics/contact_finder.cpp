@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "uwsim/core/recently_made.h"
-#include "uwsim/dynamics/broad_phase.h"
 #include "uwsim/dynamics/contact_budget.h"
-#include "uwsim/dynamics/convex_contact.h"
-#include "uwsim/dynamics/solid_triangles.h"
+#include "uwsim/dynamics/contact_shapes.h"
 #include "uwsim/dynamics/surface_contact.h"
 #include "uwsim/dynamics/terrain_patch.h"
-#include "uwsim/world/same_surfaces.h"
 
 namespace uwsim {
 namespace {
@@ -22,86 +18,6 @@ constexpr double kSameNormal = 0.99;  // cosine
 constexpr double kDeeper_m = 1e-9;
 constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; a step that needs more allocates
 
-struct Box {
-  Eigen::Vector3d low_m, high_m;
-  bool meets(const Box& other) const {
-    return (low_m.array() <= other.high_m.array()).all() && (other.low_m.array() <= high_m.array()).all();
-  }
-};
-
-/// A box aligned with the body axes.
-struct BodyBox {
-  Eigen::Vector3d middle_body_m, half_size_body_m;
-
-  static BodyBox around(const ConvexPiece& points_m) {
-    Eigen::Vector3d low = points_m.front(), high = low;
-    for (const Eigen::Vector3d& p : points_m) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    return {0.5 * (low + high), 0.5 * (high - low)};
-  }
-  /// The box's bounding box along the world axes, enlarged by `reach_m`.
-  Box in_world(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& rotation, double reach_m) const {
-    const Eigen::Vector3d middle = position_m + rotation * middle_body_m;
-    const Eigen::Vector3d half = rotation.cwiseAbs() * half_size_body_m + Eigen::Vector3d::Constant(reach_m);
-    return {middle - half, middle + half};
-  }
-};
-
-struct Piece {
-  ConvexShape shape;
-  BodyBox box;
-};
-
-struct Body {
-  std::vector<ConvexPiece> points_m;  // in their original order
-  std::vector<Piece> pieces;
-  BodyBox box;
-  double radius_m = 0;
-};
-
-Body made_body(std::span<const ConvexPiece> pieces_body_m) {
-  Body body;
-  body.points_m.assign(pieces_body_m.begin(), pieces_body_m.end());
-  ConvexPiece all;
-  for (const ConvexPiece& points : pieces_body_m) {
-    ConvexShape shape(points);
-    const ConvexPiece& corners = shape.polytope_body().corners_m;
-    const BodyBox box = BodyBox::around(corners);
-    all.insert(all.end(), corners.begin(), corners.end());
-    body.pieces.push_back({std::move(shape), box});
-  }
-  body.box = BodyBox::around(all);
-  for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
-  return body;
-}
-
-/// Shared by all bodies of the same shape: a vehicle's convex hull takes 0.3 MB and 0.7 ms to build.
-std::shared_ptr<const Body> body_of(std::span<const ConvexPiece> pieces_body_m) {
-  static RecentlyMade<Body> known;
-  return known.find_or_make(
-      false, [&](const Body& other) { return std::ranges::equal(other.points_m, pieces_body_m); },
-      [&] { return std::make_shared<const Body>(made_body(pieces_body_m)); });
-}
-
-/// The part of terrain and solids that contacts need; immutable.
-struct FixedSurfaces {
-  World world;  // without water
-  BroadPhase broad_phase;
-  SolidTriangles solids;
-
-  explicit FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) { world.water = {}; }
-};
-
-/// Shared by all finders in worlds with the same surfaces: those of the lake scenario take several megabytes.
-std::shared_ptr<const FixedSurfaces> surfaces_of(const World& world) {
-  static RecentlyMade<FixedSurfaces> known;
-  return known.find_or_make(
-      false, [&](const FixedSurfaces& other) { return have_same_surfaces(other.world, world); },
-      [&] { return std::make_shared<const FixedSurfaces>(world); });
-}
-
 }  // namespace
 
 struct ContactFinder::Impl {
@@ -109,7 +25,7 @@ struct ContactFinder::Impl {
   ConvexContact convex_contact;
   SurfaceContact surface_contact;
   ContactBudget budget;
-  std::vector<std::shared_ptr<const Body>> bodies;
+  std::vector<std::shared_ptr<const ConvexBody>> bodies;
   // Kept so that a step does not allocate.
   SolidTriangles::Stack solids_stack;
   SurfacePatch terrain_patch;
@@ -117,7 +33,7 @@ struct ContactFinder::Impl {
   std::vector<Contact>* contacts = nullptr;
   std::size_t first_of_pair = 0;
 
-  explicit Impl(const World& source) : fixed(surfaces_of(source)) { terrain_patch.reserve(kReservedTriangles); }
+  explicit Impl(const World& source) : fixed(fixed_surfaces(source)) { terrain_patch.reserve(kReservedTriangles); }
 
   void find(std::span<const MovingBody> moving, std::vector<Contact>& out) {
     contacts = &out;
@@ -135,11 +51,11 @@ struct ContactFinder::Impl {
     }
   }
 
-  void find_with_world(int a, const Body& body, const MovingBody& moving) {
+  void find_with_world(int a, const ConvexBody& body, const MovingBody& moving) {
     const Pose& pose = moving.world_from_body;
     const Eigen::Matrix3d rotation = pose.rotation();
     const double reach_m = moving.reach_m + kRestGap_m;
-    const Box whole = body.box.in_world(pose.position_m, rotation, reach_m);
+    const WorldBox whole = body.box.in_world(pose.position_m, rotation, reach_m);
     if (!fixed->broad_phase.may_touch(whole.low_m, whole.high_m)) return;
     first_of_pair = contacts->size();
     terrain_patch.clear();
@@ -147,8 +63,8 @@ struct ContactFinder::Impl {
       add_terrain(*terrain, whole.low_m, whole.high_m, terrain_patch, budget);
     const std::size_t solid_count = fixed->solids.find(whole.low_m, whole.high_m, solids_stack, solid_patches, budget);
     if (terrain_patch.triangles.empty() && solid_count == 0) return;
-    for (const Piece& piece : body.pieces) {
-      const Box box = piece.box.in_world(pose.position_m, rotation, reach_m);
+    for (const ConvexBody::Piece& piece : body.pieces) {
+      const WorldBox box = piece.box.in_world(pose.position_m, rotation, reach_m);
       const PlacedShape placed{piece.shape, pose,       rotation, piece.box.middle_body_m, piece.box.half_size_body_m,
                                box.low_m,   box.high_m, reach_m};
       add_all(a, surface_contact.find(placed, terrain_patch, SurfaceContact::Under::kSolid, budget));
@@ -166,9 +82,9 @@ struct ContactFinder::Impl {
     const Pose &pose_a = body_a.world_from_body, &pose_b = body_b.world_from_body;
     const Eigen::Matrix3d rotation_a = pose_a.rotation(), rotation_b = pose_b.rotation();
     const double reach_m = body_a.reach_m + body_b.reach_m + kRestGap_m;
-    for (const Piece& piece_a : bodies[a]->pieces) {
-      const Box box_a = piece_a.box.in_world(pose_a.position_m, rotation_a, reach_m);
-      for (const Piece& piece_b : bodies[b]->pieces) {
+    for (const ConvexBody::Piece& piece_a : bodies[a]->pieces) {
+      const WorldBox box_a = piece_a.box.in_world(pose_a.position_m, rotation_a, reach_m);
+      for (const ConvexBody::Piece& piece_b : bodies[b]->pieces) {
         if (!box_a.meets(piece_b.box.in_world(pose_b.position_m, rotation_b, 0))) continue;
         budget.spend(ContactBudget::kTestsPerOverlap);
         for (const ContactPoint& found :
@@ -204,11 +120,11 @@ ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 
 void ContactFinder::add_body(std::span<const ConvexPiece> pieces_body_m) {
-  impl_->bodies.push_back(body_of(pieces_body_m));
+  impl_->bodies.push_back(convex_body(pieces_body_m));
 }
 
 void ContactFinder::set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m) {
-  impl_->bodies.at(body) = body_of(pieces_body_m);
+  impl_->bodies.at(body) = convex_body(pieces_body_m);
 }
 
 double ContactFinder::radius_m(std::size_t body) const { return impl_->bodies.at(body)->radius_m; }

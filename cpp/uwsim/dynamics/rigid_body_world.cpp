@@ -56,6 +56,7 @@ void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
     bodies_[k].spec = std::move(specs[k]);
     bodies_[k].forget_step();
   }
+  for (Tether& tether : tethers_) tether.set_bodies(bodies_);
 }
 
 void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {
@@ -83,12 +84,13 @@ std::size_t RigidBodyWorld::add_tether(const TetherSpec& spec, const WaterField&
   return tethers_.size() - 1;
 }
 
-void RigidBodyWorld::require_tethers_reach(std::size_t body, const Pose& world_from_body) const {
+void RigidBodyWorld::require_tethers_reach(std::size_t body, const Pose& world_from_body, const WaterField& water,
+                                           double time_s) const {
   if (tethers_.empty()) return;
   std::vector<MovedBody> placed = bodies_;
   placed.at(body).state.world_from_body = world_from_body;
   for (const Tether& tether : tethers_) {
-    if (tether.holds(body)) tether.require_reaches(placed);
+    if (tether.holds(body)) tether.require_reaches(placed, water, time_s);
   }
 }
 

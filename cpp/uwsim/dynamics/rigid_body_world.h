@@ -32,7 +32,8 @@ class RigidBodyWorld {
   Tether& tether(std::size_t index) { return tethers_.at(index); }
   const Tether& tether(std::size_t index) const { return tethers_.at(index); }
   /// Throws InvalidValue unless the body's tethers reach it at this pose.
-  void require_tethers_reach(std::size_t body, const Pose& world_from_body) const;
+  void require_tethers_reach(std::size_t body, const Pose& world_from_body, const WaterField& water,
+                             double time_s) const;
   /// Lays a body's tethers again, after it has been placed.
   void lay_tethers(std::size_t body, const WaterField& water, double time_s);
 

@@ -11,10 +11,12 @@ namespace {
 
 constexpr double kShort = 0.5, kLong = 1.5;  // lengths of the first element, relative to the others'
 constexpr double kMostElements = 1000;
-constexpr double kReach = 1 + 1e-9;  // for rounding
+constexpr std::size_t kKeptContacts = 1024;  // with more, a step allocates memory
+constexpr double kReach = 1 + 1e-9;          // for rounding
 // A tether that is laid settles in steps, each from rest, which grow while they can be solved.
 constexpr double kFirstSettling_s = 0.02, kLastSettling_s = 20, kGrows = 1.5, kShrinks = 0.3, kSettled_m = 1e-6;
-constexpr int kSettlings = 200;
+constexpr int kSettlings = 400;
+constexpr double kSettlingReach_m = 0.2;
 
 void require_positive(const std::string& name, const char* key, double value) {
   require(std::isfinite(value) && value > 0, name + "." + key, value, "must be positive");
@@ -62,12 +64,18 @@ void TetherSpec::check() const {
 }
 
 Tether::Tether(const TetherSpec& spec, const World& world, std::span<const MovedBody> bodies)
-    : spec_((spec.check(), spec)), terrain_(world.terrain()), first_m_(spec.element_m()) {
-  const auto most = static_cast<std::size_t>(std::ceil(spec_.most_m() / spec_.element_m())) + 2;
+    : spec_((spec.check(), spec)),
+      terrain_(world.terrain()),
+      finder_(world, spec_, bodies),
+      first_m_(spec.element_m()) {
+  const std::size_t most = spec_.tubes() - 1;
   nodes_.reserve(most);
   nodes_.resize(spec_.elements + 1);
   frozen_.resize(most);
-  for (std::vector<Eigen::Vector3d>* vectors : {&next_, &gradient_, &change_}) vectors->resize(most);
+  for (std::vector<Eigen::Vector3d>* vectors : {&next_, &gradient_, &change_, &points_, &targets_})
+    vectors->resize(most);
+  for (std::vector<double>* values : {&reach_m_, &from_m_}) values->resize(most);
+  contacts_.reserve(kKeptContacts);
   hessian_.resize(most);
   for (Eigen::Vector3d& force : end_forces_) force.setZero();
   for (const TetherEnd* end : {&spec_.first, &spec_.second}) {
@@ -79,15 +87,21 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
     require(solid == nullptr, spec_.name + " end", at.transpose(),
             "must be outside '" + (solid == nullptr ? "" : solid->name) + "'");
   }
-  require_reaches(bodies);
+  require_length(bodies);
 }
 
 Eigen::Vector3d Tether::end_point(const TetherEnd& end, std::span<const MovedBody> bodies) const {
   return end.body == TetherEnd::kNoBody ? end.point_m : bodies[end.body].state.world_from_body.point(end.point_m);
 }
 
-void Tether::require_reaches(std::span<const MovedBody> bodies) const {
+void Tether::require_reaches(std::span<const MovedBody> bodies, const WaterField& water, double time_s) const {
   if (broken()) return;
+  require_length(bodies);
+  if (may_meet_solids(end_point(spec_.first, bodies), end_point(spec_.second, bodies)))
+    Tether(*this).lay(bodies, water, time_s);
+}
+
+void Tether::require_length(std::span<const MovedBody> bodies) const {
   const double distance = (end_point(spec_.first, bodies) - end_point(spec_.second, bodies)).norm();
   require(distance <= length_m() * kReach, spec_.name + " length_m", length_m(),
           "must be at least the distance of its ends, " + printed_number(distance) + " m");
@@ -103,7 +117,7 @@ std::optional<std::size_t> Tether::broken() const {
 
 void Tether::lay(std::span<const MovedBody> bodies, const WaterField& water, double time_s) {
   const Eigen::Vector3d start = end_point(spec_.first, bodies), between = end_point(spec_.second, bodies) - start;
-  const double length = length_m(), chord = std::min(1.0, between.norm() / length);
+  const double length = length_m();
   const Eigen::Vector3d along = between.norm() > 0 ? Eigen::Vector3d(between.normalized()) : Eigen::Vector3d::UnitX();
   const double volume_m2 = std::numbers::pi / 4 * spec_.diameter_m * spec_.diameter_m;
   const bool floats = water.density_at((start + 0.5 * between).z()) * volume_m2 > spec_.mass_kg_m;
@@ -111,6 +125,23 @@ void Tether::lay(std::span<const MovedBody> bodies, const WaterField& water, dou
   sag -= along.dot(sag) * along;
   if (sag.norm() < 1e-6) sag = along.unitOrthogonal();
   sag.normalize();
+  const Eigen::Vector3d beside = along.cross(sag);
+  for (const Eigen::Vector3d& way : {sag, Eigen::Vector3d(-sag), beside, Eigen::Vector3d(-beside)}) {
+    lay_arc(start, between, way);
+    if (first_crossed().empty()) break;
+  }
+  if (first_crossed().empty()) settle(bodies, water, time_s);
+  const std::string solid = first_crossed();
+  require(solid.empty(), spec_.name,
+          printed_number(length) + " m from [" + printed_number(start.x()) + " " + printed_number(start.y()) + " " +
+              printed_number(start.z()) + "] m",
+          "passes through '" + solid + "' wherever it is laid: move an end, or use another length");
+}
+
+/// Nodes on an arc that is as long as the tether, on the side `sag` of its chord.
+void Tether::lay_arc(const Eigen::Vector3d& start, const Eigen::Vector3d& between, const Eigen::Vector3d& sag) {
+  const double length = length_m(), chord = std::min(1.0, between.norm() / length);
+  const Eigen::Vector3d along = between.norm() > 0 ? Eigen::Vector3d(between.normalized()) : Eigen::Vector3d::UnitX();
   const double half = half_angle(chord), radius = length / (2 * half);
   double passed = 0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -123,7 +154,6 @@ void Tether::lay(std::span<const MovedBody> bodies, const WaterField& water, dou
     nodes_[i].tension_n = 0;
     if (i < elements()) passed += rest_m(i);
   }
-  settle(bodies, water, time_s);
 }
 
 /// Each of these steps is a step towards equilibrium, with the bodies where they are.
@@ -132,17 +162,22 @@ void Tether::settle(std::span<const MovedBody> bodies, const WaterField& water, 
     ends_[k] = {.is_fixed = true, .next = end_point(k == 0 ? spec_.first : spec_.second, bodies)};
   drum_ = {first_m_, first_m_, spec_.strongest_n};
   double step_s = kFirstSettling_s;
+  const bool is_near = may_meet_solids(nodes_.front().position, nodes_.back().position);
   for (int k = 0; k < kSettlings; ++k) {
     freeze(water, time_s - step_s, step_s);
     for (std::size_t i = 0; i < nodes_.size(); ++i) frozen_[i].friction_n = 0;
-    if (!find_next(step_s)) {
+    freeze_contacts(bodies, step_s, kSettlingReach_m, 0);
+    for (TetherContact& contact : contacts_) contact.friction_n = 0;
+    const bool is_found = find_next(step_s);
+    double farthest = 0;
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      farthest = std::max(farthest, (next_[i] - nodes_[i].position).norm());
+    if (!is_found || (is_near && farthest > 0.5 * kSettlingReach_m)) {  // else it could pass through a solid
       step_s *= kShrinks;
       continue;
     }
-    double farthest = 0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       Node& node = nodes_[i];
-      farthest = std::max(farthest, (next_[i] - node.position).norm());
       node.position = node.grip = next_[i];
       node.tension_n = frozen_[i].tension_n;
     }

@@ -11,6 +11,7 @@
 #include "uwsim/core/water_field.h"
 #include "uwsim/dynamics/block_band.h"
 #include "uwsim/dynamics/moved_body.h"
+#include "uwsim/dynamics/tether_contact.h"
 #include "uwsim/dynamics/tether_spec.h"
 #include "uwsim/world/world.h"
 
@@ -19,7 +20,8 @@ namespace uwsim {
 /// A tether of lumped masses: nodes with half of the mass of the elements beside them, as in MoorDyn (Hall and Goupee
 /// 2015, Ocean Engineering 104:590). Elements have axial stiffness and damping in tension only; bending stiffness acts
 /// between neighbours; Morison's drag and added mass, weight and buoyancy act on the nodes, as does the bed, with
-/// Coulomb friction.
+/// Coulomb friction. Elements touch solids and hulls (TetherContactFinder),
+/// and pass through each other.
 ///
 /// A step is backward Euler's. With directions, masses and friction's normal forces as at its start, each force is the
 /// gradient of a convex potential of the nodes' next positions, so that the step is the minimum of a strictly convex
@@ -29,6 +31,13 @@ namespace uwsim {
 /// without the tether. What the minimum leaves of that motion is the force on the body, so momentum is exchanged
 /// exactly.
 ///
+/// A contact is a plane, frozen in a step, that pushes in proportion to the overlap: so stiff that twice the breaking
+/// load, the most that it bears where the tether turns back on itself, overlaps by half of a radius. A hull at it is a
+/// mass that gives way, decoupled from its other contacts; what it gains is what the tether loses. Two elements have a
+/// plane midway between them, so that their forces on each other are equal at rest only. Friction is Coulomb's, by the
+/// normal force at the step's start, regularized: below kCreep_m_s it grows linearly with the speed (Armstrong-Helouvry
+/// et al. 1994, Automatica 30:1083). Both are parts of the same convex function.
+///
 /// Backward Euler damps: oscillations with angular frequency w by the ratio w dt / 2.
 class Tether {
  public:
@@ -37,15 +46,17 @@ class Tether {
 
   const TetherSpec& spec() const { return spec_; }
   bool holds(std::size_t body) const { return spec_.first.body == body || spec_.second.body == body; }
-  /// Throws InvalidValue if the ends are farther apart than the tether is long.
-  void require_reaches(std::span<const MovedBody> bodies) const;
+  /// Throws InvalidValue if the ends are farther apart than the tether is long, or it cannot be laid clear of solids.
+  void require_reaches(std::span<const MovedBody> bodies, const WaterField& water, double time_s) const;
   /// Lays the tether between its ends again, at rest, and as near to equilibrium as it is unique: a circular arc in a
-  /// vertical plane that has settled.
+  /// vertical plane, or another if that meets a solid, that has settled. Throws InvalidValue if each meets a solid.
   void lay(std::span<const MovedBody> bodies, const WaterField& water, double time_s);
 
   /// Finds the state at the end of a step from `time_s`, and adds the forces at the ends to the bodies' tether_world.
   /// Throws InvalidValue if the motion diverges.
   void step(std::span<MovedBody> bodies, const WaterField& water, double time_s, double step_s);
+  /// Replaces what it knows of the bodies' shapes.
+  void set_bodies(std::span<const MovedBody> bodies) { finder_.set_bodies(bodies); }
   /// Called after the bodies have moved to their next states.
   void moved(std::span<const MovedBody> bodies, double step_s);
 
@@ -63,6 +74,8 @@ class Tether {
   double tension_n(std::size_t element) const { return nodes_[element].tension_n; }
   double rest_m(std::size_t element) const { return element == 0 ? first_m_ : spec_.element_m(); }
   double mass_kg(std::size_t node) const { return spec_.mass_kg_m * span_m(node); }
+  /// Where it touches solids and hulls, or may, in the last step.
+  std::span<const TetherContact> contacts() const { return contacts_; }
   /// The force of the tether on what holds its first (0) and its second end (1), world axes, in the last step.
   const Eigen::Vector3d& end_force_n(std::size_t end) const { return end_forces_.at(end); }
   /// The element that has broken, counted from the first end.
@@ -109,6 +122,17 @@ class Tether {
   void freeze(const WaterField& water, double time_s, double step_s);
   void freeze_water(std::size_t node, const WaterField& water, double time_s);
   void freeze_bed(std::size_t node);
+  void freeze_contacts(std::span<const MovedBody> bodies, double step_s, double least_reach_m, double moving_s);
+  void freeze_contact(TetherContact& contact, double step_s);
+  void yield_hulls(std::span<const MovedBody> bodies, const WaterField& water, double time_s, double step_s);
+  void add_contacts();
+  void press_contacts();
+  void push_hulls(std::span<MovedBody> bodies);
+  Eigen::Vector3d between(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) const;
+  std::string first_crossed() const;
+  bool may_meet_solids(const Eigen::Vector3d& first, const Eigen::Vector3d& second) const;
+  void require_length(std::span<const MovedBody> bodies) const;
+  void lay_arc(const Eigen::Vector3d& start, const Eigen::Vector3d& between, const Eigen::Vector3d& sag);
   Drum drum(double step_s) const;
   bool find_next(double step_s);
   void assemble(double step_s);
@@ -124,6 +148,7 @@ class Tether {
 
   TetherSpec spec_;
   std::shared_ptr<const Heightfield> terrain_;
+  TetherContactFinder finder_;
   // The state.
   std::vector<Node> nodes_;
   double first_m_ = 0;  // rest length of the first element
@@ -136,6 +161,9 @@ class Tether {
   std::vector<Frozen> frozen_;
   std::vector<Eigen::Vector3d> next_, gradient_, change_;
   BlockBand hessian_;
+  std::vector<TetherContact> contacts_;
+  std::vector<Eigen::Vector3d> points_, targets_;
+  std::vector<double> reach_m_, from_m_;
   std::array<End, 2> ends_;
   Drum drum_{};
   std::array<Eigen::Matrix3d, 2> end_next_;  // off the rows that fixed ends remove

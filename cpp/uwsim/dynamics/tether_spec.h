@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -37,6 +38,8 @@ struct TetherSpec {
   double strongest_n = 1e9;  ///< the tension at which the winch recovers nothing
 
   double element_m() const { return length_m / static_cast<double>(elements); }
+  /// As targets for rays: one for each element that it may have, and a second for the first.
+  std::size_t tubes() const { return static_cast<std::size_t>(std::ceil(most_m() / element_m())) + 3; }
   double most_m() const { return longest_m > 0 ? longest_m : length_m; }
   double least_m() const { return shortest_m > 0 ? shortest_m : element_m(); }
   /// Throws InvalidValue naming the field.

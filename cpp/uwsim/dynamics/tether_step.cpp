@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "uwsim/core/check.h"
+#include "uwsim/dynamics/point_jacobian.h"
 #include "uwsim/dynamics/tether.h"
 
 // The part of Tether that finds the nodes' next positions.
@@ -15,20 +16,11 @@ constexpr int kFull = 12;  // iterations after which changes are halved, in case
 // nodes' inertia in a step, or softer, and then stiffer by stages.
 constexpr double kLost_m = 1e6, kSofter = 100, kStiffer = 5;
 constexpr int kStages = 30;
-constexpr double kSolved_m = 1e-7;  // the change of an iteration after which positions are found
-constexpr double kLeast = 1e-12;    // m and m/s, below which a direction is arbitrary
+constexpr double kSolved_m = 1e-7;   // the change of an iteration after which positions are found
+constexpr double kUnseen_m_s = 0.5;  // contacts are searched as far as forces may move a node in a step
+constexpr double kLeast = 1e-12;     // m and m/s, below which a direction is arbitrary
 
 Eigen::Matrix3d outer(const Eigen::Vector3d& v) { return v * v.transpose(); }
-
-/// Velocity of a point that moves with a body.
-Eigen::Matrix<double, 3, 6> jacobian(const Pose& pose, const Eigen::Vector3d& point_body) {
-  const Eigen::Matrix3d rotation = pose.rotation();
-  Eigen::Matrix3d across;
-  across << 0, -point_body.z(), point_body.y(), point_body.z(), 0, -point_body.x(), -point_body.y(), point_body.x(), 0;
-  Eigen::Matrix<double, 3, 6> j;
-  j << rotation, -rotation * across;
-  return j;
-}
 
 /// Returns the parts of `v` along and across a unit vector, times factors.
 Eigen::Vector3d scaled(const Eigen::Vector3d& v, const Eigen::Vector3d& unit, double along, double across) {
@@ -41,7 +33,10 @@ void Tether::step(std::span<MovedBody> bodies, const WaterField& water, double t
   ends_ = {end_of(spec_.first, bodies, water, time_s, step_s), end_of(spec_.second, bodies, water, time_s, step_s)};
   drum_ = drum(step_s);
   freeze(water, time_s, step_s);
+  freeze_contacts(bodies, step_s, kUnseen_m_s * step_s, step_s);
+  yield_hulls(bodies, water, time_s, step_s);
   find_next(step_s);
+  push_hulls(bodies);
   for (std::size_t k = 0; k < 2; ++k) {
     const TetherEnd& at = k == 0 ? spec_.first : spec_.second;
     if (at.body == TetherEnd::kNoBody || ends_[k].is_fixed) continue;
@@ -64,7 +59,7 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
   const Pose& pose = body.state.world_from_body;
   const BodyState free =
       advance(*body.spec.craft, body.state, body.loads(Vector6d::Zero(), step_s), water, time_s, step_s);
-  const Eigen::Matrix<double, 3, 6> j = jacobian(pose, end.point_m);
+  const Eigen::Matrix<double, 3, 6> j = point_jacobian(pose, end.point_m);
   now.is_fixed = false;
   now.next = free.world_from_body.point(end.point_m);
   now.mass = (j * body.spec.craft->inverse_mass(pose, water, time_s) * j.transpose()).inverse();
@@ -195,6 +190,7 @@ bool Tether::find_next(double step_s) {
         Frozen& f = frozen_[i];
         f.tension_n = std::max(0.0, f.pull.tension + f.pull.stiffness * f.unit.dot(change_[i + 1] - change_[i]));
       }
+      press_contacts();
       if (largest <= kSolved_m) return true;
       if (!(largest < kLost_m)) return false;
     }
@@ -236,7 +232,8 @@ bool Tether::find_next(double step_s) {
         break;
       }
     }
-    if (found.empty()) {  // it flies freely
+    const bool flies = found.empty();
+    if (flies) {
       begin();
       found.assign(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(rows));
       std::ranges::fill(tensions, 0);
@@ -246,6 +243,14 @@ bool Tether::find_next(double step_s) {
       frozen_[i].tension_n = tensions[i];
       change_[i].setZero();
     }
+    if (flies) contacts_.clear();
+    for (TetherContact& contact : contacts_) {  // their forces at these positions
+      const Eigen::Vector3d slip = between(next_, contact) - contact.held_m;
+      contact.is_pressed = true;
+      contact.slide_n = contact.friction_stiffness * (slip - contact.normal_world.dot(slip) * contact.normal_world);
+      contact.slide_stiffness.setZero();
+    }
+    press_contacts();
     spec_.axial_stiffness_n = stiffness;
     spec_.axial_damping_n_s = damping;
   }
@@ -270,6 +275,7 @@ void Tether::assemble(double step_s) {
   if (spec_.bending_stiffness_n_m2 > 0) {
     for (std::size_t i = 1; i < elements(); ++i) add_bending(i);
   }
+  add_contacts();
   add_ends(step_s);
 }
 

@@ -12,7 +12,7 @@ void Simulation::release(std::size_t index) {
 void Simulation::dock(std::size_t index, const Pose& world_from_body) {
   Vehicle& free = changeable(index);
   require_free("vehicle '" + free.name + "' dock", world_from_body.position_m);
-  bodies_.require_tethers_reach(free.body, world_from_body);
+  bodies_.require_tethers_reach(free.body, world_from_body, world_.water, time_s());
   BodyState held;
   held.world_from_body = world_from_body;
   bodies_.set_state(free.body, held);

@@ -33,7 +33,7 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
   require(state.velocity_body.cwiseAbs().maxCoeff() <= kSpeedMax, path + " velocity_body",
           state.velocity_body.transpose(), "must be at most 100 m/s and rad/s");
   require_free(path + " position_m", position);
-  bodies_.require_tethers_reach(moved.body, state.world_from_body);
+  bodies_.require_tethers_reach(moved.body, state.world_from_body, world_.water, time_s());
   release(index);  // otherwise, a docked vehicle would be held in place
   bodies_.set_state(moved.body, state);
   bodies_.lay_tethers(moved.body, world_.water, time_s());

@@ -1,0 +1,59 @@
+#include "uwsim/dynamics/contact_shapes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "uwsim/core/recently_made.h"
+#include "uwsim/world/same_surfaces.h"
+
+namespace uwsim {
+namespace {
+
+ConvexBody made_body(std::span<const ConvexPiece> pieces_body_m) {
+  ConvexBody body;
+  body.points_m.assign(pieces_body_m.begin(), pieces_body_m.end());
+  ConvexPiece all;
+  for (const ConvexPiece& points : pieces_body_m) {
+    ConvexShape shape(points);
+    const ConvexPiece& corners = shape.polytope_body().corners_m;
+    const BodyBox box = BodyBox::around(corners);
+    all.insert(all.end(), corners.begin(), corners.end());
+    body.pieces.push_back({std::move(shape), box});
+  }
+  body.box = BodyBox::around(all);
+  for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
+  return body;
+}
+
+}  // namespace
+
+BodyBox BodyBox::around(const ConvexPiece& points_m) {
+  Eigen::Vector3d low = points_m.front(), high = low;
+  for (const Eigen::Vector3d& p : points_m) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return {0.5 * (low + high), 0.5 * (high - low)};
+}
+
+WorldBox BodyBox::in_world(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& rotation, double reach_m) const {
+  const Eigen::Vector3d middle = position_m + rotation * middle_body_m;
+  const Eigen::Vector3d half = rotation.cwiseAbs() * half_size_body_m + Eigen::Vector3d::Constant(reach_m);
+  return {middle - half, middle + half};
+}
+
+std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m) {
+  static RecentlyMade<ConvexBody> known;
+  return known.find_or_make(
+      false, [&](const ConvexBody& other) { return std::ranges::equal(other.points_m, pieces_body_m); },
+      [&] { return std::make_shared<const ConvexBody>(made_body(pieces_body_m)); });
+}
+
+std::shared_ptr<const FixedSurfaces> fixed_surfaces(const World& world) {
+  static RecentlyMade<FixedSurfaces> known;
+  return known.find_or_make(
+      false, [&](const FixedSurfaces& other) { return have_same_surfaces(other.world, world); },
+      [&] { return std::make_shared<const FixedSurfaces>(world); });
+}
+
+}  // namespace uwsim
