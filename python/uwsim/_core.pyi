@@ -3423,6 +3423,11 @@ class TetherSpec:
     def tangential_drag(self) -> float: ...
     @tangential_drag.setter
     def tangential_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tubes(self) -> int:
+        """
+        as targets for rays, each with a label
+        """
 
 class VehicleSpec:
     actuators: ActuatorsSpec
@@ -3730,7 +3735,7 @@ class Simulation:
     def scene_around(self, vehicle: typing.SupportsInt | typing.SupportsIndex | None = None) -> RayScene:
         """
         Return the world with all vehicles and objects at their present poses, except the given vehicle. A
-        snapshot. Labels of vehicles, then of objects, follow those of the world.
+        snapshot. Labels of vehicles, then of objects and tethers, follow those of the world.
         """
     def set_effort(
         self,

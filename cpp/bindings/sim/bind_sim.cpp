@@ -225,7 +225,7 @@ void bind_sim(py::module_& m) {
           },
           py::arg("vehicle") = py::none(),
           "Return the world with all vehicles and objects at their present poses, except the given vehicle. A\n"
-          "snapshot. Labels of vehicles, then of objects, follow those of the world.")
+          "snapshot. Labels of vehicles, then of objects and tethers, follow those of the world.")
       .def(
           "watch_sensor",
           [](OwnedSimulation& o, std::size_t v, std::size_t sensor, std::optional<std::uint64_t> from_ns) {

@@ -64,7 +64,8 @@ void bind_tether_spec(py::module_& m) {
       .def_readwrite("longest_m", &TetherSpec::longest_m, "0: the length")
       .def_readwrite("shortest_m", &TetherSpec::shortest_m, "0: one element")
       .def_readwrite("fastest_m_s", &TetherSpec::fastest_m_s, "0: there is no winch")
-      .def_readwrite("strongest_n", &TetherSpec::strongest_n);
+      .def_readwrite("strongest_n", &TetherSpec::strongest_n)
+      .def_property_readonly("tubes", &TetherSpec::tubes, "as targets for rays, each with a label");
 }
 
 void bind_tether(py::module_& m, py::class_<OwnedSimulation>& simulation) {

@@ -7,6 +7,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/stream_name.h"
+#include "uwsim/sim/tether_tubes.h"
 #include "uwsim/sonar/water_sound.h"
 
 namespace uwsim {
@@ -161,13 +162,17 @@ VehicleSnapshot Simulation::snapshot(const Vehicle& vehicle) const {
 const MovingBodies& Simulation::vehicles_for_rays() const {
   if (hulls_version_ != version_) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) hulls_->place(k, bodies_.state(k).world_from_body);
+    for (std::size_t k = 0, tube = bodies_.size(); k < tethers(); ++k) {
+      if (hulls_->size() == tube) add_tubes(bodies_.tether(k).spec(), *hulls_);
+      tube = place_tubes(bodies_.tether(k), bodies_, tube, *hulls_);
+    }
     hulls_version_ = version_;
   }
   return *hulls_;
 }
 
 RayScene Simulation::scene_around(const Vehicle& vehicle) const {
-  if (bodies_.size() < 2) return *scene_;
+  if (bodies_.size() < 2 && tethers() == 0) return *scene_;
   vehicles_for_rays();
   return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
 }

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from uwsim.scenario.spec.material import ROCK, Backscatter
+from uwsim.scenario.build.tether import tether_specs
+from uwsim.scenario.spec.material import ROCK, TETHER, Backscatter
 from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """Return the names by label: those from `build_world` (World.label_names), then vehicles, then objects."""
+    """Return the names by label: those from `build_world` (World.label_names), then vehicles, objects and tethers.
+
+    A tether has a label for each of its elements, all with the name `<vehicle> tether`.
+    """
     station = ["station"] if scenario.station.mesh is not None else []
     parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects)
     obstacles, cover, vehicles, objects = ([named.name for named in part] for part in parts)
-    return ["nothing", "terrain", *obstacles, *station, *cover, *vehicles, *objects]
+    return ["nothing", "terrain", *obstacles, *station, *cover, *vehicles, *objects, *_tethers(scenario)]
 
 
 def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
@@ -21,4 +25,10 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     vehicles += [body.shape.material for body in scenario.objects]
     obstacles, cover = ([thing.material for thing in part] for part in (scenario.obstacles, scenario.cover))
     solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
-    return [ROCK, scenario.ground.backscatter, *solids]
+    tethers = [TETHER] * len(_tethers(scenario))
+    return [ROCK, scenario.ground.backscatter, *solids, *tethers]
+
+
+def _tethers(scenario: Scenario) -> list[str]:
+    specs = tether_specs(scenario).items()
+    return [f"{scenario.vehicles[index].name} tether" for index, spec in specs for _ in range(spec.tubes)]

@@ -53,6 +53,9 @@ BACKSCATTER = {
     "plain": ROCK,
 }
 
+TETHER = BACKSCATTER["leaf"]
+"""A cable's jacket, soft and about as dense as water; assumed."""
+
 MaterialName = Annotated[str, OneOf(tuple(_core.material_names()))]
 
 
