@@ -1,4 +1,4 @@
-"""Pilots of the exercises in the wreck, at the fish farm and at the wind turbine: a good and a bad one of each."""
+"""Pilots of the exercises at the wreck, fish farm and wind turbine and on a tether: a good and a bad one of each."""
 
 import math
 
@@ -50,8 +50,24 @@ def beside_the_cable(vehicle):
     yield from goto(vehicle, (20, 10, -22))
 
 
+def back_along_the_tether(vehicle):
+    """Rounds the pile from the north, and returns by the same way."""
+    out = ((-8, 7, -4), (0, 7, -4), (3, 6, -4), (3, 3, -4))
+    for place in out:
+        yield from goto(vehicle, place, within_m=0.6)
+    for place in (*out[2::-1], (-16, 0, -4)):
+        yield from goto(vehicle, place, within_m=0.8)
+
+
+def back_by_the_shortest_way(vehicle):
+    """Rounds the pile from the north, and returns south of it."""
+    for place in ((-8, 7, -4), (0, 7, -4), (3, 6, -4), (3, 3, -4), (0, 1.5, -4), (-16, 0, -4)):
+        yield from goto(vehicle, place, within_m=0.6)
+
+
 DIVES = {
     "net-inspection": (around_the_pen, along_the_surface),
     "wreck-dive": (into_the_wreck, over_the_wreck),
     "cable": (along_the_cable, beside_the_cable),
+    "tether": (back_along_the_tether, back_by_the_shortest_way),
 }

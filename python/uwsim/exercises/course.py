@@ -93,13 +93,18 @@ class Course:
     def require_events(exercise: Exercise, sim: Simulator) -> None:
         """Try all events on a simulator, then restore its state.
 
-        Raises ValueError if an event cannot happen, or if the scenario lacks what a goal needs.
+        Raises ValueError if an event cannot happen, or if the scenario lacks what a goal or a limit needs.
         """
         for index, goal in enumerate(exercise.goals):
             try:
                 goal.require(sim)
             except ValueError as error:
                 raise ValueError(f"goals[{index}]: {error}") from None
+        for index, limit in enumerate(exercise.limits):
+            try:
+                limit.require(sim)
+            except ValueError as error:
+                raise ValueError(f"limits[{index}]: {error}") from None
         for index, event in enumerate(exercise.events):
             if event.command == "end_fault":
                 continue  # the fault begins later

@@ -11,6 +11,7 @@ from uwsim.base.commands.notes import NoteCategory
 from uwsim.exercises.goal import Points, inside
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Point2
+from uwsim.simulator.simulator import Simulator
 
 AGAIN_S = 3.0  # a limit broken again within this time counts only once
 
@@ -30,6 +31,9 @@ class LimitModel(Model):
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """Return whether the limit is broken at a moment. collisions_before: the number up to the previous moment."""
         raise NotImplementedError
+
+    def require(self, sim: Simulator) -> None:
+        """Raise ValueError if the simulator's scenario lacks what the limit needs."""
 
     @property
     def title(self) -> str:
@@ -149,4 +153,36 @@ class Reports(LimitModel):
         return f"At most {self.most} notes: {self.category}"
 
 
-Limit = Annotated[Collisions | Deepest | Lowest | Fastest | Area | Reports, Field(discriminator="kind")]
+class Tangled(LimitModel):
+    """The tether of the exercise's vehicle must not go round an upright obstacle (docs/guides/tether.md).
+
+    within_m: the distance from its anchor in which that counts; by default any.
+    """
+
+    kind: Literal["tangled"]
+    within_m: Annotated[float, InRange(0.1, 1e4, "m")] | None = None
+
+    def require(self, sim: Simulator) -> None:
+        """See LimitModel."""
+        if all(vehicle.tether is None or not vehicle.tether.read().turns for vehicle in sim.vehicles.values()):
+            raise ValueError(
+                f"scenario '{sim.scenario.name}': has no tether, or no upright obstacle that it could go round"
+            )
+
+    def is_broken(self, moment: Moment, collisions_before: int) -> bool:
+        """See LimitModel."""
+        tether = moment.vehicle.tether
+        if tether is None:
+            return False
+        now = tether.read()
+        far_m = float(np.linalg.norm(moment.position_world_m - now.points_world_m[0]))
+        return now.is_tangled and (self.within_m is None or far_m <= self.within_m)
+
+    @property
+    def title(self) -> str:
+        """See LimitModel."""
+        where = "" if self.within_m is None else f", within {self.within_m:g} m of its anchor"
+        return f"No turn of the tether round an obstacle{where}"
+
+
+Limit = Annotated[Collisions | Deepest | Lowest | Fastest | Area | Reports | Tangled, Field(discriminator="kind")]

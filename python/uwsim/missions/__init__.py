@@ -13,6 +13,7 @@ from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import begin, run
 from uwsim.missions.steps import Steps, Wait, drive, parallel, race, until, wait
 from uwsim.missions.stopped import StoppedError
+from uwsim.missions.tether_home import follow_tether
 from uwsim.missions.vehicle import Vehicle
 from uwsim.missions.waypoints import visit
 
@@ -36,6 +37,7 @@ __all__ = [
     "dive_to",
     "drive",
     "follow",
+    "follow_tether",
     "goto",
     "hold",
     "lawn_mower_lanes",

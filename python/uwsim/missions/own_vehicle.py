@@ -18,7 +18,7 @@ from uwsim.base.commands import Commandable, command_named
 from uwsim.base.named import Named
 from uwsim.base.sealed import Sealed
 from uwsim.missions.estimated_views import EstimatedCamera, EstimatedImagingSonar, EstimatedSonar
-from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel, Vehicle
+from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel, TetherLike, Vehicle
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
@@ -91,6 +91,12 @@ class OwnVehicle(Sealed, Commandable):
     def velocity(self) -> VelocityLike:
         """The estimated velocity."""
         return self.estimate.velocity
+
+    @property
+    def tether(self) -> TetherLike | None:
+        """The simulated vehicle's tether; None without one, and for a remote vehicle."""
+        found: TetherLike | None = getattr(self._hull, "tether", None)
+        return found
 
     @cached_property
     def _autopilot(self) -> Autopilot | Controller:

@@ -31,6 +31,21 @@ class Panel(PanelLike, Protocol):
     def collision_warning(self) -> bool: ...
 
 
+class TetherShape(Protocol):
+    """A tether at one time: points_world_m (n, 3) from its anchor, and where it is broken."""
+
+    @property
+    def points_world_m(self) -> NDArray[np.float64]: ...
+    @property
+    def broken_at_m(self) -> float | None: ...
+
+
+class TetherLike(Protocol):
+    """A tether. See uwsim.simulator.tether.Tether."""
+
+    def read(self) -> TetherShape: ...
+
+
 class LampLike(Protocol):
     """One or more lamps on a common switch."""
 

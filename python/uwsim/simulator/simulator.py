@@ -46,6 +46,7 @@ from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.properties import SimulatorProperties
 from uwsim.simulator.tether import Tether
+from uwsim.simulator.tether_turns import upright_axes
 from uwsim.simulator.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
@@ -244,7 +245,7 @@ class Simulator(SimulatorProperties):
         if tether is None:
             return None
         number = sum(entry.tether is not None for entry in entries[:index])
-        return Tether(self._core, number, tether.length_m / tether.elements)
+        return Tether(self._core, number, tether.length_m / tether.elements, upright_axes(self.scenario))
 
     def _made_dock(self) -> Dock:
         station = self.scenario.station

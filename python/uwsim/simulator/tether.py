@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.arguments import read_only
 from uwsim.base.short_repr import ShortRepr
+from uwsim.simulator.tether_turns import turns
 
 Floats = NDArray[np.float64]
 
@@ -21,6 +23,7 @@ class TetherReading(ShortRepr):
     points_world_m (n + 1, 3): the nodes between its elements. tensions_n (n,): of the elements. anchor_force_world_n,
     vehicle_force_world_n (3,): of the tether on what holds its ends, in the last step. length_m: out, without load.
     rate_m_s: paid out in the last step. broken_at_m: the length from the anchor at which it has broken, or None.
+    turns: about each upright obstacle of the scenario, by its name (tether_turns.turns_about); 0 once it has broken.
     """
 
     points_world_m: Floats
@@ -30,6 +33,12 @@ class TetherReading(ShortRepr):
     length_m: float
     rate_m_s: float
     broken_at_m: float | None
+    turns: Mapping[str, int]
+
+    @property
+    def is_tangled(self) -> bool:
+        """True if it goes round an upright obstacle, so that it cannot be drawn tight."""
+        return any(self.turns.values())
 
     @property
     def anchor_tension_n(self) -> float:
@@ -45,10 +54,13 @@ class TetherReading(ShortRepr):
 class Tether:
     """A vehicle's tether, `Vehicle.tether`. Readings are true, not measured."""
 
-    def __init__(self, simulation: _core.Simulation, index: int, element_m: float) -> None:
+    def __init__(
+        self, simulation: _core.Simulation, index: int, element_m: float, axes: Mapping[str, tuple[float, float]]
+    ) -> None:
         self._simulation = simulation
         self._index = index
         self._element_m = element_m
+        self._axes = axes
 
     def __repr__(self) -> str:
         now = self.read()
@@ -64,8 +76,9 @@ class Tether:
             broken = first_m / 2 if now.broken == 0 else first_m + (now.broken - 0.5) * self._element_m
         points, tensions = np.array(now.points_world_m), np.array(now.tensions_n)
         ends = [read_only(np.array(force)) for force in now.end_forces_n]
+        found = turns(points, self._axes) if broken is None else dict.fromkeys(self._axes, 0)
         return TetherReading(
-            read_only(points), read_only(tensions), ends[0], ends[1], now.length_m, now.rate_m_s, broken
+            read_only(points), read_only(tensions), ends[0], ends[1], now.length_m, now.rate_m_s, broken, found
         )
 
     @property

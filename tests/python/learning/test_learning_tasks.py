@@ -14,7 +14,15 @@ from uwsim.learning.motion import Motion
 from uwsim.learning.options import EpisodeOptions
 from uwsim.learning.returns import Flown, fly
 from uwsim.learning.task import Task
-from uwsim.learning.tasks import Coverage, Docking, GatePassing, PipelineFollowing, StationKeeping, Waypoint
+from uwsim.learning.tasks import (
+    Coverage,
+    Docking,
+    GatePassing,
+    PipelineFollowing,
+    StationKeeping,
+    TetheredReturn,
+    Waypoint,
+)
 
 SEEDS = range(3)
 Target = Callable[[Any, Motion], tuple[Any, Any]]
@@ -76,6 +84,19 @@ def pipeline(task: PipelineFollowing, now: Motion) -> tuple[Any, Any]:
     return np.column_stack([points, task.batch.world.height_at(points) + 3.0]), direction
 
 
+def round_the_pile(sides: tuple[float, float]) -> Target:
+    """Return a target that passes the pile on one side on the way out, and on one on the way back: 1 is north."""
+
+    def target(task: TetheredReturn, now: Motion) -> tuple[Any, Any]:
+        place_m, x_m = task._next_m().copy(), now.position_world_m[:, 0]
+        beyond = np.where(task._returns, x_m > -1.5, x_m < 1.5)
+        side = np.where(task._returns, sides[1], sides[0])
+        aside = np.column_stack([np.where(task._returns, x_m - 1.5, x_m + 1.5), 2.2 * side, place_m[:, 2]])
+        return np.where(beyond[:, None], aside, place_m), EAST
+
+    return target
+
+
 def lanes() -> Target:
     """Return a target that flies lanes to and fro, 4 m apart; the sonar looks about 2 m ahead."""
     ends = np.array(
@@ -93,7 +114,14 @@ def lanes() -> Target:
 
 @pytest.mark.parametrize(
     ("kind", "target"),
-    [(Waypoint, waypoint), (Docking, dock), (GatePassing, gate), (PipelineFollowing, pipeline), (Coverage, lanes())],
+    [
+        (Waypoint, waypoint),
+        (Docking, dock),
+        (GatePassing, gate),
+        (PipelineFollowing, pipeline),
+        (Coverage, lanes()),
+        (TetheredReturn, round_the_pile((1.0, 1.0))),
+    ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_a_pilot_does_the_task(kind: type[Task], target: Target) -> None:
@@ -108,3 +136,9 @@ def test_a_station_is_kept() -> None:
     assert (kept.total > 200.0).all()
     assert (kept.total > 2.0 * idle.total).all()
     assert kept.steps.tolist() == [400] * len(SEEDS)
+
+
+def test_a_return_on_the_other_side_of_the_pile_leaves_a_turn() -> None:
+    with_care, without = (flown(TetheredReturn, round_the_pile(sides)) for sides in ((1.0, 1.0), (1.0, -1.0)))
+    assert (with_care.total > without.total + 15.0).all()
+    assert [abs(without.figures["turns"][without.steps[k] - 1, k]) for k in range(len(SEEDS))] == [1.0] * len(SEEDS)

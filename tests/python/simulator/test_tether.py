@@ -9,11 +9,13 @@ from uwsim import Batch, Simulator
 from uwsim.channels import Table
 from uwsim.channels.authority.steering import is_cut_off
 from uwsim.live import LiveSimulator, replay
+from uwsim.missions import follow_tether, goto, run
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay as replay_recording
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.validated import validated
+from uwsim.simulator.tether_turns import turns_about
 
 BED_M = -10.0
 TETHER = {"anchor": [0, 0, -4], "at_m": [-0.2, 0, 0], "length_m": 6.0, "elements": 12}
@@ -160,3 +162,64 @@ def test_what_cannot_be_is_refused(tether: dict, message: str) -> None:
         Simulator(site(tether))
     assert "vehicles[0].tether" in str(refusal.value)
     assert "\n" not in str(refusal.value).strip()
+
+
+PILE = {"kind": "cylinder", "name": "pile", "position_m": [0, 0, -5], "radius_m": 0.3, "length_m": 12}
+
+
+def by_a_pile(**tether: object) -> Scenario:
+    return site({"anchor": [-4, 0, -4], "length_m": 12.0, "elements": 24} | tether, obstacles=[PILE])
+
+
+@pytest.mark.parametrize(("laps", "turns"), [(0.0, 0), (0.3, 0), (0.7, 1), (1.2, 1), (-0.7, -1), (2.6, 3)])
+def test_turns_are_those_of_the_loop_that_the_straight_way_back_closes(laps: float, turns: int) -> None:
+    angles = np.linspace(0.4, 0.4 + 2 * np.pi * laps, 200)
+    radius = np.linspace(1.0, 3.0, 200)
+    points = np.column_stack([5 + radius * np.cos(angles), -2 + radius * np.sin(angles), np.linspace(-3, -6, 200)])
+    assert turns_about(points, (5.0, -2.0)) == turns
+    assert turns_about(points, (20.0, 0.0)) == 0
+
+
+def test_a_pile_holds_it_and_the_way_back_frees_it() -> None:
+    sim = Simulator(by_a_pile())
+    sim.rov.place([-2, 1, -4])
+
+    def round_the_pile(vehicle):
+        for place in ((0, 2, -4), (2, 0, -4), (0.5, -2, -4)):
+            yield from goto(vehicle, place, within_m=0.5)
+
+    run(round_the_pile, sim.rov, sim)
+    assert sim.rov.tether.read().turns == {"pile": -1}
+    sim.rov.set_effort(surge=0.0)
+
+    def home(vehicle):
+        yield from follow_tether(vehicle, short_of_m=2.0)
+
+    run(home, sim.rov, sim)
+    now = sim.rov.tether.read()
+    assert now.turns == {"pile": 0} and not now.is_tangled
+    inside_m = np.linalg.norm(now.points_world_m[:, :2], axis=1)
+    assert inside_m.min() > 0.28, "no node is in the pile"
+
+
+def test_what_would_pass_through_an_obstacle_is_refused_and_changes_nothing() -> None:
+    wall = {"kind": "box", "name": "wall", "position_m": [1, 0, -5], "size_m": [0.4, 50, 12]}
+    with pytest.raises(ScenarioError, match="passes through 'wall' wherever it is laid"):
+        Simulator(site({}, obstacles=[wall]))
+    sim = Simulator(site({"anchor": [2, 0, -4]}, obstacles=[wall]))
+    before = sim.save_state()
+    with pytest.raises(ValueError, match="passes through 'wall'"):
+        sim.rov.place([-2, 0, -4])
+    assert sim.save_state() == before
+
+
+def test_rays_meet_it() -> None:
+    sim = Simulator(site({"anchor": [0, 0, -4], "diameter_m": 0.05}))
+    points = sim.rov.tether.read().points_world_m
+    at = 0.5 * (points[3] + points[4])
+    scene = sim._core.scene_around(0)
+    assert sim.label_names.count("rov tether") == 15
+    eye = at + np.array([0.0, -2.0, 0.0])
+    hits = scene.cast(np.array([eye]), np.array([[0.0, 1.0, 0.0]]), 10.0)
+    assert sim.label_names[hits.labels[0]] == "rov tether"
+    assert hits.ranges_m[0] == pytest.approx(2.0 - 0.025, abs=0.004)

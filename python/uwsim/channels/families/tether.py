@@ -30,6 +30,19 @@ def tether_channels(source: Source, sim: Simulator) -> list[Channel]:
             source.topic("tether/tension"), FLOATS, "out", FIELDS,
             rate_hz=RATE_HZ, frame_id="world", delivery=Delivery(), read=lambda sim: _tension(source, sim),
         ),
+        *_turns_channel(source, sim),
+    ]  # fmt: skip
+
+
+def _turns_channel(source: Source, sim: Simulator) -> list[Channel]:
+    names = list(_read(source, sim).turns)
+    if not names:
+        return []
+    return [
+        Channel(
+            source.topic("tether/turns"), FLOATS, "out", "its turns about upright obstacles; any but 0: tangled",
+            rate_hz=RATE_HZ, frame_id="world", delivery=Delivery(), read=lambda sim: _turns(source, sim),
+        )
     ]  # fmt: skip
 
 
@@ -58,3 +71,7 @@ def _tension(source: Source, sim: Simulator) -> Any:
     broken = 0.0 if now.broken_at_m is None else 1.0
     first = [now.length_m, now.rate_m_s, now.anchor_tension_n, now.vehicle_tension_n, broken]
     return build.message(FLOATS, data=np.concatenate([first, now.tensions_n]))
+
+
+def _turns(source: Source, sim: Simulator) -> Any:
+    return build.message(FLOATS, data=np.array(list(_read(source, sim).turns.values()), np.float64))
