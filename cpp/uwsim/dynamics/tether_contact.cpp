@@ -265,7 +265,7 @@ void TetherContactFinder::meet_piece(std::size_t element, const Polytope& piece,
   }
 }
 
-/// Of several contacts at the same place of an element, the nearest is kept.
+/// Keeps the nearest of several contacts at the same place of an element.
 void TetherContactFinder::add(std::size_t element, double share, const Eigen::Vector3d& point_m,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& moves_m, std::uint64_t body) {
   const Eigen::Vector3d at = point(element, share);

@@ -94,8 +94,8 @@ void Tether::yield_hulls(std::span<const MovedBody> bodies, const WaterField& wa
   }
 }
 
-/// Whether a contact presses, and its friction slides, is judged as in pull(): by the force of the last iteration, and,
-/// as if the contact were no stiffer than the tether's inertia, by how far its place is from the one at that force.
+/// A contact presses, and its friction slides, as pull() judges of elements: by the force of the last iteration, and,
+/// as if it were no stiffer than the tether's inertia, by how far its place is from the one at that force.
 void Tether::add_contacts() {
   for (TetherContact& c : contacts_) {
     const Eigen::Vector3d at = between(next_, c);
