@@ -14,6 +14,8 @@ __all__: list[str] = [
     "AcousticSpec",
     "ActuatorsSpec",
     "AppliedWrench",
+    "ArmLink",
+    "ArmReading",
     "Arrival",
     "Autopilot",
     "AutopilotGains",
@@ -47,6 +49,7 @@ __all__: list[str] = [
     "ImagingKind",
     "ImagingSonar",
     "InstructionSet",
+    "JointKind",
     "Lens",
     "LinkDelivery",
     "LinkFault",
@@ -57,6 +60,7 @@ __all__: list[str] = [
     "LoopGains",
     "MapEngine",
     "MapOptions",
+    "Mechanism",
     "MediumAccess",
     "MemberSpec",
     "ModemSpec",
@@ -3429,6 +3433,266 @@ class TetherSpec:
         as targets for rays, each with a label
         """
 
+class JointKind:
+    """
+    Members:
+
+      FIXED
+
+      HINGE
+
+      SLIDE
+    """
+
+    FIXED: typing.ClassVar[JointKind]
+    HINGE: typing.ClassVar[JointKind]
+    SLIDE: typing.ClassVar[JointKind]
+    __members__: typing.ClassVar[dict[str, JointKind]]
+    @typing.overload
+    def __eq__(self, other: JointKind) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: JointKind) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class ArmLink:
+    """
+    A link of an arm, and the joint that holds it.
+    """
+
+    joint: JointKind
+    name: str
+    def __init__(self) -> None: ...
+    def set_pose(self, position_m: typing.Any, orientation_xyzw: typing.Any) -> None:
+        """
+        Set the link's frame in its parent's, at zero.
+        """
+    @property
+    def added_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 6]"]:
+        """
+        (6, 6), at the link's origin
+        """
+    @added_mass.setter
+    def added_mass(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"]) -> None: ...
+    @property
+    def axis(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @axis.setter
+    def axis(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def centre_of_buoyancy_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @centre_of_buoyancy_m.setter
+    def centre_of_buoyancy_m(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def centre_of_mass_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @centre_of_mass_m.setter
+    def centre_of_mass_m(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+    @property
+    def coulomb_friction(self) -> float: ...
+    @coulomb_friction.setter
+    def coulomb_friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def fastest(self) -> float: ...
+    @fastest.setter
+    def fastest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def gear_ratio(self) -> float: ...
+    @gear_ratio.setter
+    def gear_ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def highest(self) -> float: ...
+    @highest.setter
+    def highest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def inertia_kg_m2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        (3, 3), about the centre of mass
+        """
+    @inertia_kg_m2.setter
+    def inertia_kg_m2(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None: ...
+    @property
+    def linear_drag(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        (6,), at the centre of buoyancy
+        """
+    @linear_drag.setter
+    def linear_drag(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> None: ...
+    @property
+    def lowest(self) -> float: ...
+    @lowest.setter
+    def lowest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def mass_kg(self) -> float: ...
+    @mass_kg.setter
+    def mass_kg(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def parent(self) -> int | None:
+        """
+        index of an earlier link; None: the base
+        """
+    @parent.setter
+    def parent(self, arg1: typing.SupportsInt | typing.SupportsIndex | None) -> None: ...
+    @property
+    def quadratic_drag(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        (6,), at the centre of buoyancy
+        """
+    @quadratic_drag.setter
+    def quadratic_drag(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> None: ...
+    @property
+    def response_s(self) -> float: ...
+    @response_s.setter
+    def response_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def rotor_inertia_kg_m2(self) -> float: ...
+    @rotor_inertia_kg_m2.setter
+    def rotor_inertia_kg_m2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def start(self) -> float: ...
+    @start.setter
+    def start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def strongest(self) -> float:
+        """
+        of the motor, at the joint; 0: there is none
+        """
+    @strongest.setter
+    def strongest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def torque_per_ampere(self) -> float:
+        """
+        0: unknown
+        """
+    @torque_per_ampere.setter
+    def torque_per_ampere(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def viscous_friction(self) -> float: ...
+    @viscous_friction.setter
+    def viscous_friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def volume_m3(self) -> float: ...
+    @volume_m3.setter
+    def volume_m3(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class ArmReading:
+    """
+    The joints of an arm; those that are fixed stay at zero.
+    """
+    def __copy__(self) -> typing.Any: ...
+    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
+    def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
+    def to_dict(self) -> dict[str, typing.Any]:
+        """
+        Return the fields by name; arrays are not copied.
+        """
+    @property
+    def currents_a(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,); NaN where it is unknown
+        """
+    @property
+    def motor_torques(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,), at the joints [N m or N]
+        """
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def positions(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) [rad or m]
+        """
+    @property
+    def speeds(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n,) [rad/s or m/s]
+        """
+
+class Mechanism:
+    """
+    An articulated body on a base of its own: fixed, or a rigid body. For studies; a vehicle's
+    arm is part of its file. Featherstone's articulated-body algorithm, see the page on theory.
+    """
+    def __init__(
+        self,
+        links: collections.abc.Sequence[ArmLink],
+        step_s: typing.SupportsFloat | typing.SupportsIndex = 0.001,
+        base_mass: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"] | None = None,
+    ) -> None:
+        """
+        base_mass: (6, 6) of the base about its origin, linear before angular [kg, kg m, kg m^2]; None: fixed.
+        """
+    def accelerations(
+        self,
+        torques: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        water: Water,
+        wrench_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"] = ...,
+    ) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"], list[float]]:
+        """
+        Return nu' of the base, (6,), and the joints' accelerations under these torques, without Coulomb friction
+        and stops. wrench_world: (6,) on the base at its origin, along the world's axes [N, N m].
+        """
+    def command(
+        self,
+        joint: typing.SupportsInt | typing.SupportsIndex,
+        position: typing.SupportsFloat | typing.SupportsIndex | None = None,
+        speed: typing.SupportsFloat | typing.SupportsIndex | None = None,
+        torque: typing.SupportsFloat | typing.SupportsIndex | None = None,
+    ) -> None: ...
+    def energy_j(self, water: Water) -> tuple[float, float]:
+        """
+        Return kinetic energy, and that of the links' height [J].
+        """
+    def momentum_base(self, water: Water) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        Return the momentum at the base's origin along its axes, (6,).
+        """
+    def place(
+        self,
+        joint: typing.SupportsInt | typing.SupportsIndex,
+        position: typing.SupportsFloat | typing.SupportsIndex,
+        speed: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+    def reaction_base(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        Return the wrench of the links on the base at the start of the last step, along its axes, (6,).
+        """
+    def reading(self) -> ArmReading: ...
+    def step(
+        self,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        water: Water,
+        wrench_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"] = ...,
+    ) -> None:
+        """
+        Advance by fixed steps.
+        """
+    def world_from_link(
+        self, link: typing.SupportsInt | typing.SupportsIndex, water: Water
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]: ...
+    @property
+    def base(self) -> BodyState:
+        """
+        the base's BodyState
+        """
+    @base.setter
+    def base(self, arg0: BodyState) -> None: ...
+
 class VehicleSpec:
     actuators: ActuatorsSpec
     craft: Craft
@@ -3441,6 +3705,13 @@ class VehicleSpec:
         Set the convex pieces, each given by its corners (n, 3), body frame [m], and the shape to PIECES.
         """
     def set_start(self, position_m: typing.Any, orientation_xyzw: typing.Any) -> None: ...
+    @property
+    def arm(self) -> list[ArmLink]:
+        """
+        its links, a list; copied; empty: it has no arm
+        """
+    @arm.setter
+    def arm(self, arg0: collections.abc.Sequence[ArmLink]) -> None: ...
     @property
     def battery(self) -> BatterySpec | None:
         """
@@ -3529,6 +3800,10 @@ class Simulation:
         Exert a wrench (6,) on a vehicle at its origin, besides those by schedule, for a duration, which may be
         inf, or until the next call. Raises ValueError.
         """
+    def arm(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> ArmReading:
+        """
+        Return the arm's ArmReading. Raises ValueError if there is none.
+        """
     def battery(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BatteryState: ...
     def change(self, water: Water, spec: SimulationSpec, vehicles: collections.abc.Sequence[VehicleSpec]) -> None:
         """
@@ -3538,6 +3813,17 @@ class Simulation:
     def collisions(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> int:
         """
         Return the number of times the vehicle has come into contact with anything.
+        """
+    def command_joints(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        positions: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
+        speeds: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
+        torques: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
+    ) -> None:
+        """
+        Command joints from (name, value) pairs: positions [rad or m], speeds [per s], the motors' torques at the
+        joints [N m or N]. The others keep their commands. Raises ValueError, changing nothing.
         """
     def command_winch(
         self,
@@ -3663,6 +3949,12 @@ class Simulation:
         """
         Return (messages, bytes) in a node's queue.
         """
+    def links_world(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]]:
+        """
+        Return world_from_link of each link, (4, 4).
+        """
     def motion(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> tuple[
@@ -3704,6 +3996,16 @@ class Simulation:
         Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its
         present elevation and the other vehicles at their present poses. threads: all by default; results do
         not depend on it. Raises ValueError. Releases the GIL. Can be interrupted by Ctrl-C.
+        """
+    def place_joint(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        joint: typing.SupportsInt | typing.SupportsIndex,
+        position: typing.SupportsFloat | typing.SupportsIndex,
+        speed: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None:
+        """
+        Move a joint immediately. Raises ValueError.
         """
     def read_sensor(
         self,

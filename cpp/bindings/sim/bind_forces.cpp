@@ -29,14 +29,16 @@ std::vector<ContactForce> named(const Simulation& simulation, const std::vector<
   return all;
 }
 
-/// Tethers have a term only where there are any.
-std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces) {
+/// Tethers and arms have a term only where there are any.
+std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces,
+                                                      bool has_arm) {
   const Craft::Terms& craft = forces.craft;
   std::vector<std::pair<std::string, Vector6d>> terms{
       {"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
       {"added_mass", craft.added_mass}, {"coriolis", craft.coriolis}, {"actuators", forces.actuators},
       {"applied", forces.applied},      {"contact", forces.contact},  {"dock", forces.dock}};
   if (simulation.tethers() > 0) terms.emplace_back("tether", forces.tether);
+  if (has_arm) terms.emplace_back("arm", forces.arm);
   return terms;
 }
 
@@ -110,7 +112,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "forces",
           [](OwnedSimulation& o, std::size_t v) {
-            return o.with([&](Simulation& s) { return by_name(s, s.forces(v)); });
+            return o.with([&](Simulation& s) { return by_name(s, s.forces(v), s.has_arm(v)); });
           },
           py::arg("vehicle"),
           "Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises\n"
@@ -118,7 +120,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "object_forces",
           [](OwnedSimulation& o, std::size_t k) {
-            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k)); });
+            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false); });
           },
           py::arg("object"))
       .def(

@@ -114,7 +114,7 @@ PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size
 }
 
 /// Converts rigid transforms (n, 4, 4). Throws InvalidValue for anything else.
-std::vector<Pose> as_poses(const py::object& object, const char* name) {
+std::vector<Pose> poses_of(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1, 4, 4});
   std::vector<Pose> poses;
   for (py::ssize_t k = 0; k < array.shape(0); ++k) {
@@ -141,7 +141,7 @@ int threads_or_all(const std::optional<int>& threads) {
 
 PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t index, const py::object& world_from_body,
                      const std::optional<int>& requested_threads) {
-  const std::vector<Pose> poses = as_poses(world_from_body, "poses");
+  const std::vector<Pose> poses = poses_of(world_from_body, "poses");
   const int threads = threads_or_all(requested_threads);
   const auto n = static_cast<py::ssize_t>(poses.size());
   std::vector<RowMajor4> heads(poses.size());

@@ -84,6 +84,7 @@ void bind_specs(py::module_& m) {
 
   bind_object_spec(m);
   bind_tether_spec(m);
+  bind_arm_link(m);
   py::class_<VehicleSpec, std::shared_ptr<VehicleSpec>>(m, "VehicleSpec")
       .def(py::init<>())
       .def_readwrite("name", &VehicleSpec::name)
@@ -114,7 +115,8 @@ void bind_specs(py::module_& m) {
       .def_readwrite("sensors", &VehicleSpec::sensors)
       .def_readwrite("sonars", &VehicleSpec::sonars)
       .def_readwrite("battery", &VehicleSpec::battery, "None: the simulation's mission time")
-      .def_readwrite("wrenches", &VehicleSpec::wrenches, "what acts on it, by schedule; copied");
+      .def_readwrite("wrenches", &VehicleSpec::wrenches, "what acts on it, by schedule; copied")
+      .def_readwrite("arm", &VehicleSpec::arm, "its links, a list; copied; empty: it has no arm");
 }
 
 }  // namespace
@@ -137,6 +139,7 @@ void bind_sim(py::module_& m) {
   bind_commands(simulation);
   bind_forces(m, simulation);
   bind_tether(m, simulation);
+  bind_arm(m, simulation);
   bind_pings(m, simulation);
   bind_link(m, simulation);
   bind_batch(m);

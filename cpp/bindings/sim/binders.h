@@ -16,6 +16,9 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// Tethers.
 void bind_tether_spec(py::module_& m);
 void bind_tether(py::module_& m, py::class_<OwnedSimulation>& simulation);
+/// Arms.
+void bind_arm_link(py::module_& m);
+void bind_arm(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// Sonar heads and their pings in both modes.
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// The link between station and vehicles.

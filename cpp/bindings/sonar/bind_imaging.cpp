@@ -18,9 +18,9 @@ namespace {
 
 using Arrays = py::typing::Dict<py::str, py::array_t<float>>;
 
-Arrays ping(const ImagingSonar& sonar, const RayScene& scene, const Water& water, const py::object& positions_m,
-            const py::object& orientations_xyzw, std::uint64_t seed, const std::string& stream,
-            std::uint64_t first_ping, int threads, const py::object& angles_rad, bool with_labels) {
+Arrays imaging_ping(const ImagingSonar& sonar, const RayScene& scene, const Water& water, const py::object& positions_m,
+                    const py::object& orientations_xyzw, std::uint64_t seed, const std::string& stream,
+                    std::uint64_t first_ping, int threads, const py::object& angles_rad, bool with_labels) {
   const std::vector<Pose> poses = as_poses(positions_m, orientations_xyzw, "sonar");
   const std::vector<double> angles = as_angles(angles_rad);
   const RandomStream random(seed, stream);
@@ -72,9 +72,9 @@ void bind_imaging(py::module_& m) {
             return s.acoustics().absorption_db_m(water, z_m);
           },
           py::arg("water"), py::arg("head_z_m"), "Absorption in the water at the head [dB/m].")
-      .def("ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
-           py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
-           py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
+      .def("ping", &imaging_ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"),
+           py::arg("orientations_xyzw"), py::arg("seed"), py::arg("stream"), py::arg("first_ping"),
+           py::arg("threads") = 1, py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
            "Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar.\n"
            "angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its noise.\n"
            "with_labels: also return the label of the surface with the strongest mean echo in each cell, 0 where no\n"

@@ -12,11 +12,23 @@ void add(Forces& sum, double share, const Craft::Terms& terms) {
   for (const auto term : kTerms) sum.craft.*term += share * terms.*term;
 }
 
-Forces at_instant(const MovedBody& body, const WaterField& water, double time_s) {
+/// `arm` is a copy, which moves on.
+Vector6d arm_at_instant(Arm arm, const MovedBody& body, const WaterField& water, double time_s, double step_s) {
+  const Loads none;
+  arm.begin();
+  if (body.held) {
+    arm.advance(HeldBase(), body.state, water, time_s, step_s);
+  } else {
+    arm.advance(CraftBase(*body.spec.craft, none, water), body.state, water, time_s, step_s);
+  }
+  return arm.stage_wrenches()[0];
+}
+
+Forces at_instant(const MovedBody& body, const WaterField& water, double time_s, double step_s) {
   const Craft& craft = *body.spec.craft;
   Forces forces;
-  const Vector6d rate =
-      body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, Vector6d::Zero(), water, time_s);
+  if (body.arm) forces.arm = arm_at_instant(*body.arm, body, water, time_s, step_s);
+  const Vector6d rate = body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, forces.arm, water, time_s);
   forces.craft = craft.terms(body.state, rate, water, time_s);
   if (body.held) forces.dock = -forces.sum();
   return forces;
@@ -37,11 +49,13 @@ Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& wat
 Forces that_move(const Craft& craft, const Motion& motion, const WaterField& water) {
   Forces forces;
   forces.actuators = motion.actuators_body;
-  const auto all = stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s);
+  const auto all = stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s,
+                          motion.arm_body ? &*motion.arm_body : nullptr);
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Stage& stage = all[k];
     const Eigen::Quaterniond& q = stage.state.world_from_body.orientation;
     add(forces, kStageShares[k], craft.terms(stage.state, stage.rate.velocity, water, stage.time_s));
+    if (motion.arm_body) forces.arm += kStageShares[k] * (*motion.arm_body)[k];
     forces.applied += kStageShares[k] * (motion.applied.body + in_body_axes(motion.applied.world, q));
     forces.tether += kStageShares[k] * in_body_axes(motion.tether_world, q);
     forces.contact += kStageShares[k] * in_body_axes(motion.all.world - motion.applied.world - motion.tether_world, q);
@@ -53,12 +67,13 @@ Forces that_move(const Craft& craft, const Motion& motion, const WaterField& wat
 
 Vector6d Forces::sum() const {
   Vector6d sum = actuators + applied + tether + contact + dock;
+  if (!arm.isZero(0)) sum += arm;
   for (const auto term : kTerms) sum += craft.*term;
   return sum;
 }
 
 Forces forces_on(const MovedBody& body, const WaterField& water, double time_s, double step_s) {
-  if (body.held || body.motions.empty()) return at_instant(body, water, time_s);
+  if (body.held || body.motions.empty()) return at_instant(body, water, time_s, step_s);
   const Craft& craft = *body.spec.craft;
   Forces mean;
   for (const Motion& motion : body.motions) {
@@ -68,6 +83,7 @@ Forces forces_on(const MovedBody& body, const WaterField& water, double time_s, 
     mean.actuators += share * part.actuators;
     mean.applied += share * part.applied;
     mean.tether += share * part.tether;
+    mean.arm += share * part.arm;
     mean.contact += share * part.contact;
   }
   return mean;

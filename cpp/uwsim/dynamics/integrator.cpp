@@ -3,21 +3,35 @@
 namespace uwsim {
 namespace {
 
-Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s) {
+Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s,
+             const Vector6d* extra) {
+  Vector6d tau_body = loads.at(state.world_from_body.orientation);
+  if (extra != nullptr) tau_body += *extra;
+  return rate_at(state, craft.acceleration_body(state, tau_body, water, time_s));
+}
+
+Stage stage_at(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s,
+               const Vector6d* extra) {
+  return {state, time_s, rate_of(craft, state, loads, water, time_s, extra)};
+}
+
+}  // namespace
+
+Vector6d Loads::at(const Eigen::Quaterniond& world_from_body) const {
+  Vector6d sum = body;
+  sum.head<3>() += world_from_body.conjugate() * world.head<3>();
+  sum.tail<3>() += world_from_body.conjugate() * world.tail<3>();
+  return sum;
+}
+
+Rate rate_at(const BodyState& state, const Vector6d& acceleration_body) {
   const Eigen::Quaterniond& q = state.world_from_body.orientation;
-  Vector6d tau_body = loads.body;
-  tau_body.head<3>() += q.conjugate() * loads.world.head<3>();
-  tau_body.tail<3>() += q.conjugate() * loads.world.tail<3>();
   const Eigen::Vector3d w = state.angular_body_rad_s();
   const Eigen::Quaterniond spin = q * Eigen::Quaterniond(0, w.x(), w.y(), w.z());
-  return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), craft.acceleration_body(state, tau_body, water, time_s)};
+  return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), acceleration_body};
 }
 
-Stage stage_at(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s) {
-  return {state, time_s, rate_of(craft, state, loads, water, time_s)};
-}
-
-BodyState moved(const BodyState& state, const Rate& rate, double time_s) {
+BodyState moved_at(const BodyState& state, const Rate& rate, double time_s) {
   BodyState next;
   next.world_from_body.position_m = state.world_from_body.position_m + time_s * rate.position;
   next.world_from_body.orientation.coeffs() =
@@ -25,8 +39,6 @@ BodyState moved(const BodyState& state, const Rate& rate, double time_s) {
   next.velocity_body = state.velocity_body + time_s * rate.velocity;
   return next;
 }
-
-}  // namespace
 
 Vector6d in_body_axes(const Vector6d& wrench_world, const Eigen::Quaterniond& world_from_body) {
   Vector6d turned;
@@ -46,13 +58,14 @@ Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_
 }
 
 std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
-                            double time_s, double step_s) {
+                            double time_s, double step_s, const std::array<Vector6d, 4>* extra_body) {
+  const auto extra = [&](std::size_t k) { return extra_body != nullptr ? &(*extra_body)[k] : nullptr; };
   const double middle_s = time_s + step_s / 2;
   std::array<Stage, 4> k;
-  k[0] = stage_at(craft, state, loads, water, time_s);
-  k[1] = stage_at(craft, moved(state, k[0].rate, step_s / 2), loads, water, middle_s);
-  k[2] = stage_at(craft, moved(state, k[1].rate, step_s / 2), loads, water, middle_s);
-  k[3] = stage_at(craft, moved(state, k[2].rate, step_s), loads, water, time_s + step_s);
+  k[0] = stage_at(craft, state, loads, water, time_s, extra(0));
+  k[1] = stage_at(craft, moved_at(state, k[0].rate, step_s / 2), loads, water, middle_s, extra(1));
+  k[2] = stage_at(craft, moved_at(state, k[1].rate, step_s / 2), loads, water, middle_s, extra(2));
+  k[3] = stage_at(craft, moved_at(state, k[2].rate, step_s), loads, water, time_s + step_s, extra(3));
   return k;
 }
 
@@ -63,7 +76,7 @@ BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads
   const Rate mean = {(k1.position + 2 * k2.position + 2 * k3.position + k4.position) / 6,
                      (k1.quaternion + 2 * k2.quaternion + 2 * k3.quaternion + k4.quaternion) / 6,
                      (k1.velocity + 2 * k2.velocity + 2 * k3.velocity + k4.velocity) / 6};
-  return moved(state, mean, step_s);
+  return moved_at(state, mean, step_s);
 }
 
 }  // namespace uwsim

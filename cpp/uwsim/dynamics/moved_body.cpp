@@ -1,5 +1,6 @@
 #include "uwsim/dynamics/moved_body.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -27,6 +28,20 @@ Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
   return all;
 }
 
+BodyState MovedBody::advanced(const BodyState& from, const Loads& all, const WaterField& water, double time_s,
+                              double step_s) {
+  if (!arm) return advance(*spec.craft, from, all, water, time_s, step_s);
+  return arm->advance(CraftBase(*spec.craft, all, water), from, water, time_s, step_s);
+}
+
+Matrix6d MovedBody::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  const Craft& hull = *spec.craft;
+  if (!arm) return hull.inverse_mass(world_from_body, water, time_s);
+  const double submerged = hull.submerged_fraction(world_from_body, water, time_s);
+  const Matrix6d mass = hull.rigid_mass() + submerged * hull.parameters().added_mass + arm->folded_inertia();
+  return mass.llt().solve(Matrix6d::Identity());
+}
+
 void MovedBody::forget_step() {
   motions.clear();
   touches.clear();
@@ -45,6 +60,7 @@ void MovedBody::require_plausible(const BodyState& next, double time_s, double s
     require(false, path.str(), last.str(),
             "the motion diverged: use a smaller step_s or check the vehicle's coefficients");
   }
+  if (arm) arm->require_plausible("vehicle '" + spec.name + "'");
 }
 
 }  // namespace uwsim

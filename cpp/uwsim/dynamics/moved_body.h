@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "uwsim/dynamics/arm.h"
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/hydrodynamics.h"
@@ -24,6 +27,7 @@ struct BodySpec {
   /// 0 (inelastic) to 1 (elastic); a pair of bodies uses the larger value
   double restitution = 0.1;
   std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
+  std::vector<ArmLink> arm = {};
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -38,7 +42,8 @@ struct Motion {
   Vector6d actuators_body = Vector6d::Zero();
   Loads applied = {};
   Vector6d tether_world = Vector6d::Zero();
-  Loads all = {};  ///< with those of its contacts
+  Loads all = {};                                        ///< with those of its contacts
+  std::optional<std::array<Vector6d, 4>> arm_body = {};  ///< of its arm, in each stage
   double time_s = 0, step_s = 0;
   bool stops = false;  ///< its contacts stopped it, or it stayed at rest (resting.h)
 };
@@ -60,6 +65,7 @@ struct MovedBody {
   Loads applied = {};                        ///< by apply_wrench
   Vector6d tether_world = Vector6d::Zero();  ///< of the tethers at it, in the step under way or the last one
   Vector6d acceleration_body = Vector6d::Zero();
+  std::optional<Arm> arm = {};  ///< with the state of its joints
   bool held = false;
   bool in_contact = false;
   // The last step, from which the forces in it can be computed; empty if there is none.
@@ -69,6 +75,11 @@ struct MovedBody {
   /// The loads on the body, with an impulse of its contacts that is spread evenly over `step_s`.
   Loads loads(const Vector6d& impulse_world, double step_s) const;
   void forget_step();
+  /// The state at the end of a step from `from` under these loads. Its arm goes along from where its step, or part of
+  /// one, began.
+  BodyState advanced(const BodyState& from, const Loads& all, const WaterField& water, double time_s, double step_s);
+  /// The inverse of its mass with added mass, and with its arm as it was in the last advanced().
+  Matrix6d inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
 
   /// Throws InvalidValue, which names step and body, unless `next` is a plausible state for it.
   void require_plausible(const BodyState& next, double time_s, double step_s) const;

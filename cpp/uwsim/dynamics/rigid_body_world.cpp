@@ -38,10 +38,15 @@ RigidBodyWorld::RigidBodyWorld(const World& world, double step_s, EngineKind eng
 
 std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   spec = checked(std::move(spec));
+  require(spec.arm.empty() || kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet",
+          "must be uwsim for an arm: Bullet's bodies have no mass matrix that it could share");
+  std::optional<Arm> arm;
+  if (!spec.arm.empty()) arm.emplace(spec.arm, step_s_);
   engine_->add_body(spec);
   MovedBody& body = bodies_.emplace_back();
   body.spec = std::move(spec);
   body.state = state;
+  body.arm = std::move(arm);
   body.motions.reserve(kMotions);
   body.touches.reserve(kTouches);
   next_states_.push_back(state);
@@ -50,10 +55,16 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
 
 void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
   require(specs.size() == bodies_.size(), "bodies", specs.size(), "must be one for each");
-  for (BodySpec& spec : specs) spec = checked(std::move(spec));
+  std::vector<std::optional<Arm>> arms(specs.size());
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    specs[k] = checked(std::move(specs[k]));
+    require(specs[k].arm.size() == bodies_[k].spec.arm.size(), "arm.links", specs[k].arm.size(), "cannot be changed");
+    if (bodies_[k].arm) arms[k].emplace(bodies_[k].arm->with_links(specs[k].arm, step_s_));
+  }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     engine_->change_body(k, bodies_[k].spec, specs[k]);
     bodies_[k].spec = std::move(specs[k]);
+    bodies_[k].arm = std::move(arms[k]);
     bodies_[k].forget_step();
   }
   for (Tether& tether : tethers_) tether.set_bodies(bodies_);
@@ -112,6 +123,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     MovedBody& body = bodies_[k];
     body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
     body.state = next_states_[k];
+    if (body.arm) body.arm->accept();
   }
   engine_->moved();
   for (Tether& tether : tethers_) tether.moved(bodies_, step_s_);
@@ -172,6 +184,17 @@ void RigidBodyWorld::exchange_tethers(StateArchive& archive) {
   for (MovedBody& body : bodies_) {
     archive(body.tether_world);
     for (Motion& motion : body.motions) motion.tether_world = body.tether_world;
+  }
+}
+
+void RigidBodyWorld::exchange_arms(StateArchive& archive) {
+  for (MovedBody& body : bodies_) {
+    if (!body.arm) continue;
+    body.arm->exchange_state(archive);
+    for (Motion& motion : body.motions) {
+      if (!motion.arm_body) motion.arm_body.emplace();
+      for (Vector6d& wrench : *motion.arm_body) archive(wrench);
+    }
   }
 }
 

@@ -37,6 +37,10 @@ class RigidBodyWorld {
   /// Lays a body's tethers again, after it has been placed.
   void lay_tethers(std::size_t body, const WaterField& water, double time_s);
 
+  /// The body's arm; null if it has none.
+  Arm* arm(std::size_t body) { return bodies_.at(body).arm ? &*bodies_[body].arm : nullptr; }
+  const Arm* arm(std::size_t body) const { return bodies_.at(body).arm ? &*bodies_[body].arm : nullptr; }
+
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
   /// A held body, such as a docked vehicle, neither moves nor collides.
@@ -73,6 +77,8 @@ class RigidBodyWorld {
   void exchange_last_step(StateArchive& archive);
   /// Saves or restores the tethers, after all else. Throws InvalidValue.
   void exchange_tethers(StateArchive& archive);
+  /// Saves or restores the joints of arms, after all else. Throws InvalidValue.
+  void exchange_arms(StateArchive& archive);
 
  private:
   void require_forces() const;

@@ -55,14 +55,14 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
   End now;
   now.next = end_point(end, bodies);
   if (end.body == TetherEnd::kNoBody || bodies[end.body].held) return now;
-  const MovedBody& body = bodies[end.body];
+  MovedBody& body = bodies[end.body];
+  if (body.arm) body.arm->begin();
   const Pose& pose = body.state.world_from_body;
-  const BodyState free =
-      advance(*body.spec.craft, body.state, body.loads(Vector6d::Zero(), step_s), water, time_s, step_s);
+  const BodyState free = body.advanced(body.state, body.loads(Vector6d::Zero(), step_s), water, time_s, step_s);
   const Eigen::Matrix<double, 3, 6> j = point_jacobian(pose, end.point_m);
   now.is_fixed = false;
   now.next = free.world_from_body.point(end.point_m);
-  now.mass = (j * body.spec.craft->inverse_mass(pose, water, time_s) * j.transpose()).inverse();
+  now.mass = (j * body.inverse_mass(pose, water, time_s) * j.transpose()).inverse();
   return now;
 }
 

@@ -56,6 +56,7 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     takes_part_[k] = bodies_[k].held ? 0 : 1;
     begin_step(k);
+    if (bodies_[k].held && bodies_[k].arm) bodies_[k].arm->advance(HeldBase(), states_[k], water, time_s, step_s_);
   }
   move(whole);
   find_parts();
@@ -68,6 +69,7 @@ void UwsimEngine::begin_step(std::size_t body) {
   states_[body] = next_states_[body] = bodies_[body].state;
   bodies_[body].in_contact = false;
   bodies_[body].motions.clear();
+  if (bodies_[body].arm) bodies_[body].arm->begin();
 }
 
 /// Determines, for each body, into how many parts its step must be divided because of its contacts.
@@ -115,7 +117,9 @@ void UwsimEngine::repeat_in_parts(std::size_t body, const Interval& whole) {
   for (int part = 0; part < parts; ++part) {
     move({whole.water, whole.time_s + part * part_s, part_s});
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
-      if (takes_part_[k] != 0) states_[k] = next_states_[k];
+      if (takes_part_[k] == 0) continue;
+      states_[k] = next_states_[k];
+      if (bodies_[k].arm) bodies_[k].arm->next_part();
     }
   }
 }

@@ -28,6 +28,7 @@ void UwsimEngine::move(const Interval& now) {
                             .time_s = now.time_s,
                             .step_s = now.step_s});
     next_states_[k] = moved(k, states_[k], body.motions.back().all, now);
+    if (body.arm) body.motions.back().arm_body = body.arm->stage_wrenches();
     body.require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
   }
   find_rests(now);
@@ -37,7 +38,7 @@ void UwsimEngine::move(const Interval& now) {
 
 /// A body's state at the end of the interval.
 BodyState UwsimEngine::moved(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const {
-  return advance(*bodies_[body].spec.craft, state, loads, now.water, now.time_s, now.step_s);
+  return bodies_[body].advanced(state, loads, now.water, now.time_s, now.step_s);
 }
 
 /// Finds the bodies that are known to stay where they are. A body counts only if all bodies near it stay, too.
@@ -124,8 +125,8 @@ void UwsimEngine::solve_contacts(const Interval& now) {
       if (body == kFixedBody) continue;
       ContactBody& touched = contact_bodies_[static_cast<std::size_t>(body)];
       if (!touched.inverse_mass.isZero(0)) continue;
-      touched.inverse_mass = bodies_[static_cast<std::size_t>(body)].spec.craft->inverse_mass(touched.world_from_body,
-                                                                                              now.water, now.time_s);
+      touched.inverse_mass =
+          bodies_[static_cast<std::size_t>(body)].inverse_mass(touched.world_from_body, now.water, now.time_s);
     }
   }
   solver_.solve(contact_bodies_, contacts_, now.step_s);
@@ -149,6 +150,7 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     Loads& all = bodies_[k].motions.back().all;
     all = bodies_[k].loads(impulse_world, now.step_s);
     next_states_[k] = moved(k, states_[k], all, now);
+    if (bodies_[k].arm) bodies_[k].motions.back().arm_body = bodies_[k].arm->stage_wrenches();
     next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
   }
 }
@@ -183,7 +185,9 @@ void UwsimEngine::stop_groups(const Interval& now) {
     if (may_stop_[k] != 0) may_stop_[groups_.of(k)] = 1;
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    if (fastest_m_s(states_[k].velocity_body, finder_.radius_m(k)) > kSlow_m_s) may_stop_[groups_.of(k)] = 0;
+    // A body with an arm never stops: its joints may move, or its arm may pull it away.
+    if (bodies_[k].arm || fastest_m_s(states_[k].velocity_body, finder_.radius_m(k)) > kSlow_m_s)
+      may_stop_[groups_.of(k)] = 0;
   }
   for (std::size_t group = 0; group < bodies_.size(); ++group) {
     if (groups_.of(group) == group && may_stop_[group] != 0) stop_if_held(group, now);

@@ -52,6 +52,12 @@ void Simulation::apply_object_wrench(std::size_t object, const Vector6d& wrench,
   object_pushes_.at(object).command(name, wrench, in_world_axes, tick_, duration_s, spec_.step_s);
 }
 
+Arm& Simulation::arm(std::size_t index) {
+  Arm* const arm = bodies_.arm(vehicle(index).body);
+  require(arm != nullptr, "vehicle '" + vehicle(index).name + "' arm", "none", "must be in the vehicle's file");
+  return *arm;
+}
+
 Forces Simulation::forces(std::size_t index) const {
   return bodies_.forces(vehicle(index).body, world_.water, time_s());
 }

@@ -98,6 +98,10 @@ class Simulation {
   /// The number of times the vehicle has come into contact with anything.
   std::uint64_t collisions(std::size_t index) const { return vehicle(index).collisions; }
 
+  bool has_arm(std::size_t index) const { return bodies_.arm(vehicle(index).body) != nullptr; }
+  /// The vehicle's arm. Throws InvalidValue if it has none.
+  Arm& arm(std::size_t vehicle);
+
   /// Exerts a wrench on a vehicle at its origin [N, N m], besides those by schedule, for a duration, rounded to steps,
   /// or until the next call. Throws InvalidValue for more than 1e9 N or N m and a negative duration.
   void apply_wrench(std::size_t vehicle, const Vector6d& wrench, bool in_world_axes,

@@ -52,8 +52,9 @@ struct VehicleSpec {
   std::vector<SonarSpec> sonars;
   std::optional<BatterySpec> battery;   ///< empty: the simulation's mission time
   std::vector<AppliedWrench> wrenches;  ///< that act on it, by schedule
+  std::vector<ArmLink> arm;             ///< empty: it has none
 
-  BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m}; }
+  BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m, arm}; }
 };
 
 /// A loose body: a vehicle's body without equipment.

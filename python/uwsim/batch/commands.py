@@ -102,6 +102,34 @@ class CommandedBatch(Sealed):
         self._core.set_fins(index, list(angles_rad), values)
         self._programs.apply(self._names[index], lambda k, rov: rov.set_fins(_row(angles_rad, values, k)))
 
+    def set_joints(
+        self,
+        positions: Mapping[str, ArrayLike] | None = None,
+        speeds: Mapping[str, ArrayLike] | None = None,
+        torques: Mapping[str, ArrayLike] | None = None,
+        vehicle: str | None = None,
+    ) -> None:
+        """Command an arm's joints by name, (n,) or one value for all, like Vehicle.set_joints.
+
+        Raises ValueError. If a value is beyond a joint's limits, the other members are still commanded.
+        """
+        index = self._vehicle(vehicle)
+        known = list(self._core.member(0).arm(index).names)
+        given = {
+            what: (values or {}, self._by_name(values or {}, what, known))
+            for what, values in (("positions", positions), ("speeds", speeds), ("torques", torques))
+        }
+
+        def row(k: int) -> dict[str, dict[str, float]]:
+            return {what: _row(names, values, k) for what, (names, values) in given.items()}
+
+        def command(others: list[int]) -> None:
+            for k in others:
+                with named(k):
+                    self._core.member(k).command_joints(index, *([*each.items()] for each in row(k).values()))
+
+        self._command(index, range(self.n), command, lambda k, rov: rov.set_joints(**row(k)))
+
     def all_stop(self, on: bool = True, *, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
         """Stop thrusters and centre fins, overriding all commands until called with False, like Vehicle.all_stop.
 

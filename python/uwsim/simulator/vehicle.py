@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from uwsim.scenario.build.control import ControlSettings, floating_text
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.simulator.arm import Arm
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
@@ -40,10 +40,9 @@ class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: sensors by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them.
-    cameras,
-    imaging_sonars: by name. lamps: keyed by switch name. control: the model and gains from its file, for a
-    Controller; later changes of parameters are not included. tether: None without one. A docked vehicle's thrusters
-    are off: if simulated time passes while it is commanded, a DockedWarning is issued once.
+    cameras, imaging_sonars: by name. lamps: keyed by switch name. control: the model and gains from its file, for a
+    Controller; later changes of parameters are not included. tether, arm: None without one. A docked vehicle's
+    thrusters are off: if simulated time passes while it is commanded, a DockedWarning is issued once.
     """
 
     name: str
@@ -54,6 +53,7 @@ class Vehicle(CommandedVehicle):
     imaging_sonars: Named[ImagingSonar]
     control: ControlSettings
     tether: Tether | None
+    arm: Arm | None
     _changed_by = MappingProxyType(
         {
             "pose": "place()",
@@ -93,6 +93,7 @@ class Vehicle(CommandedVehicle):
         self.control = control
         self._beyond_terrain = beyond_terrain
         self.tether = tether
+        self.arm = Arm(simulation, index, spec.arm, self.set_joints) if spec.arm else None
         sensors: dict[str, Sensor[Any]] = {
             s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed)
             for k, s in enumerate(spec.sensors)
@@ -120,7 +121,12 @@ class Vehicle(CommandedVehicle):
         self._navigation = OnboardNavigation(
             spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
         )
-        self.helm = Helm(spec.name, partial(simulation.set_effort, index, *[0.0] * 6))
+        self.helm = Helm(spec.name, self._halt)
+
+    def _halt(self) -> None:
+        self._simulation.set_effort(self._index, *[0.0] * 6)
+        if self.arm is not None:
+            self.arm.halt()
 
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()

@@ -15,6 +15,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.commands import Placeable, command_named
 from uwsim.base.journal import EFFORT, Journal
 from uwsim.base.sealed import Attached
+from uwsim.simulator.arm import Arm, ByName
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.helm import Helm, Reason, Source
 from uwsim.simulator.push import push, six_numbers
@@ -34,6 +35,7 @@ class CommandedVehicle(Attached, Placeable):
     name: str
     helm: Helm
     tether: Tether | None
+    arm: Arm | None
     _simulation: _core.Simulation
     _index: int
     _dock: Dock
@@ -230,6 +232,32 @@ class CommandedVehicle(Attached, Placeable):
         if self.tether is None:
             raise ValueError(f"vehicle '{self.name}': has no tether")
         return self.tether
+
+    def set_joints(
+        self, positions: ByName | None = None, speeds: ByName | None = None, torques: ByName | None = None
+    ) -> None:
+        """Command the joints of the vehicle's arm by name, until the next command; the others keep theirs.
+
+        positions: to which the motor's controller turns [rad or m]. speeds: that it keeps [rad/s or m/s]. torques: of
+        the motor at the joint [N m or N]. It does as much as its torque and its stops allow. At first, and in the dock,
+        motors hold their positions. Raises ValueError, changing nothing, for a joint without a motor, a value beyond
+        its limits, and while all stop is set.
+        """
+        if self.arm is None:
+            raise ValueError(f"vehicle '{self.name}': has no arm")
+        if self.all_stopped:
+            raise ValueError(f"vehicle '{self.name}': set_joints: all stop is set")
+        units = {"positions": "rad or m", "speeds": "rad/s or m/s", "torques": "N m or N"}
+        given = {"positions": positions, "speeds": speeds, "torques": torques}
+        pairs = {
+            what: numbers_by_name(values or {}, what, list(self.arm.motors), units[what])
+            for what, values in given.items()
+        }
+        named = [name for each in pairs.values() for name, _ in each]
+        if twice := [name for name in named if named.count(name) > 1]:
+            raise ValueError(f"joint {twice[0]!r}: must have one of a position, a speed and a torque")
+        self._simulation.command_joints(self._index, *pairs.values())
+        self._note("set_joints", **{what: dict(each) or None for what, each in pairs.items()})
 
     def apply_wrench(
         self,

@@ -77,6 +77,15 @@ class Commandable(Steerable, Protocol):
         """Command fin deflections by name; unnamed fins return to 0."""
         self.command("set_fins", angles_rad=angles_rad)
 
+    def set_joints(
+        self,
+        positions: Mapping[str, float] | None = None,
+        speeds: Mapping[str, float] | None = None,
+        torques: Mapping[str, float] | None = None,
+    ) -> None:
+        """Command an arm's joints by name: positions [rad or m], speeds, or the motors' torques at the joints."""
+        self.command("set_joints", positions=positions, speeds=speeds, torques=torques)
+
 
 class Placeable(Commandable, Protocol):
     """A simulated vehicle, which can also be placed anywhere, pushed, and held by a tether."""

@@ -141,6 +141,17 @@ STEERING = [
         service="uwsim_msgs/srv/PushObject", is_piloted=False, changes_world=True,
     ),
 ]  # fmt: skip
+ARM = [
+    Command(
+        "set_joints", "positions, speeds or motor torques of an arm's joints by name; the others keep their commands",
+        (
+            Argument("positions", "numbers by name", "rad or m", default=None),
+            Argument("speeds", "numbers by name", "rad/s or m/s", default=None),
+            Argument("torques", "numbers by name", "N m or N", default=None),
+        ),
+        crosses_link=True,
+    ),
+]  # fmt: skip
 INSTRUMENTS = [
     Command("start_navigation", "start a vehicle's estimator, unless it is running", (), _start_navigation,
             notes_itself=True),
@@ -228,7 +239,7 @@ LINK = [
 
 COMMANDS: dict[str, Command] = {
     command.name: command
-    for command in (*DOCKING, *SAFETY, *STEERING, *AUTOPILOT, *INSTRUMENTS, *PARAMETERS, *ASHORE, *LINK)
+    for command in (*DOCKING, *SAFETY, *STEERING, *ARM, *AUTOPILOT, *INSTRUMENTS, *PARAMETERS, *ASHORE, *LINK)
 }
 """All commands by name, except `reset` and `restore_state`, which belong to the simulator itself."""
 

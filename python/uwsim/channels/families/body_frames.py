@@ -1,4 +1,4 @@
-"""The frames that a vehicle carries, from its model: sensors, sonars, cameras, thrusters and fins.
+"""The frames that a vehicle carries, from its model: sensors, sonars, cameras, thrusters, fins and links of an arm.
 
 /tf, /tf_static, /joint_states and the URDF all take the names, positions and joints from here.
 """
@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim.base.commands import COMMANDS
-from uwsim.base.quaternions import of_yaw_pitch_roll_deg
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.channels.ros import build
+from uwsim.scenario.spec.arm import Link, links_in_order
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 
@@ -25,13 +26,18 @@ PAN_AXIS, TILT_AXIS = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 
 
 class Joint(NamedTuple):
-    """A hinge. name: as in /joint_states. axis: (3,), of length 1, in the frame that turns. Angles in rad and rad/s."""
+    """A hinge, or a slide. name: as in /joint_states. axis: (3,), of length 1, in the frame that moves.
+
+    Angles in rad and rad/s; a slide's are m and m/s instead. effort: the greatest, in N m or N.
+    """
 
     name: str
     axis: tuple[float, float, float]
     low_rad: float
     high_rad: float
     rate_rad_s: float
+    effort: float = UNLIMITED
+    is_slide: bool = False
 
 
 class Frame(NamedTuple):
@@ -50,9 +56,19 @@ class Frame(NamedTuple):
     def turned_xyzw(self, angle_rad: float) -> NDArray[np.float64]:
         """Return the orientation in the parent, (4,), with the joint at an angle."""
         assert self.joint is not None
+        if self.joint.is_slide:
+            return np.asarray(self.orientation_xyzw, np.float64)
         half = 0.5 * angle_rad
         turn = np.array([*np.multiply(math.sin(half), self.joint.axis), math.cos(half)])
         return build.turned_xyzw(self.orientation_xyzw, turn)
+
+    def moved_m(self, travel_m: float) -> NDArray[np.float64]:
+        """Return the position in the parent, (3,), with a slide at this travel; a hinge does not move it."""
+        assert self.joint is not None
+        if not self.joint.is_slide:
+            return np.asarray(self.position_m, np.float64)
+        moved = turned(self.orientation_xyzw, np.multiply(travel_m, self.joint.axis))
+        return np.add(np.asarray(self.position_m, np.float64), moved)
 
 
 def body_frames(model: VehicleModel) -> Iterator[Frame]:
@@ -80,6 +96,37 @@ def body_frames(model: VehicleModel) -> Iterator[Frame]:
         x, y, z = span.tolist()
         hinge = Joint(name, (x, y, z), -limit, limit, math.radians(fin.rate_max_deg_s))
         yield Frame(BASE, f"{name}_fin_link", fin.position_m, joint=hinge, is_described_only=True)
+    for name in links_in_order(model.arm or {}):
+        yield _link(name, (model.arm or {})[name])
+
+
+def link_frame(name: str) -> str:
+    """Return the name of the frame of an arm's link."""
+    return f"{name}_arm_link"
+
+
+def _link(name: str, link: Link) -> Frame:
+    joint = None
+    if (hinge := link.hinge) is not None:
+        low, high = (-math.inf, math.inf) if hinge.limits_deg is None else map(math.radians, hinge.limits_deg)
+        rate, effort = (UNLIMITED, UNLIMITED)
+        if hinge.motor is not None:
+            rate, effort = math.radians(hinge.motor.fastest_deg_s), hinge.motor.strongest_nm
+        joint = Joint(name, _unit(hinge.axis), low, high, rate, effort)
+    elif (slide := link.slide) is not None:
+        low_m, high_m = (-UNLIMITED, UNLIMITED) if slide.limits_m is None else slide.limits_m
+        rate, effort = (UNLIMITED, UNLIMITED)
+        if slide.motor is not None:
+            rate, effort = slide.motor.fastest_m_s, slide.motor.strongest_n
+        joint = Joint(name, _unit(slide.axis), low_m, high_m, rate, effort, is_slide=True)
+    parent = BASE if link.on is None else link_frame(link.on)
+    turn = of_yaw_pitch_roll_deg(link.yaw_pitch_roll_deg)
+    return Frame(parent, link_frame(name), link.position_m, turn, joint, is_described_only=True)
+
+
+def _unit(axis: ArrayLike) -> tuple[float, float, float]:
+    x, y, z = np.divide(axis, np.linalg.norm(axis)).tolist()
+    return x, y, z
 
 
 def _camera(name: str, camera: CameraMount) -> Iterator[Frame]:

@@ -1,4 +1,4 @@
-"""A vehicle's command channels: /cmd_vel, wrench, thruster and fin commands, and sonar tilt."""
+"""A vehicle's command channels: /cmd_vel, wrench, thruster and fin commands, sonar tilt and an arm's joints."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ FLOATS = "std_msgs/msg/Float64MultiArray"
 THRUSTER = COMMANDS["set_thrusters"].argument("commands")
 FIN = COMMANDS["set_fins"].argument("angles_rad")
 ELEVATION = COMMANDS["aim"].argument("elevation_rad")
+JOINT, JOINTS = COMMANDS["set_joints"].argument("positions"), "sensor_msgs/msg/JointState"
 
 
 def command_channels(source: Source, sim: Simulator, steering: Steering) -> list[Channel]:
@@ -75,6 +76,14 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
                 lambda live, message: _tilt(live, steering, message.data),
             )
         )  # fmt: skip
+    motors = () if vehicle.arm is None else vehicle.arm.motors
+    if motors:
+        found.append(
+            inbound(
+                "cmd_joints", JOINTS, f"positions, velocities or efforts of {', '.join(motors)}",
+                lambda live, message: steering.ask(live, "set_joints", **_joints(message, source, motors)),
+            )
+        )  # fmt: skip
     return found
 
 
@@ -97,6 +106,27 @@ def _named(topic: str, names: Sequence[str], values: NDArray[np.float64], each: 
     for name, value in zip(names, values, strict=True):
         each.check_number(value, f"{topic}: {name}")
     return dict(zip(names, map(float, values), strict=True))
+
+
+def _joints(message: Any, source: Source, motors: Sequence[str]) -> dict[str, dict[str, float]]:
+    """Return the arguments of set_joints: one of the message's arrays, by joint. Raises ValueError."""
+    given = {
+        to: np.asarray(getattr(message, field), np.float64)
+        for field, to in (("position", "positions"), ("velocity", "speeds"), ("effort", "torques"))
+        if len(getattr(message, field))
+    }
+    if len(given) != 1:
+        raise ValueError(f"cmd_joints: {len(given)} arrays: must have one of position, velocity and effort")
+    ((to, values),) = given.items()
+    by_topic = {source.topic(name): name for name in motors}  # as in joint_states
+    names = [by_topic.get(name, name) for name in message.name]
+    if len(names) != len(values):
+        raise ValueError(f"cmd_joints: {len(values)} values: must be one for each of {len(names)} names")
+    for name, value in zip(names, values, strict=True):
+        if name not in motors:
+            raise ValueError(f"cmd_joints: {name}: must be one of {', '.join(motors)}")
+        JOINT.check_number(value, f"cmd_joints: {name}")
+    return {to: dict(zip(names, map(float, values), strict=True))}
 
 
 def _tilt(live: LiveSimulator, steering: Steering, tilt_rad: float) -> None:

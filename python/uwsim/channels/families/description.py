@@ -1,7 +1,8 @@
 """A vehicle's URDF, written from its model, and the latched channel /robot_description that publishes it.
 
 http://wiki.ros.org/urdf/XML: lengths in m, angles in rad, mass in kg, inertia in kg m2; rpy are rotations about the
-parent's fixed x, y and z axes. URDF has no water: added mass, buoyancy and drag are not in it.
+parent's fixed x, y and z axes. URDF has no water: added mass, buoyancy and drag are not in it, of an arm's links
+neither. Links have no shape.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from uwsim.base import quaternions
 from uwsim.channels.channel import Channel, Delivery
-from uwsim.channels.families.body_frames import BASE, UNLIMITED, Frame, body_frames
+from uwsim.channels.families.body_frames import BASE, Frame, Joint, body_frames, link_frame
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.scenario import Scenario
@@ -25,6 +26,7 @@ from uwsim.scenario.build.craft import mass_properties
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.read.mesh_file import is_y_up
+from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.simulator import Simulator
@@ -100,10 +102,13 @@ def _add_hull(link: Element, model: VehicleModel, mesh: Mesh) -> None:
 
 def _add_frame(robot: Element, source: Source, frame: Frame, model: VehicleModel) -> None:
     link = SubElement(robot, "link", name=source.frame(frame.name))
+    for own, part in (model.arm or {}).items():
+        if frame.name == link_frame(own):
+            _add_mass(link, part)
     turning = frame.joint
     name = source.frame(f"{frame.name}_joint") if turning is None else source.topic(turning.name)
     is_fixed = turning is None or turning.low_rad == turning.high_rad
-    joint = SubElement(robot, "joint", name=name, type="fixed" if is_fixed else "revolute")
+    joint = SubElement(robot, "joint", name=name, type="fixed" if is_fixed else _type_of(turning))
     _add_origin(joint, frame.position_m, frame.orientation_xyzw)
     SubElement(joint, "parent", link=source.frame(frame.parent))
     SubElement(joint, "child", link=source.frame(frame.name))
@@ -111,11 +116,27 @@ def _add_frame(robot: Element, source: Source, frame: Frame, model: VehicleModel
         return
     if not is_fixed:
         SubElement(joint, "axis", xyz=_numbers(turning.axis))
-        limits = turning.low_rad, turning.high_rad, turning.rate_rad_s, UNLIMITED
-        names = "lower", "upper", "velocity", "effort"
-        SubElement(joint, "limit", {key: repr(float(value)) for key, value in zip(names, limits, strict=True)})
+        limits = turning.low_rad, turning.high_rad, turning.rate_rad_s, turning.effort
+        named = dict(zip(("lower", "upper", "velocity", "effort"), limits, strict=True))
+        SubElement(joint, "limit", {key: repr(float(value)) for key, value in named.items() if math.isfinite(value)})
     if turning.name in model.fins:
         _add_fin(link, math.sqrt(model.fins[turning.name].area_m2), turning.axis)
+
+
+def _type_of(joint: Joint | None) -> str:
+    if joint is None:
+        return "fixed"
+    return "prismatic" if joint.is_slide else "revolute" if math.isfinite(joint.low_rad) else "continuous"
+
+
+def _add_mass(element: Element, link: Link) -> None:
+    """Add the mass of an arm's link, without that of the water that it moves."""
+    inertial = SubElement(element, "inertial")
+    _add_origin(inertial, link.centre_of_mass_m)
+    SubElement(inertial, "mass", value=repr(link.mass_kg))
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    values = (*link.inertia_kg_m2, *link.inertia_products_kg_m2)
+    SubElement(inertial, "inertia", {name: repr(float(value)) for name, value in zip(names, values, strict=True)})
 
 
 def _add_fin(link: Element, side_m: float, span: tuple[float, float, float]) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.channels.channel import LATCHED, Channel, Delivery, OverLink
@@ -71,11 +72,12 @@ def vehicle_channels(source: Source, tf: Tf = "truth", *, truth: bool = True) ->
         if truth
     ]  # fmt: skip
     turning = any(camera.pan_tilt is not None for camera in source.entry.model.cameras.values())
-    if source.has_sonar or source.entry.model.fins or turning:
+    if source.has_sonar or source.entry.model.fins or turning or source.entry.model.arm:
         found.append(
             Channel(
                 source.topic("joint_states"), "sensor_msgs/msg/JointState", "out",
-                "angles [rad]: sonar_tilt (positive: nose down), cameras' pan and tilt, fins",
+                "angles [rad]: sonar_tilt (positive: nose down), cameras' pan and tilt, fins; an arm's joints, with "
+                "speed and motor torque",
                 rate_hz=RATE_HZ, over_link=OverLink(),
                 read=lambda sim: _joints(source, sim),
             )
@@ -108,16 +110,23 @@ def _angles(source: Source, sim: Simulator) -> dict[str, float]:
     for name, camera in vehicle.cameras.items():
         if camera.mount.pan_tilt is not None:
             angles |= dict(zip((f"{name}_pan", f"{name}_tilt"), camera.aim_rad, strict=True))
-    return angles | vehicle.fins
+    arm = {} if vehicle.arm is None else dict(zip(vehicle.arm.names, vehicle.arm.read().positions, strict=True))
+    return angles | vehicle.fins | arm
 
 
 def _joints(source: Source, sim: Simulator) -> Any:
     angles = _angles(source, sim)
+    more: dict[str, NDArray[np.float64]] = {}
+    if (arm := source.of(sim).arm) is not None:  # the others have neither; the message has all values or none
+        now, others = arm.read(), np.full(len(angles) - len(arm.names), np.nan)
+        more["velocity"] = np.concatenate([others, now.speeds])
+        more["effort"] = np.concatenate([others, now.motor_torques])
     return build.message(
         "sensor_msgs/msg/JointState",
         header=build.header(sim.time_ns, ""),
         name=[source.topic(name) for name in angles],
         position=np.array(list(angles.values()), np.float64),
+        **more,
     )
 
 
@@ -156,7 +165,7 @@ def _turning(source: Source, sim: Simulator) -> list[Any]:
     angles = _angles(source, sim)
     return [
         build.transform(
-            sim.time_ns, source.frame(one.parent), source.frame(one.name), one.position_m,
+            sim.time_ns, source.frame(one.parent), source.frame(one.name), one.moved_m(angles[one.joint.name]),
             one.turned_xyzw(angles[one.joint.name]),
         )
         for one in body_frames(source.entry.model)

@@ -12,6 +12,7 @@ from uwsim import _core
 from uwsim.base.quaternions import about_z
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.applied_wrench import applied_wrench
+from uwsim.scenario.build.arm import link_specs
 from uwsim.scenario.build.battery import battery_spec
 from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings
@@ -55,6 +56,8 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec.docked = vehicle.start is None
     spec.wrenches = [applied_wrench(wrench, scenario.step_s) for wrench in vehicle.wrenches]
     spec.sensors = [sensor_spec(name, sensor) for name, sensor in model.sensors.items()]
+    if model.arm is not None:
+        spec.arm = link_specs(model.arm)
     if model.sonar is not None:
         spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
     return spec

@@ -25,6 +25,7 @@ from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.spec_file import read_spec, spec_path
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
+from uwsim.scenario.spec.arm import Link, links_in_order
 from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
 from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.failsafe import Failsafe
@@ -115,6 +116,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the
     geometric mean applies. restitution: the fraction of the approach speed that is kept; for two bodies in contact, the
     larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault.
+    arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none.
     """
 
     builds_on: VehicleName | None = None
@@ -166,6 +168,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     control: Control = Control.model_construct()
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
     failsafe: Failsafe | None = None
+    arm: dict[Name, Link] | None = None
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 
@@ -236,6 +239,12 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
                 raise broken("must not be given for a vehicle with thrusters", at=(key,))
             if not self.thrusters and getattr(self, key) is None:
                 raise broken("missing", at=(key,))
+        return self
+
+    @model_validator(mode="after")
+    def _has_a_tree_of_links(self) -> VehicleModel:
+        if self.arm is not None:
+            links_in_order(self.arm)
         return self
 
     @property

@@ -78,6 +78,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "control",
             "failsafe",
             "trim",
+            "arm",
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin"}),

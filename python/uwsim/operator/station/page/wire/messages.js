@@ -42,6 +42,7 @@ export const COMMANDS = {
   end_fault: ['name'],
   hold: ['heading', 'depth', 'altitude', 'position', 'speed'],
   set_winch: ['rate_m_s', 'tension_n'],
+  set_joints: ['positions', 'speeds', 'torques'],
   start_navigation: [],
   aim: ['elevation_rad', 'sonar'],
   set_lamp: ['lamp', 'on'],

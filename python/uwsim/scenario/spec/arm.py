@@ -1,0 +1,147 @@
+"""A vehicle's arm: links, and the joints that hold them. Angles in degrees, as everywhere in a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated
+
+from pydantic import model_validator
+
+from uwsim.base.did_you_mean import did_you_mean
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+
+Mass = Annotated[float, InRange(1e-3, 1e5, "kg")]
+Inertia = Annotated[float, InRange(1e-9, 1e6, "kg m2")]
+Product = Annotated[float, InRange(-1e6, 1e6, "kg m2")]
+Added = Annotated[float, InRange(0, 1e6)]
+Drag = Annotated[float, InRange(0, 1e6)]
+Six = tuple[Added, Added, Added, Added, Added, Added]
+Angle = Annotated[float, InRange(-36_000, 36_000, "deg")]
+Travel = Annotated[float, InRange(-100, 100, "m")]
+Turn = Annotated[float, InRange(-360, 360, "deg")]
+Response = Annotated[float, InRange(1e-3, 100, "s")]
+RotorInertia = Annotated[float, InRange(0, 100, "kg m2")]
+
+
+class HingeMotor(Model):
+    """A hinge's motor with its gear and controller. Torques are at the joint.
+
+    fastest_deg_s: the speed that the controller asks for at most. response_s: time constant with which it approaches a
+    position. gear_ratio: turns of the rotor per turn of the joint, whose square times rotor_inertia_kg_m2 the joint
+    feels. torque_per_ampere_nm_a: for its current; by default unknown.
+    """
+
+    strongest_nm: Annotated[float, InRange(1e-4, 1e6, "N m")]
+    fastest_deg_s: Annotated[float, InRange(1e-3, 1e5, "deg/s")]
+    response_s: Response = 0.1
+    gear_ratio: Annotated[float, InRange(1e-3, 1e5)] = 1.0
+    rotor_inertia_kg_m2: RotorInertia = 0.0
+    torque_per_ampere_nm_a: Annotated[float, InRange(1e-6, 1e6, "N m/A")] | None = None
+
+
+class SlideMotor(Model):
+    """A slide's motor with its gear and controller. Forces are at the joint.
+
+    fastest_m_s: the speed that the controller asks for at most. response_s: time constant with which it approaches a
+    position. gear_rad_m: how far the rotor turns per metre. force_per_ampere_n_a: for its current; by default unknown.
+    """
+
+    strongest_n: Annotated[float, InRange(1e-4, 1e7, "N")]
+    fastest_m_s: Annotated[float, InRange(1e-6, 100, "m/s")]
+    response_s: Response = 0.1
+    gear_rad_m: Annotated[float, InRange(1e-3, 1e6, "rad/m")] = 1.0
+    rotor_inertia_kg_m2: RotorInertia = 0.0
+    force_per_ampere_n_a: Annotated[float, InRange(1e-6, 1e7, "N/A")] | None = None
+
+
+class Hinge(Model):
+    """A joint that turns about an axis through the link's origin, right-handed. Without a motor it swings freely.
+
+    axis: along the link's axes. start_deg: where it is at first. limits_deg: its stops; by default none. viscous and
+    Coulomb friction: the latter is the same at any speed, and at most this at rest.
+    """
+
+    axis: Point3 = (0.0, 0.0, 1.0)
+    start_deg: Angle = 0.0
+    limits_deg: tuple[Angle, Angle] | None = None
+    viscous_nm_s_rad: Annotated[float, InRange(0, 1e6, "N m s/rad")] = 0.0
+    coulomb_nm: Annotated[float, InRange(0, 1e6, "N m")] = 0.0
+    motor: HingeMotor | None = None
+
+    @model_validator(mode="after")
+    def _starts_within(self) -> Hinge:
+        _within(self.start_deg, self.limits_deg, "deg")
+        return self
+
+
+class Slide(Model):
+    """A joint that moves along an axis. Without a motor it slides freely. Fields as for a hinge."""
+
+    axis: Point3 = (1.0, 0.0, 0.0)
+    start_m: Travel = 0.0
+    limits_m: tuple[Travel, Travel] | None = None
+    viscous_n_s_m: Annotated[float, InRange(0, 1e6, "N s/m")] = 0.0
+    coulomb_n: Annotated[float, InRange(0, 1e7, "N")] = 0.0
+    motor: SlideMotor | None = None
+
+    @model_validator(mode="after")
+    def _starts_within(self) -> Slide:
+        _within(self.start_m, self.limits_m, "m")
+        return self
+
+
+class Link(Model):
+    """A rigid link. Its frame's origin is on the joint's axis.
+
+    on: the link that holds it; by default the vehicle. position_m, yaw_pitch_roll_deg: its frame in that of what holds
+    it, while the joint is at zero. hinge or slide: its joint; without either it is fixed. inertia_kg_m2: xx, yy, zz
+    about its centre of mass along its axes, and inertia_products_kg_m2: xy, xz, yz, as in URDF. volume_m3,
+    centre_of_buoyancy_m: of the water that it displaces; by default none, at the centre of mass. added_mass,
+    linear_drag, quadratic_drag: surge to yaw along its axes, at the centre of buoyancy; by default none.
+    """
+
+    on: Name | None = None
+    position_m: Point3 = (0.0, 0.0, 0.0)
+    yaw_pitch_roll_deg: tuple[Turn, Turn, Turn] = (0.0, 0.0, 0.0)
+    hinge: Hinge | None = None
+    slide: Slide | None = None
+    mass_kg: Mass
+    centre_of_mass_m: Point3 = (0.0, 0.0, 0.0)
+    inertia_kg_m2: tuple[Inertia, Inertia, Inertia]
+    inertia_products_kg_m2: tuple[Product, Product, Product] = (0.0, 0.0, 0.0)
+    volume_m3: Annotated[float, InRange(0, 1e3, "m3")] = 0.0
+    centre_of_buoyancy_m: Point3 | None = None
+    added_mass: Six | None = None
+    linear_drag: tuple[Drag, Drag, Drag, Drag, Drag, Drag] | None = None
+    quadratic_drag: tuple[Drag, Drag, Drag, Drag, Drag, Drag] | None = None
+
+    @model_validator(mode="after")
+    def _has_one_joint(self) -> Link:
+        if self.hinge is not None and self.slide is not None:
+            raise broken("must not be given beside hinge", at=("slide",))
+        return self
+
+
+def _within(start: float, limits: tuple[float, float] | None, unit: str) -> None:
+    if limits is None:
+        return
+    if limits[0] >= limits[1]:
+        raise broken("the lower limit must come first", at=(f"limits_{unit}",), value=list(limits), unit=unit)
+    if not limits[0] <= start <= limits[1]:
+        rule = f"must be within limits_{unit}, [{limits[0]:g}, {limits[1]:g}] {unit}"
+        raise broken(rule, at=(f"start_{unit}",), value=start, unit=unit)
+
+
+def links_in_order(arm: Mapping[str, Link]) -> list[str]:
+    """Return the links' names, each after the one that holds it. Raises PydanticCustomError."""
+    for name, link in arm.items():
+        if link.on is not None and link.on not in arm:
+            raise broken(f"no such link{did_you_mean(link.on, arm)}", at=("arm", name, "on"), value=link.on)
+    found: list[str] = []
+    while len(found) < len(arm):
+        ready = [name for name, link in arm.items() if name not in found and (link.on is None or link.on in found)]
+        if not ready:
+            name = next(name for name in arm if name not in found)
+            raise broken("the links hold each other in a circle", at=("arm", name, "on"), value=arm[name].on)
+        found += ready
+    return found
