@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from uwsim.exercises.goal import Progress
 from uwsim.exercises.goals.look_at import Sight
@@ -14,16 +16,20 @@ from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.spec.fields import Name
 from uwsim.simulator.simulator import Simulator
 
+ORDINARY = ("anode",)
+"""Kinds of marks that are no defects."""
+
 
 class Find(Sight):
     """Find what there is to be found on an obstacle, such as the holes in a net, with the vehicle's cameras.
 
-    obstacle: its name. The share is that of the places that a camera has seen, each for_s without interruption; see
-    Sight.
+    obstacle: its name. marks: kinds of what is to be found there: hole of a net; damage, span and anode of a pipeline;
+    by default all but anodes. The share is that of the places that a camera has seen, each for_s without interruption.
     """
 
     kind: Literal["find"]
     obstacle: Name
+    marks: list[Name] = Field(default_factory=list)
 
     def begun(self) -> Progress:
         """See GoalModel."""
@@ -31,10 +37,23 @@ class Find(Sight):
 
     def require(self, sim: Simulator) -> None:
         """See GoalModel."""
-        known = [one.name for one in sim.scenario.obstacles if len(marks_m(sim, one.name))]
-        if self.obstacle not in known:
-            rule = f"must be an obstacle with something to find: {', '.join(known) or 'there is none'}"
+        known = {one.name: marks(sim, one.name) for one in sim.scenario.obstacles}
+        if not known.get(self.obstacle):
+            possible = ", ".join(name for name, found in known.items() if found)
+            rule = f"must be an obstacle with something to find: {possible or 'there is none'}"
             raise ValueError(f"obstacle = '{self.obstacle}': {rule}")
+        there = known[self.obstacle]
+        for kind in self.marks:
+            if kind not in there:
+                raise ValueError(f"marks = '{kind}': must be on '{self.obstacle}', which has {', '.join(there)}")
+        if not len(self.places(sim)):
+            raise ValueError(f"obstacle = '{self.obstacle}': has only {', '.join(there)}: name them under marks")
+
+    def places(self, sim: Simulator) -> np.ndarray:
+        """Return the places to be found, (n, 3)."""
+        found = marks(sim, self.obstacle)
+        kinds = self.marks or [kind for kind in found if kind not in ORDINARY]
+        return np.concatenate([np.empty((0, 3)), *(found[kind] for kind in kinds)])
 
 
 class _Finding(Progress):
@@ -45,7 +64,7 @@ class _Finding(Progress):
 
     def judge(self, moment: Moment, period_s: float) -> None:
         if self._places is None:
-            self._places = marks_m(moment.sim, self._goal.obstacle)
+            self._places = self._goal.places(moment.sim)
             self._seen_s = np.zeros(len(self._places))
         for k, place in enumerate(self._places):
             if self._seen_s[k] < self._goal.for_s:
@@ -53,8 +72,8 @@ class _Finding(Progress):
         self.share = float((self._seen_s >= self._goal.for_s).mean())
 
 
-def marks_m(sim: Simulator, name: str) -> np.ndarray:
-    """Return the places (n, 3) to be found on an obstacle."""
+def marks(sim: Simulator, name: str) -> Mapping[str, np.ndarray]:
+    """Return the places (n, 3) to be found on an obstacle, by kind."""
     terrain = build_terrain(sim.scenario.terrain)
-    found = [grounded(one, terrain).marks_m() for one in sim.scenario.obstacles if one.name == name]
-    return found[0] if found else np.empty((0, 3))
+    found = [grounded(one, terrain).marks(terrain) for one in sim.scenario.obstacles if one.name == name]
+    return found[0] if found else {}

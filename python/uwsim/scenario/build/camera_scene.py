@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from uwsim import _core
 from uwsim.scenario.build.cover import set_cover_appearance
+from uwsim.scenario.build.growth import growth_texture
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.loose_bodies import object_mesh
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.read.textures import Texture, load_texture
+from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Material
+from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 
@@ -19,8 +24,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     scene.set_ground(ground.bed, ground.steep, ground.land)
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
-        label, texture = label_of[obstacle.name], obstacle.texture()
-        _set_appearance(scene, label, obstacle.surface_class, obstacle.material, texture)
+        label, texture = label_of[obstacle.name], _obstacle_texture(obstacle, scenario)
+        _set_appearance(scene, label, obstacle.surface_class, obstacle.surface, texture)
     if "station" in label_of:
         station = scenario.station
         texture = load_texture(station.mesh) if station.mesh is not None and station.material.colour is None else None
@@ -32,10 +37,11 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         texture = _hull_texture(vehicle.model, len(triangles))
         scene.add_vehicle(vehicle.name, vertices, triangles, material.kind, material.colour, *texture or ())
     for body in scenario.objects:
-        shape = body.shape
+        shape, mesh = body.shape, object_mesh(scenario, body)
+        image, corners = _body_texture(body, len(mesh[1])) or (None, None)
         scene.add_vehicle(
-            body.name, *object_mesh(scenario, body), shape.material.kind, shape.material.colour,
-            surface_class=shape.surface_class,
+            body.name, *mesh, shape.material.kind, shape.material.colour,
+            surface_class=shape.surface_class, texture_image=image, texture_corners=corners,
         )  # fmt: skip
     return scene
 
@@ -43,6 +49,20 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
     """Return the colours of the mesh file, unless the material has one or closing the mesh changed its triangles."""
     texture = load_texture(model.mesh) if model.material.colour is None else None
+    return texture if texture is not None and len(texture[1]) == triangles else None
+
+
+def _obstacle_texture(obstacle: ObstacleModel, scenario: Scenario) -> Texture | None:
+    """Return the colours of an obstacle, or of what has grown on it."""
+    growth = obstacle.growth
+    if growth is None or not growth.age_years:
+        return obstacle.texture()
+    return growth_texture(obstacle_solid(obstacle, build_terrain(scenario.terrain)), growth)
+
+
+def _body_texture(body: LooseBody, triangles: int) -> Texture | None:
+    """Return the colours of a body's shape, unless closing its mesh changed its triangles."""
+    texture = body.shape.texture()
     return texture if texture is not None and len(texture[1]) == triangles else None
 
 

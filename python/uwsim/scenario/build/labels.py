@@ -23,7 +23,7 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     station = [scenario.station.material] if scenario.station.mesh is not None else []
     vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
     vehicles += [body.shape.material for body in scenario.objects]
-    obstacles, cover = ([thing.material for thing in part] for part in (scenario.obstacles, scenario.cover))
+    obstacles, cover = [one.surface for one in scenario.obstacles], [layer.material for layer in scenario.cover]
     solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
     tethers = [TETHER] * len(_tethers(scenario))
     return [ROCK, scenario.ground.backscatter, *solids, *tethers]

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from uwsim.scenario.build.growth import overgrown
 from uwsim.scenario.build.solids import bed_below
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.spec.obstacle import Bed, ObstacleModel, Placed, Solid
 
 
 def obstacle_solid(obstacle: ObstacleModel, terrain: Bed) -> Solid:
-    """Return the obstacle in the world frame. Raises ScenarioError."""
-    return grounded(obstacle, terrain).solid(terrain)
+    """Return the obstacle in the world frame, with its growth. Raises ScenarioError."""
+    solid = grounded(obstacle, terrain).solid(terrain)
+    return solid if obstacle.growth is None else overgrown(solid, obstacle.growth)
 
 
 def grounded(obstacle: ObstacleModel, terrain: Bed) -> ObstacleModel:

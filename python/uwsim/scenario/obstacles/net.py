@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 import numpy as np
@@ -54,7 +55,7 @@ class Net(Placed):
         return self
 
     def marks_m(self) -> Floats:
-        """Return the middles of the holes (n, 3), at least two diameters apart; see ObstacleModel."""
+        """Return the middles of the holes (n, 3), at least two diameters apart."""
         random = np.random.default_rng([self.seed, 0x6E6574])
         found: list[Floats] = []
         for _ in range(50 * self.holes):
@@ -67,6 +68,10 @@ class Net(Placed):
         if len(found) < self.holes:
             raise broken("too many holes for this wall", at=("holes",), value=self.holes)
         return np.array(found).reshape(-1, 3) + self.position_m
+
+    def marks(self, terrain: Bed) -> Mapping[str, Floats]:
+        """See ObstacleModel."""
+        return {"hole": self.marks_m()} if self.holes else {}
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""

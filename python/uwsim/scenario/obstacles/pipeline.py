@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, ClassVar, Literal
 
@@ -11,10 +12,13 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from uwsim import _core
+from uwsim.scenario.build.pipe_shape import Rings, all_features, anodes_m, clock_angle, pipe_rings, triangle_albedos
 from uwsim.scenario.build.solids import SIDES, Mesh, bed_below
+from uwsim.scenario.read.textures import Texture, palette_texture
 from uwsim.scenario.spec.fields import InRange, Name, Point2, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import Bed, OnBed, Solid
+from uwsim.scenario.spec.pipe_condition import PipeCondition
 
 MAX_BEND_DEG = 120.0
 
@@ -23,7 +27,7 @@ class Pipeline(OnBed):
     """A pipe that follows the terrain below a line through points_m (x, y).
 
     points_m: corners of the line, x and y. radius_m: outer radius. buried_fraction: fraction of the diameter below the
-    bed.
+    bed. condition: its joints and anodes, damage, spans and burial; without it, the pipe is smooth.
     """
 
     surface_class: ClassVar = "pipeline"
@@ -36,6 +40,7 @@ class Pipeline(OnBed):
     points_m: Annotated[tuple[Point2, ...], Field(min_length=2, max_length=1000)]
     radius_m: Annotated[float, InRange(0.02, 10, "m")]
     buried_fraction: Annotated[float, InRange(0, 0.95)] = 0.2
+    condition: PipeCondition | None = None
 
     @model_validator(mode="after")
     def _bends_gently(self) -> Pipeline:
@@ -49,15 +54,72 @@ class Pipeline(OnBed):
             if bend_deg > MAX_BEND_DEG:
                 rule = f"the pipe bends by {bend_deg:.0f} deg: must be at most {MAX_BEND_DEG:.0f} deg"
                 raise broken(rule, at=("points_m",))
+        if self.condition is not None:
+            try:
+                all_features(self.condition, self._length_m)
+            except ValueError as error:
+                raise broken(str(error), at=("condition",)) from None
         return self
 
     def solid(self, terrain: Bed) -> Solid:
         """Return a tube along the line, whose axis is radius (1 - 2 buried_fraction) above the bed at each point."""
         xy = _densified(np.asarray(self.points_m, np.float64), step_m=max(1.0, terrain.spacing_m))
         lift = self.radius_m * (1 - 2 * self.buried_fraction)
+        if self.condition is not None:
+            made = self._rings(self.condition)
+            return Solid(*swept_tube(self._axis(made, terrain), made.radius_m), [])
         axis = np.column_stack([xy, bed_below(terrain, xy, self.name) + lift])
         shapes = _core.RoundShape.pipe(axis, self.radius_m)
         return Solid(*swept_tube(axis, self.radius_m), shapes)
+
+    def texture(self) -> Texture | None:
+        """Return the colours of coating, joints, anodes and rust, unless the material has its own."""
+        if self.condition is None or self.material.colour is not None:
+            return None
+        return palette_texture(triangle_albedos(self._rings(self.condition).albedo))
+
+    def marks(self, terrain: Bed) -> Mapping[str, NDArray[np.float64]]:
+        """Return the places of damage, anodes and spans; see ObstacleModel."""
+        if self.condition is None:
+            return {}
+        made = self._rings(self.condition)
+        axis = self._axis(made, terrain)
+        found: dict[str, list[NDArray[np.float64]]] = {}
+
+        def add(kind: str, at_m: float, angle: float) -> None:
+            middle = np.array([np.interp(at_m, made.along_m, axis[:, k]) for k in range(3)])
+            k = min(int(np.searchsorted(made.along_m, at_m)), len(axis) - 1)
+            ahead = axis[k] - axis[k - 1]
+            left = np.array([-ahead[1], ahead[0], 0.0]) / np.hypot(ahead[0], ahead[1])
+            out = np.cos(angle) * left + np.sin(angle) * np.array([0.0, 0.0, 1.0])
+            found.setdefault(kind, []).append(middle + self.radius_m * out)
+
+        for one in all_features(self.condition, self._length_m):
+            if one.kind != "burial":
+                add(one.kind, one.at_m, clock_angle(one.clock_h if one.kind == "damage" else 12.0))
+        for at_m in anodes_m(self.condition, self._length_m):
+            add("anode", float(at_m), clock_angle(12.0))
+        return {kind: np.array(places) for kind, places in found.items()}
+
+    @property
+    def _length_m(self) -> float:
+        return float(self._corners_m()[-1])
+
+    def _corners_m(self) -> NDArray[np.float64]:
+        """Return the distances of the corners along the line (k,)."""
+        steps = np.linalg.norm(np.diff(np.asarray(self.points_m, np.float64), axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    def _rings(self, condition: PipeCondition) -> Rings:
+        buried_m = 2 * self.radius_m * self.buried_fraction
+        return pipe_rings(condition, self._length_m, self._corners_m(), self.radius_m, buried_m)
+
+    def _axis(self, made: Rings, terrain: Bed) -> NDArray[np.float64]:
+        """Return the axis (n, 3): straight between corners on the chart, and as high above the bed as it lies."""
+        corners, points = self._corners_m(), np.asarray(self.points_m, np.float64)
+        xy = np.column_stack([np.interp(made.along_m, corners, points[:, k]) for k in range(2)])
+        lies_m = self.radius_m * (1 - 2 * self.buried_fraction)
+        return np.column_stack([xy, bed_below(terrain, xy, self.name) + lies_m + made.lift_m])
 
 
 def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64]:
@@ -69,14 +131,18 @@ def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64
     return np.concatenate([*pieces, points[-1:]])
 
 
-def swept_tube(axis_m: NDArray[np.float64], radius_m: float) -> Mesh:
-    """Return a closed tube with SIDES sides and mitred bends along a line (n, 3) that does not start vertically."""
+def swept_tube(axis_m: NDArray[np.float64], radius_m: float | NDArray[np.float64]) -> Mesh:
+    """Return a closed tube with SIDES sides and mitred bends along a line (n, 3) that does not start vertically.
+
+    radius_m: of all, or (n, SIDES), at each point and side.
+    """
     directions = np.diff(axis_m, axis=0)
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     before, after = np.vstack([directions[:1], directions]), np.vstack([directions, directions[-1:]])
     side, up = _untwisted_frames(before)
     angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
-    rings = radius_m * (np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * up[:, None])
+    radius = np.asarray(radius_m)[..., None] if np.ndim(radius_m) else radius_m
+    rings = radius * (np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * up[:, None])
     # Each ring slides along the preceding straight piece into the plane that bisects the bend.
     mitres = before + after
     slide = np.einsum("nak,nk->na", rings, mitres) / np.einsum("nk,nk->n", before, mitres)[:, None]

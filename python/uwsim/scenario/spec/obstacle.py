@@ -18,8 +18,9 @@ from uwsim import _core
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.textures import Texture
 from uwsim.scenario.spec.fields import Model, Point3
+from uwsim.scenario.spec.growth import Growth
 from uwsim.scenario.spec.kinds import Kinds
-from uwsim.scenario.spec.material import MaterialSpec
+from uwsim.scenario.spec.material import Material, MaterialSpec
 
 LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -51,7 +52,10 @@ class Solid(NamedTuple):
 
 
 class ObstacleModel(Model):
-    """The fields of all obstacles. A kind also has the fields `kind`, `name` and `material`."""
+    """The fields of all obstacles. A kind also has the fields `kind`, `name` and `material`.
+
+    growth: what has grown on it.
+    """
 
     if TYPE_CHECKING:
         kind: str
@@ -68,13 +72,20 @@ class ObstacleModel(Model):
     has_own_unit: ClassVar[bool] = False
     """True for a kind whose size comes from a file, so that a wrong unit is likely."""
 
+    growth: Growth | None = None
+
+    @property
+    def surface(self) -> Material:
+        """The material that light and sound meet: that of the growth, if there is any."""
+        return self.growth.material if self.growth is not None and self.growth.age_years else self.material
+
     def solid(self, terrain: Bed) -> Solid:
         """Return the obstacle in the world frame. Raises ScenarioError."""
         raise NotImplementedError
 
-    def marks_m(self) -> NDArray[np.float64]:
-        """Return places (n, 3) in the world, for an inspection to find; if on_bed, those of the lowered obstacle."""
-        return np.empty((0, 3))
+    def marks(self, terrain: Bed) -> Mapping[str, NDArray[np.float64]]:
+        """Return places (n, 3) in the world for an inspection to find, by kind. Raises ScenarioError."""
+        return {}
 
     def texture(self) -> Texture | None:
         """Return the colours of its triangles; None for those of its material."""
