@@ -26,6 +26,7 @@ __all__: list[str] = [
     "BatterySpec",
     "BatteryState",
     "BiasModel",
+    "BodyPath",
     "BodyState",
     "BottomMaterial",
     "Camera",
@@ -3303,6 +3304,35 @@ class AppliedWrench:
         last excluded.
         """
 
+class BodyPath:
+    """
+    The motion of a body that nothing can push.
+    """
+    def __init__(
+        self,
+        breaks: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        curve_m: typing.Annotated[
+            collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"]], "FixedSize(3)"
+        ],
+        times_s: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        progress: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"],
+        closed: bool,
+        climbs: bool,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+    ) -> None:
+        """
+        breaks: (n + 1,), ascending, of the curve's parameter u. curve_m: x, y and z, each (n, 4): coefficients
+        of 1, h, h^2 and h^3 in each piece, where h = u - break. times_s: (m + 1,) from 0, ascending. progress:
+        (m, 4), u in powers of the time since the break. closed: it begins again after the last time. climbs: x
+        is along the curve; otherwise along its horizontal part. position_m, orientation_xyzw: of the body in
+        path axes. Raises ValueError.
+        """
+    def at(self, time_s: typing.SupportsFloat | typing.SupportsIndex) -> BodyState:
+        """
+        Return the BodyState at a time from 0 on.
+        """
+
 class ObjectSpec:
     """
     A loose body.
@@ -3316,7 +3346,11 @@ class ObjectSpec:
         restitution: typing.SupportsFloat | typing.SupportsIndex,
         start: BodyState,
         wrenches: collections.abc.Sequence[AppliedWrench] = [],
-    ) -> None: ...
+        path: BodyPath | None = None,
+    ) -> None:
+        """
+        path: that it follows, from its own start.
+        """
 
 class TetherEnd:
     """

@@ -1,12 +1,15 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
 #include "bindings/core/record.h"
 #include "bindings/sim/binders.h"
 
@@ -61,17 +64,51 @@ void bind_object_spec(py::module_& m) {
            py::arg("wrench"), py::arg("in_world_axes"), py::arg("from_tick"), py::arg("until_tick"),
            "wrench: (6,) [N, N m], along the world's axes or the body's; it acts in the steps of these ticks, the\n"
            "last excluded.");
+  using Cubics = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+  py::class_<BodyPath, std::shared_ptr<BodyPath>>(m, "BodyPath", "The motion of a body that nothing can push.")
+      .def(py::init([](std::vector<double> breaks, const std::array<Cubics, 3>& curve_m, std::vector<double> times_s,
+                       const Cubics& progress, bool closed, bool climbs, const py::object& position_m,
+                       const py::object& orientation_xyzw) {
+             BodyPathSpec spec{.breaks = std::move(breaks),
+                               .curve_m = {},
+                               .times_s = std::move(times_s),
+                               .progress = {},
+                               .closed = closed,
+                               .climbs = climbs,
+                               .path_from_body = as_pose(position_m, orientation_xyzw, "path_from_body")};
+             for (Eigen::Index k = 0; k < curve_m[0].rows(); ++k) {
+               Eigen::Matrix<double, 4, 3>& piece = spec.curve_m.emplace_back();
+               for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                 const Cubics& along = curve_m[static_cast<std::size_t>(axis)];
+                 require(along.rows() == curve_m[0].rows(), "curve_m", along.rows(), "must be as long for each axis");
+                 piece.col(axis) = along.row(k).transpose();
+               }
+             }
+             for (Eigen::Index k = 0; k < progress.rows(); ++k) spec.progress.push_back(progress.row(k).transpose());
+             return std::make_shared<BodyPath>(std::move(spec));
+           }),
+           py::arg("breaks"), py::arg("curve_m"), py::arg("times_s"), py::arg("progress"), py::arg("closed"),
+           py::arg("climbs"), py::arg("position_m"), py::arg("orientation_xyzw"),
+           "breaks: (n + 1,), ascending, of the curve's parameter u. curve_m: x, y and z, each (n, 4): coefficients\n"
+           "of 1, h, h^2 and h^3 in each piece, where h = u - break. times_s: (m + 1,) from 0, ascending. progress:\n"
+           "(m, 4), u in powers of the time since the break. closed: it begins again after the last time. climbs: x\n"
+           "is along the curve; otherwise along its horizontal part. position_m, orientation_xyzw: of the body in\n"
+           "path axes. Raises ValueError.")
+      .def("at", &BodyPath::at, py::arg("time_s"), "Return the BodyState at a time from 0 on.");
   py::class_<ObjectSpec, std::shared_ptr<ObjectSpec>>(m, "ObjectSpec", "A loose body.")
       .def(py::init([](std::string name, std::shared_ptr<Craft> craft, CollisionShape shape, double friction,
-                       double restitution, const BodyState& start, std::vector<AppliedWrench> wrenches) {
+                       double restitution, const BodyState& start, std::vector<AppliedWrench> wrenches,
+                       const std::optional<std::shared_ptr<BodyPath>>& path) {
              auto spec = std::make_shared<ObjectSpec>();
              spec->body = {std::move(name), std::move(craft), shape, friction, restitution};
-             spec->start = start;
+             spec->body.path = path.value_or(nullptr);
+             spec->start = path ? (*path)->at(0) : start;
              spec->wrenches = std::move(wrenches);
              return spec;
            }),
            py::arg("name"), py::arg("craft").none(false), py::arg("shape"), py::arg("friction"), py::arg("restitution"),
-           py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{});
+           py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{}, py::arg("path") = py::none(),
+           "path: that it follows, from its own start.");
 }
 
 void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {

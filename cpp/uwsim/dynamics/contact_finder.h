@@ -20,6 +20,7 @@ struct MovingBody {
   Pose world_from_body;
   double reach_m = 0;  ///< only contacts whose gap is at most this are found
   bool collides = true;
+  bool meets_world = true;  ///< otherwise, only bodies that do are found
 };
 
 /// Finds the places where bodies made of convex pieces come close to each other, to the terrain or to solids.

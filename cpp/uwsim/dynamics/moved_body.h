@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "uwsim/dynamics/arm.h"
+#include "uwsim/dynamics/body_path.h"
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/hydrodynamics.h"
@@ -28,6 +29,7 @@ struct BodySpec {
   double restitution = 0.1;
   std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
   std::vector<ArmLink> arm = {};
+  std::shared_ptr<const BodyPath> path = nullptr;         ///< that it follows, whatever it hits; null: forces move it
 
   /// Throws InvalidValue naming the field.
   void check() const;

@@ -42,6 +42,7 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
           "must be uwsim for an arm: Bullet's bodies have no mass matrix that it could share");
   std::optional<Arm> arm;
   if (!spec.arm.empty()) arm.emplace(spec.arm, step_s_);
+  require(!spec.path || kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet", "must be uwsim for bodies on a path");
   engine_->add_body(spec);
   MovedBody& body = bodies_.emplace_back();
   body.spec = std::move(spec);
@@ -90,6 +91,8 @@ std::size_t RigidBodyWorld::add_tether(const TetherSpec& spec, const WaterField&
   for (const TetherEnd* end : {&spec.first, &spec.second}) {
     require(end->body < bodies_.size() || end->body == TetherEnd::kNoBody, spec.name + " end", end->body,
             "must be a body");
+    require(end->body == TetherEnd::kNoBody || !bodies_[end->body].spec.path, spec.name + " end",
+            end->body == TetherEnd::kNoBody ? "" : bodies_[end->body].spec.name, "must not follow a path");
   }
   tethers_.emplace_back(spec, world_, bodies_).lay(bodies_, water, time_s);
   return tethers_.size() - 1;
@@ -117,7 +120,11 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     for (Tether& tether : tethers_) tether.step(bodies_, water, time_s, step_s_);
   }
   engine_->step(bodies_, next_states_, water, time_s);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) bodies_[k].require_plausible(next_states_[k], time_s, step_s_);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (bodies_[k].spec.path)
+      next_states_[k] = bodies_[k].spec.path->at(time_s + step_s_);  // whatever the step's parts
+    bodies_[k].require_plausible(next_states_[k], time_s, step_s_);
+  }
   // Either all bodies move, or, if the step fails, none.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     MovedBody& body = bodies_[k];
@@ -205,6 +212,8 @@ void RigidBodyWorld::require_forces() const {
 
 Forces RigidBodyWorld::forces(std::size_t body, const WaterField& water, double time_s) const {
   require_forces();
+  const BodySpec& spec = bodies_.at(body).spec;
+  require(!spec.path, "forces", spec.name, "must not follow a path, on which no force moves it");
   return forces_on(bodies_.at(body), water, time_s, step_s_);
 }
 

@@ -52,7 +52,8 @@ class RigidBodyWorld {
   void apply(std::size_t body, const Loads& applied) { bodies_.at(body).applied = applied; }
   std::size_t size() const { return bodies_.size(); }
   const BodySpec& spec(std::size_t body) const { return bodies_.at(body).spec; }
-  /// See forces_on(). Throws InvalidValue for Bullet's engine, which folds added mass into its own.
+  /// See forces_on(). Throws InvalidValue for a body on a path, and for Bullet's engine, which folds added mass into
+  /// its own.
   Forces forces(std::size_t body, const WaterField& water, double time_s) const;
   /// Where the body was pressed in the last step; contacts without a force are left out. Throws InvalidValue for
   /// Bullet's engine.

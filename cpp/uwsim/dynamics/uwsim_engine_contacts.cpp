@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kReachPerMotion = 1.5;   // the search distance for contacts, relative to the motion in an interval
 constexpr double kLeastReach_m = 0.0015;  // more than kTouch_m
+// The inverse mass [1/kg, 1/(kg m^2)] of a body on a path, in contacts: what it hits takes all of the change.
+constexpr double kUnmoved = 1e-15;
 
 }  // namespace
 
@@ -38,6 +40,7 @@ void UwsimEngine::move(const Interval& now) {
 
 /// A body's state at the end of the interval.
 BodyState UwsimEngine::moved(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const {
+  if (const BodyPath* const path = bodies_[body].spec.path.get()) return path->at(now.time_s + now.step_s);
   return bodies_[body].advanced(state, loads, now.water, now.time_s, now.step_s);
 }
 
@@ -95,7 +98,8 @@ double UwsimEngine::reach_m(std::size_t body, double step_s) const {
 /// Finds the contacts at the present poses whose gaps this interval could close.
 void UwsimEngine::find_contacts(const Interval& now) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    moving_[k] = {states_[k].world_from_body, reach_m(k, now.step_s), takes_part_[k] != 0 && rests_[k] == 0};
+    moving_[k] = {states_[k].world_from_body, reach_m(k, now.step_s), takes_part_[k] != 0 && rests_[k] == 0,
+                  bodies_[k].spec.path == nullptr};
   }
   try {
     finder_.find(moving_, contacts_);
@@ -125,8 +129,9 @@ void UwsimEngine::solve_contacts(const Interval& now) {
       if (body == kFixedBody) continue;
       ContactBody& touched = contact_bodies_[static_cast<std::size_t>(body)];
       if (!touched.inverse_mass.isZero(0)) continue;
-      touched.inverse_mass =
-          bodies_[static_cast<std::size_t>(body)].inverse_mass(touched.world_from_body, now.water, now.time_s);
+      MovedBody& moved = bodies_[static_cast<std::size_t>(body)];
+      touched.inverse_mass = moved.spec.path ? Matrix6d(kUnmoved * Matrix6d::Identity())
+                                             : moved.inverse_mass(touched.world_from_body, now.water, now.time_s);
     }
   }
   solver_.solve(contact_bodies_, contacts_, now.step_s);
@@ -143,7 +148,8 @@ void UwsimEngine::solve_contacts(const Interval& now) {
   record_touches();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const ContactBody& solved = contact_bodies_[k];
-    if (rests_[k] != 0 || (solved.impulse_body.isZero(0) && solved.push_body.isZero(0))) continue;
+    if (rests_[k] != 0 || bodies_[k].spec.path) continue;
+    if (solved.impulse_body.isZero(0) && solved.push_body.isZero(0)) continue;
     const Eigen::Quaterniond& q = solved.world_from_body.orientation;
     Vector6d impulse_world;
     impulse_world << q * solved.impulse_body.head<3>(), q * solved.impulse_body.tail<3>();
@@ -185,9 +191,9 @@ void UwsimEngine::stop_groups(const Interval& now) {
     if (may_stop_[k] != 0) may_stop_[groups_.of(k)] = 1;
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    // A body with an arm never stops: its joints may move, or its arm may pull it away.
-    if (bodies_[k].arm || fastest_m_s(states_[k].velocity_body, finder_.radius_m(k)) > kSlow_m_s)
-      may_stop_[groups_.of(k)] = 0;
+    // A body with an arm never stops: its joints may move, or its arm may pull it away. Nor does one on a path.
+    const bool is_slow = fastest_m_s(states_[k].velocity_body, finder_.radius_m(k)) <= kSlow_m_s;
+    if (!is_slow || bodies_[k].arm || bodies_[k].spec.path) may_stop_[groups_.of(k)] = 0;
   }
   for (std::size_t group = 0; group < bodies_.size(); ++group) {
     if (groups_.of(group) == group && may_stop_[group] != 0) stop_if_held(group, now);

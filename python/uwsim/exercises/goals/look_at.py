@@ -1,4 +1,4 @@
-"""The goal `look_at`: a camera keeps a place in view."""
+"""The goal `look_at`: a camera keeps a place, or something that moves, in view."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from uwsim.exercises.goal import Duration, GoalModel, Progress, Within
 from uwsim.exercises.moment import Floats, Moment
-from uwsim.scenario.spec.fields import InRange, Name, Point3
+from uwsim.scenario.spec.fields import InRange, Name, Point3, broken
+from uwsim.simulator.simulator import Simulator
 
 
 class Sight(GoalModel):
@@ -51,17 +52,37 @@ class Sight(GoalModel):
 
 
 class LookAt(Sight):
-    """Keep a place in view of one of the vehicle's cameras.
+    """Keep a place, or a body that moves, in view of one of the vehicle's cameras.
 
-    position_m: position in the world; see Sight.
+    position_m: position in the world; object: instead, the name of one of the scenario's `objects`, whose middle is
+    looked at. See Sight.
     """
 
     kind: Literal["look_at"]
-    position_m: Point3
+    position_m: Point3 | None = None
+    object: Name | None = None
+
+    @model_validator(mode="after")
+    def _has_one_aim(self) -> LookAt:
+        if (self.position_m is None) == (self.object is None):
+            raise broken("give one of position_m and object", at=("position_m",), value=self.position_m)
+        return self
 
     def begun(self) -> Progress:
         """See GoalModel."""
         return _Looking(self)
+
+    def require(self, sim: Simulator) -> None:
+        """See GoalModel."""
+        known = list(sim.objects)
+        if self.object is not None and self.object not in known:
+            raise ValueError(f"object = '{self.object}': must be one of {', '.join(known) or 'none: there are none'}")
+
+    def place(self, sim: Simulator) -> Floats:
+        """Return the place to be looked at now, (3,)."""
+        if self.object is not None:
+            return np.asarray(sim.objects[self.object].pose.position_world_m, np.float64)
+        return np.array(self.position_m)
 
 
 class _Looking(Progress):
@@ -70,6 +91,6 @@ class _Looking(Progress):
         self._goal, self._seen_s = goal, 0.0
 
     def judge(self, moment: Moment, period_s: float) -> None:
-        is_in_view = self._goal.is_in_view(moment, np.array(self._goal.position_m))
+        is_in_view = self._goal.is_in_view(moment, self._goal.place(moment.sim))
         self._seen_s = self._seen_s + period_s if is_in_view else 0.0
         self.share = max(self.share, min(self._seen_s / self._goal.for_s, 1.0))

@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
-from uwsim.scenario.build.applied_wrench import applied_wrench
+def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
+    shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
 from uwsim.scenario.build.obstacles import grounded
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.scenario.spec.body_path import BodyPath
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
@@ -71,7 +73,11 @@ def object_position(body: LooseBody, terrain: Bed) -> Floats:
 
 def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
+def _spec(body: LooseBody, terrain: Bed, water_kg_m3: float) -> _core.ObjectSpec:
+    shape = _placed(body.shape, terrain)
     volume_m3 = shape.solid.volume_m3
+    if body.path is not None:
+        return _on_path(body, body.path, shape, water_kg_m3)
     density = body.density_kg_m3 if body.density_kg_m3 is not None else (body.mass_kg or 0.0) / volume_m3
     added, areas, paddles, rubbing = _flow(shape.vertices, shape.triangles)
     parameters = _core.CraftParameters()
@@ -88,6 +94,27 @@ def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
         body.restitution, _core.BodyState(shape.position_m, shape.orientation_xyzw, velocity),
         [applied_wrench(wrench, scenario.step_s) for wrench in body.wrenches or ()],
     )  # fmt: skip
+
+
+def _on_path(body: LooseBody, path: BodyPath, shape: _Shape, water_kg_m3: float) -> _core.ObjectSpec:
+    """Return a body that no force moves: its mass, that of water, has no effect."""
+    parameters = _core.CraftParameters()
+    parameters.mass_kg = water_kg_m3 * shape.solid.volume_m3
+    parameters.inertia_kg_m2 = water_kg_m3 * shape.solid.inertia_per_density_m5
+    arm_m = turned(shape.orientation_xyzw, shape.solid.centroid_m)
+    followed = body_path(path, shape.position_m - arm_m, arm_m, shape.orientation_xyzw)
+    return _core.ObjectSpec(
+        body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
+        body.restitution, followed.at(0.0), path=followed,
+    )  # fmt: skip
+
+
+def object_points(body: LooseBody, terrain: Bed) -> Floats:
+    """Return where the middle of a body starts, or the points of its path, (n, 3). Raises ScenarioError."""
+    shape = _placed(body.shape, terrain)
+    if body.path is None:
+        return shape.position_m[None]
+    return points_on(body.path, shape.position_m - turned(shape.orientation_xyzw, shape.solid.centroid_m))
 
 
 def _placed(obstacle: ObstacleModel, terrain: Bed) -> _Shape:

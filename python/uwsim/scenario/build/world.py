@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scenario.build.cover import add_cover
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
-from uwsim.scenario.build.loose_bodies import object_position
+from uwsim.scenario.build.loose_bodies import object_points
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.scale import require_fits, require_solid_fits
 from uwsim.scenario.build.start_pose import start_pose
@@ -77,12 +77,14 @@ def build_world(scenario: Scenario) -> _core.World:
 
 
 def _require_free(world: _core.World, terrain: Terrain, body: LooseBody) -> None:
-    """Raise ScenarioError for a loose body that cannot start where it is, or is no solid."""
-    x, y, z = object_position(body, terrain).tolist()
-    what = f"object '{body.name}' starts with its middle at"
-    _require_above(terrain, (x, y, z), what)
-    if (name := world.solid_around((x, y, z))) is not None:
-        raise ScenarioError(f"{what} ({x:g}, {y:g}, {z:g}) m: must be outside '{name}'")
+    """Raise ScenarioError for a body that cannot be where it starts or where its path leads, or is no solid."""
+    for index, (x, y, z) in enumerate(object_points(body, terrain).tolist()):
+        does = "starts with its middle" if index == 0 else "is on its path"
+        _require_above(terrain, (x, y, z), f"object '{body.name}' {does} at")
+        if (name := world.solid_around((x, y, z))) is not None:
+            raise ScenarioError(
+                f"object '{body.name}' {does} at ({x:.4g}, {y:.4g}, {z:.4g}) m: must be outside '{name}'"
+            )
 
 
 def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""An entry under `objects:` in a scenario: a loose body, which floats, sinks, rests and is pushed."""
+"""An entry under `objects:` in a scenario: a loose body, which is pushed by all, or one on a path, by nothing."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from uwsim.scenario.spec.applied_wrench import AppliedWrench
+from uwsim.scenario.spec.body_path import BodyPath
 from uwsim.scenario.spec.fields import InRange, Model, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 
@@ -22,6 +23,8 @@ class LooseBody(Model):
     of the area that faces the flow: 0.47 for a sphere, 1.05 for a cube, 1.2 for a plate (Hoerner 1965, "Fluid-Dynamic
     Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). friction, restitution: as for vehicles. velocity_m_s: along the
     world's axes. wrenches: what pushes it from outside, by schedule.
+    world's axes. path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither
+    density nor mass, and it pushes what it meets.
     """
 
     shape: ObstacleSpec
@@ -32,6 +35,7 @@ class LooseBody(Model):
     restitution: Annotated[float, InRange(0, 1)] = 0.1
     velocity_m_s: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
     wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] | None = None
+    path: BodyPath | None = None
 
     @property
     def name(self) -> str:
@@ -42,6 +46,15 @@ class LooseBody(Model):
     def _has_one_mass(self) -> LooseBody:
         if self.shape.kind not in LOOSE_KINDS:
             raise broken(f"must be one of {', '.join(LOOSE_KINDS)}", at=("shape", "kind"), value=self.shape.kind)
+        if self.path is not None:
+            for name in ("density_kg_m3", "mass_kg"):
+                if getattr(self, name) is not None:
+                    raise broken("must be left out for a body on a path", at=(name,), value=getattr(self, name))
+            if self.wrenches:
+                raise broken("must be left out for a body on a path", at=("wrenches",))
+            if any(self.velocity_m_s):
+                raise broken("must be left out for a body on a path", at=("velocity_m_s",), value=self.velocity_m_s)
+            return self
         if (self.density_kg_m3 is None) == (self.mass_kg is None):
             raise broken("give one of density_kg_m3 and mass_kg", at=("density_kg_m3",), value=self.density_kg_m3)
         return self

@@ -64,8 +64,8 @@ class Scenario(Model):
     for cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. cover: layers of
     stones, plants and animals on the bed, which vehicles pass through. water_targets: fish and bubbles, which a
     multibeam in physics mode receives. station: the reference for distances; it has the dock. vehicles: at least one.
-    objects: loose bodies. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
-    mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
+    objects: loose bodies and bodies on paths. warnings: when the panel issues warnings. survey: the survey flown by
+    `uwsim survey`. mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
     flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
     and when. wire: the topics that servers offer unless they are asked for others: `standard` (ROS's usual ones),
     `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or `both`.
