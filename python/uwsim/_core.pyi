@@ -525,6 +525,24 @@ class World:
         upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises
         ValueError.
         """
+    def add_school(
+        self,
+        name: str,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        shapes: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.Any, typing.Any]]],
+        position_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        round_m: typing.SupportsFloat | typing.SupportsIndex,
+        speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        spread_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        stroke_hz: typing.SupportsFloat | typing.SupportsIndex,
+        clear_m: typing.SupportsFloat | typing.SupportsIndex,
+        seed: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        Add a school of fish. shapes: for each size, the meshes (vertices (n, 3), triangles (m, 3)) of a fish in each
+        phase of a stroke, x ahead and z up. The other values are as in SchoolSpec (cpp/uwsim/world/school.h). Raises
+        ValueError.
+        """
     def add_solid(
         self,
         name: str,
@@ -540,6 +558,13 @@ class World:
     def height_at(self, xy_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the height (n,) float64 of the terrain at positions (n, 2); NaN outside.
+        """
+    def school_at(
+        self, school: typing.SupportsInt | typing.SupportsIndex, time_s: typing.SupportsFloat | typing.SupportsIndex
+    ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        Return where the fish of a school are at a time: positions (n, 3) [m] and unit vectors ahead (n, 3).
+        Raises ValueError.
         """
     def set_terrain(
         self, heights_m: typing.Any, spacing_m: typing.SupportsFloat | typing.SupportsIndex, origin_m: typing.Any
@@ -635,6 +660,22 @@ class FixedWorld(World):
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> int:
+        """
+        Raise AttributeError.
+        """
+    def add_school(
+        self,
+        name: str,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        shapes: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.Any, typing.Any]]],
+        position_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        round_m: typing.SupportsFloat | typing.SupportsIndex,
+        speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        spread_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        stroke_hz: typing.SupportsFloat | typing.SupportsIndex,
+        clear_m: typing.SupportsFloat | typing.SupportsIndex,
+        seed: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
         """
         Raise AttributeError.
         """
@@ -2575,6 +2616,10 @@ class CameraScene:
     A snapshot of the world with its materials and textures, plus vehicles.
     """
     def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def add_school(self, material: str, surface_class: str, colour: typing.Any = None) -> None:
+        """
+        Add the appearance of the world's next school of fish, after all vehicles. Raises ValueError.
+        """
     def add_vehicle(
         self,
         name: str,

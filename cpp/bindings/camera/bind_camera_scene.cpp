@@ -212,6 +212,12 @@ void bind_camera_scene(py::module_& m) {
           py::arg("texture_corners") = py::none(), py::arg("surface_class") = "vehicle",
           "Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. texture: as for\n"
           "set_appearance. Raises ValueError.")
+      .def(
+          "add_school",
+          [](CameraScene& scene, const std::string& material_name, const std::string& surface_class,
+             const py::object& colour) { scene.add_school(as_material(material_name, colour), surface_class); },
+          py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
+          "Add the appearance of the world's next school of fish, after all vehicles. Raises ValueError.")
       .def_property_readonly(
           "classes_by_label",
           [](const CameraScene& scene) {

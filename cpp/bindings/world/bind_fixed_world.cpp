@@ -83,6 +83,12 @@ void bind_fixed_world(py::module_& m) {
          double, double, const Pair&, double, const Pair&, const Pair&, const Pair&, double, double,
          std::uint64_t) -> Label { refuse("world.add_cover"); },
       "Raise AttributeError.");
+  def_add_school(
+      world,
+      [](FixedWorld&, const std::string&, std::size_t,
+         const std::vector<std::vector<std::pair<py::object, py::object>>>&, const Eigen::Vector3d&, double, double,
+         const Eigen::Vector3d&, double, double, std::uint64_t) { refuse("world.add_school"); },
+      "Raise AttributeError.");
 }
 
 }  // namespace uwsim::bindings

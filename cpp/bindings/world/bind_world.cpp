@@ -67,6 +67,45 @@ Label add_cover(World& world, std::string name, const std::vector<std::pair<py::
   return world.add_cover(std::move(layer));
 }
 
+void add_school(World& world, std::string name, std::size_t count,
+                const std::vector<std::vector<std::pair<py::object, py::object>>>& shapes,
+                const Eigen::Vector3d& position_m, double round_m, double speed_m_s, const Eigen::Vector3d& spread_m,
+                double stroke_hz, double clear_m, std::uint64_t seed) {
+  SchoolSpec spec{.name = std::move(name),
+                  .count = count,
+                  .shapes_m = {},
+                  .home_world_m = position_m,
+                  .round_m = round_m,
+                  .speed_m_s = speed_m_s,
+                  .spread_m = spread_m,
+                  .stroke_hz = stroke_hz,
+                  .clear_m = clear_m,
+                  .seed = seed};
+  for (const auto& phases : shapes) {
+    std::vector<TriangleMesh>& meshes = spec.shapes_m.emplace_back();
+    for (const auto& [vertices, triangles] : phases)
+      meshes.push_back({as_points(vertices, "vertices_m"), as_triangles(triangles, "triangles")});
+  }
+  world.add_school(std::move(spec));
+}
+
+/// positions (n, 3), directions ahead (n, 3)
+py::typing::Tuple<py::array_t<double>, py::array_t<double>> school_at(const World& world, std::size_t index,
+                                                                      double time_s) {
+  require(index < world.schools().size(), "school", index, "must be an index");
+  const School& school = *world.schools()[index];
+  std::vector<Swimmer> fish(school.size());
+  school.place(time_s, fish);
+  std::vector<double> positions, ahead;
+  for (const Swimmer& one : fish) {
+    positions.insert(positions.end(), one.position_world_m.begin(), one.position_world_m.end());
+    const Eigen::Vector3d along = one.velocity_world.normalized();
+    ahead.insert(ahead.end(), along.begin(), along.end());
+  }
+  const auto rows = static_cast<py::ssize_t>(fish.size());
+  return py::make_tuple(move_out(std::move(positions), {rows, 3}), move_out(std::move(ahead), {rows, 3}));
+}
+
 using SurfaceMesh = py::typing::Tuple<py::array_t<double>, py::array_t<std::uint32_t>, py::array_t<Label>>;
 
 SurfaceMesh surface_mesh(const World& world, bool with_terrain) {
@@ -206,6 +245,14 @@ void bind_world(py::module_& m) {
       "(vertices (n, 3), triangles (m, 3)) with the origin on the bed and the largest extent 1. stance:\n"
       "upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises\n"
       "ValueError.");
+  def_add_school(
+      world, &add_school,
+      "Add a school of fish. shapes: for each size, the meshes (vertices (n, 3), triangles (m, 3)) of a fish in each\n"
+      "phase of a stroke, x ahead and z up. The other values are as in SchoolSpec (cpp/uwsim/world/school.h). Raises\n"
+      "ValueError.");
+  world.def("school_at", &school_at, py::arg("school"), py::arg("time_s"),
+            "Return where the fish of a school are at a time: positions (n, 3) [m] and unit vectors ahead (n, 3).\n"
+            "Raises ValueError.");
   bind_fixed_world(m);
   bind_surface_sampler(m);
 }

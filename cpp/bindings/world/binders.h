@@ -20,6 +20,14 @@ Class& def_add_cover(Class& world, Function add, const char* doc) {
                    arg("patch_share") = 1.0, arg("seed") = 0, doc);
 }
 
+/// Defines add_school.
+template <typename Class, typename Function>
+Class& def_add_school(Class& world, Function add, const char* doc) {
+  using pybind11::arg;
+  return world.def("add_school", add, arg("name"), arg("count"), arg("shapes"), arg("position_m"), arg("round_m"),
+                   arg("speed_m_s"), arg("spread_m"), arg("stroke_hz"), arg("clear_m"), arg("seed"), doc);
+}
+
 void bind_currents(pybind11::module_& m);
 void bind_fixed_world(pybind11::module_& m);
 void bind_surface_sampler(pybind11::module_& m);

@@ -18,7 +18,7 @@ void require_fits(const Texture* texture, const TriangleMesh& mesh) {
 }  // namespace
 
 CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed)
-    : world_(world), rays_(std::move(rays)), seed_(seed), hulls_(world.labels_end()) {
+    : world_(world), rays_(std::move(rays)), seed_(seed), hulls_(world.labels_end(), world.schools()) {
   require(rays_ != nullptr, "scene", "none", "must be a RayScene");
   materials_ = {material("sand"), material("rock"), material("land")};
   classes_ = {static_cast<std::uint8_t>(SurfaceClass::kNothing), static_cast<std::uint8_t>(SurfaceClass::kTerrain)};
@@ -63,13 +63,17 @@ void CameraScene::set_cover_appearance(Label label, const camera::Material& mate
   const std::vector<TriangleMesh>& meshes = world_.cover()[label - world_.first_cover()]->meshes;
   require(texture == nullptr || meshes.size() == 1, "texture", meshes.size(), "needs a layer with one mesh");
   require_fits(texture.get(), meshes.front());
+  materials_[static_cast<std::size_t>(material_of(label))] = material;
+  classes_[label] = class_of(surface_class);
+  has_textures_ = has_textures_ || texture;
+  textures_[label] = std::move(texture);
+}
+
+std::uint8_t CameraScene::class_of(const std::string& surface_class) {
   const auto known = static_cast<std::size_t>(std::ranges::find(class_names_, surface_class) - class_names_.begin());
   require(known < 255, "class", surface_class, "too many classes");
   if (known == class_names_.size()) class_names_.push_back(surface_class);
-  materials_[static_cast<std::size_t>(material_of(label))] = material;
-  classes_[label] = static_cast<std::uint8_t>(known);
-  has_textures_ = has_textures_ || texture;
-  textures_[label] = std::move(texture);
+  return static_cast<std::uint8_t>(known);
 }
 
 void CameraScene::set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land) {
@@ -81,6 +85,7 @@ void CameraScene::set_ground(const camera::Material& bed, const camera::Material
 std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_body_m,
                                      const SurfaceAppearance& appearance) {
   require_fits(appearance.texture.get(), hull_body_m);
+  require(classes_.size() == world_.labels_end() + vehicles(), "vehicle", name, "must be added before schools");
   hulls_.add(hull_body_m);
   vehicle_names_.push_back(std::move(name));
   materials_.push_back(appearance.material);
@@ -90,18 +95,28 @@ std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_
   return vehicle_names_.size() - 1;
 }
 
-RayScene CameraScene::rays_among(std::span<const Pose> poses, std::optional<std::size_t> hidden) const {
+void CameraScene::add_school(const camera::Material& material, const std::string& surface_class) {
+  const std::size_t all = world_.labels_end() + vehicles() + world_.schools().size();
+  require(classes_.size() < all, "life", surface_class, "must be one for each school of the world");
+  classes_.push_back(class_of(surface_class));
+  materials_.push_back(material);
+  textures_.push_back(nullptr);
+}
+
+RayScene CameraScene::rays_among(std::span<const Pose> poses, std::optional<std::size_t> hidden, double time_s) const {
   require(poses.empty() || poses.size() == vehicles(), "vehicles", poses.size(),
           "must be a pose for each vehicle, or none");
   if (poses.empty()) return *rays_;
   const auto placed = std::make_shared<MovingBodies>(hulls_);
   for (std::size_t k = 0; k < poses.size(); ++k) placed->place(k, poses[k]);
+  placed->place_schools(time_s);
   return rays_->with(placed, hidden.value_or(MovingBodies::kNone));
 }
 
 std::vector<std::string> CameraScene::label_names() const {
   std::vector<std::string> names = world_.label_names();
   names.insert(names.end(), vehicle_names_.begin(), vehicle_names_.end());
+  for (const auto& school : world_.schools()) names.push_back(school->spec().name);
   return names;
 }
 

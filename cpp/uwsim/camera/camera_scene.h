@@ -55,12 +55,17 @@ class CameraScene {
   /// different mesh.
   std::size_t add_vehicle(std::string name, const TriangleMesh& hull_body_m, const SurfaceAppearance& appearance);
 
+  /// Adds the appearance of the world's next school of fish, after all vehicles; a new class is added. Throws
+  /// InvalidValue.
+  void add_school(const camera::Material& material, const std::string& surface_class);
+
   const World& world() const { return world_; }
   std::uint64_t seed() const { return seed_; }
   std::size_t vehicles() const { return vehicle_names_.size(); }
-  /// Returns the world's rays, plus the vehicles at these poses except the `hidden` one. Without poses, there are no
-  /// vehicles.
-  RayScene rays_among(std::span<const Pose> world_from_vehicles, std::optional<std::size_t> hidden) const;
+  /// Returns the world's rays, plus the vehicles at these poses except the `hidden` one, and the schools at this time.
+  /// Without poses, there are neither vehicles nor schools.
+  RayScene rays_among(std::span<const Pose> world_from_vehicles, std::optional<std::size_t> hidden,
+                      double time_s) const;
   std::vector<std::string> label_names() const;
   std::vector<std::uint8_t> classes_by_label() const;
   /// kSurfaceClassNames, then the classes of cover.
@@ -77,6 +82,7 @@ class CameraScene {
                                                    double index, int first_level, int threads) const;
 
  private:
+  std::uint8_t class_of(const std::string& surface_class);
   struct CachedRipples {
     double wind_m_s, towards_rad, time_s, index;
     std::shared_ptr<const Ripples> ripples;

@@ -22,8 +22,9 @@ struct Picture {
   ImageBuffer<float> normals_world;   ///< x 3, unit, towards the front of the triangle's winding; 0 if nothing is hit
   ImageBuffer<std::uint16_t> labels;  ///< see CameraScene::label_names
   ImageBuffer<std::uint8_t> classes;  ///< see CameraScene::class_names
-  ImageBuffer<std::uint32_t> pieces;  ///< numbers of the pieces of cover, 0 elsewhere; empty in a world without cover
-  double gain = 0;                    ///< factor from radiance to exposed signal
+  ImageBuffer<std::uint32_t>
+      pieces;       ///< numbers of pieces of cover and of fish, 0 elsewhere; empty in a world without both
+  double gain = 0;  ///< factor from radiance to exposed signal
 
   /// Keeps the pieces that a block of pixels shows.
   void keep_pieces(int left, int top, const HitPacket& hits) {

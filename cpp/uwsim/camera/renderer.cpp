@@ -104,7 +104,8 @@ class Rendering {
       picture_.normals_world.resize(3 * pixels);
       picture_.labels.resize(pixels);
       picture_.classes.resize(pixels);
-      if (!scene_.world().cover().empty()) picture_.pieces.resize(pixels);
+      const World& world = scene_.world();
+      if (!world.cover().empty() || !world.schools().empty()) picture_.pieces.resize(pixels);
     }
     if (request_.geometry_only) return;
     scatters_ = on(Effect::kForwardScatter) && optics_.forward_scatter_rad > 0 && view_.camera_in_water &&

@@ -44,7 +44,7 @@ void set_normal(const Eigen::Vector3d& normal_world, std::size_t lane, Block& bl
 
 Tracer::Tracer(const CameraScene& scene, const Eigen::Vector3d& anchor_world_m, const PictureRequest& request)
     : world_(scene.world()),
-      rays_(scene.rays_among(request.world_from_vehicles, request.hidden_vehicle)),
+      rays_(scene.rays_among(request.world_from_vehicles, request.hidden_vehicle, request.time_s)),
       record_(request.record),
       anchor_world_m_(anchor_world_m) {}
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "uwsim/core/pose.h"
 #include "uwsim/core/triangle_mesh.h"
 #include "uwsim/rays/ray_packet.h"
+#include "uwsim/world/school.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -27,20 +29,32 @@ struct RayCone {
 /// Bodies that move among the fixed surfaces of a world, such as vehicles, as targets for rays. The surface of each
 /// body is prepared once, in the body's frame, as a separate RayScene; a pose places it. Rays are transformed into the
 /// body's frame in double, so hits are as exact as those on the world (rays/README.md). A cast examines a body only if
-/// a sphere around it is within reach, and does not allocate. Must not be used while a body is being placed; copies are
-/// independent and share the surfaces.
+/// a sphere around it is within reach, and does not allocate, except where it is the first to reach a school. Must not
+/// be used while a body is being placed; copies are independent and share the surfaces.
 class MovingBodies {
  public:
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-  /// `first_label`: the label of the first body; the labels of the other bodies follow consecutively.
-  explicit MovingBodies(Label first_label) : first_label_(first_label) {}
+  /// `first_label`: the label of the first body; the labels of the other bodies follow consecutively, then those of the
+  /// schools of fish. A fish is a body of its own for rays and is never hidden.
+  explicit MovingBodies(Label first_label, std::span<const std::shared_ptr<const School>> schools = {});
 
   /// Adds a body and returns its index. Throws InvalidValue for a mesh that is not well formed.
   std::size_t add(const TriangleMesh& surface_body_m);
   void place(std::size_t body, const Pose& world_from_body);
+  /// Places the fish of all schools; only where rays come near are their places computed.
+  void place_schools(double time_s);
+  bool has_schools() const { return !schools_.empty(); }
+  /// The number of bodies, without fish.
   std::size_t size() const { return bodies_.size(); }
-  Label label(std::size_t body) const { return static_cast<Label>(first_label_ + body); }
+  /// Bodies added from now on have labels after those of the schools.
+  void add_after_schools() { before_schools_ = std::min(before_schools_, bodies_.size()); }
+  Label label(std::size_t body) const {
+    return static_cast<Label>(first_label_ + body + (body < before_schools_ ? 0 : schools_.size()));
+  }
+  Label school_label(std::size_t school) const {
+    return static_cast<Label>(first_label_ + std::min(before_schools_, bodies_.size()) + school);
+  }
 
   // The following functions exclude the body `hidden`.
 
@@ -66,12 +80,39 @@ class MovingBodies {
     Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
     Eigen::Matrix3d body_from_world = Eigen::Matrix3d::Identity();  // rotation
   };
+  struct Group {  // of neighbouring fish, in a sphere
+    Eigen::Vector3d centre_world_m;
+    double radius_m;
+  };
+  struct Shoal {
+    std::vector<Swimmer> fish;
+    std::vector<Group> groups;
+  };
+  struct PlacedSchool;  // at one time; immutable, and therefore shared by copies
+  struct SwimmingSchool {
+    std::shared_ptr<const School> school;
+    std::vector<std::vector<Body>> shapes;  // by size and phase, without a place
+    double reach_m, radius_m;               // of the school, and of its largest fish about its origin
+    explicit SwimmingSchool(std::shared_ptr<const School> swims);
+    Shoal at(double time_s) const;
+    Body placed(const Swimmer& fish) const;
+  };
+
+  static Body prepared(const TriangleMesh& surface_body_m);
   static void cast_at(const Body& body, Label label, const ExactRays& rays, ExactHits& hits);
   static void cast_at(const Body& body, Label label, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
-                      RayOrder order, HitPacket& hits);
+                      RayOrder order, std::uint32_t piece, HitPacket& hits);
+  bool has_targets(std::size_t hidden) const {
+    return bodies_.size() > (hidden < bodies_.size() ? 1u : 0u) || !schools_.empty();
+  }
+  template <typename Reaches, typename Hits, typename Visit>
+  void for_each_reached(std::size_t hidden, const Reaches& may_reach, const Hits& may_hit, Visit&& visit) const;
 
   Label first_label_;
+  std::size_t before_schools_ = kNone;
   std::vector<Body> bodies_;
+  std::vector<std::shared_ptr<const SwimmingSchool>> schools_;
+  std::vector<std::shared_ptr<const PlacedSchool>> placed_;  // of each school
 };
 
 }  // namespace uwsim

@@ -32,7 +32,7 @@ struct HitPacket {
   alignas(64) Lanes normal_x, normal_y, normal_z;                ///< of any length, on the same side as in RayHit
   alignas(64) std::array<std::uint32_t, kPacketRays> label;      ///< a Label; 0 for a miss
   alignas(64) std::array<std::uint32_t, kPacketRays> primitive;  ///< triangle or round shape of the labelled object
-  /// The number of the piece of cover, 0 for other surfaces; only set in worlds with cover
+  /// The number of the piece of cover or of the fish, 0 for other surfaces
   alignas(64) std::array<std::uint32_t, kPacketRays> piece;
   /// -1 if the distance was computed in double, else 0
   alignas(64) std::array<std::int32_t, kPacketRays> settled;

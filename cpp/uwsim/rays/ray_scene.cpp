@@ -223,7 +223,11 @@ void RayScene::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) 
 void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
                     RayOrder order) const {
   fixed_->cast(anchor_world_m, rays, hits, order);
-  if (const CoverTrees* cover = fixed_->cover()) cover->cast(anchor_world_m, rays, order, hits);
+  if (const CoverTrees* cover = fixed_->cover()) {
+    cover->cast(anchor_world_m, rays, order, hits);
+  } else {
+    hits.piece.fill(0);
+  }
   if (bodies_) bodies_->cast(anchor_world_m, rays, order, hidden_, hits);
 }
 

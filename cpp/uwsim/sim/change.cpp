@@ -41,7 +41,7 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   for (std::size_t k = 0; k < objects(); ++k) bodies.push_back(bodies_.spec(body_of(k)));
   std::shared_ptr<MovingBodies> hulls = hulls_;
   if (!same_hulls) {
-    hulls = std::make_shared<MovingBodies>(hulls_->label(0));
+    hulls = std::make_shared<MovingBodies>(hulls_->label(0), world_.schools());
     for (const BodySpec& body : bodies) hulls->add(body.craft->hull().mesh_body());
   }
   SoundSpeedProfile sound = sound_speed_profile(water);

@@ -46,7 +46,7 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
       spec_((spec.check(), spec)),
       step_ns_(static_cast<std::uint64_t>(std::llround(spec.step_s * 1e9))),
       bodies_(world, spec.step_s, spec.engine),
-      hulls_(std::make_shared<MovingBodies>(world.labels_end())),
+      hulls_(std::make_shared<MovingBodies>(world.labels_end(), world.schools())),
       hulls_version_(kUnplaced) {
   require(scene_ != nullptr, "scene", "none", "must be a RayScene");
 }
@@ -166,13 +166,14 @@ const MovingBodies& Simulation::vehicles_for_rays() const {
       if (hulls_->size() == tube) add_tubes(bodies_.tether(k).spec(), *hulls_);
       tube = place_tubes(bodies_.tether(k), bodies_, tube, *hulls_);
     }
+    hulls_->place_schools(time_s());
     hulls_version_ = version_;
   }
   return *hulls_;
 }
 
 RayScene Simulation::scene_around(const Vehicle& vehicle) const {
-  if (bodies_.size() < 2 && tethers() == 0) return *scene_;
+  if (bodies_.size() < 2 && tethers() == 0 && !hulls_->has_schools()) return *scene_;
   vehicles_for_rays();
   return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
 }

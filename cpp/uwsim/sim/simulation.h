@@ -143,7 +143,7 @@ class Simulation {
   /// The surroundings of the vehicle's instruments: the world, and all other vehicles and objects at their present
   /// poses. Valid until time advances or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
-  /// All vehicles, then all objects, at their present poses, for RayScene::with.
+  /// All vehicles, then all objects and schools, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
 

@@ -30,6 +30,7 @@ TriangleMesh tube(double radius_m, double length_m) {
 }  // namespace
 
 void add_tubes(const TetherSpec& spec, MovingBodies& targets) {
+  targets.add_after_schools();
   const TriangleMesh mesh = tube(spec.diameter_m / 2, spec.element_m());
   for (std::size_t k = 0; k < spec.tubes(); ++k) targets.add(mesh);
 }

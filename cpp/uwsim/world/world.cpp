@@ -33,6 +33,12 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
   return static_cast<Label>(kTerrain + solids_.size());
 }
 
+void World::add_school(SchoolSpec school) {
+  for (const auto& known : schools_)
+    require(known->spec().name != school.name, "life.name", school.name, "must be unique");
+  schools_.push_back(std::make_shared<const School>(std::move(school), terrain_));
+}
+
 Label World::add_cover(CoverLayer layer) {
   layer.check();
   require(terrain_ != nullptr, "cover '" + layer.name + "'", "no terrain", "must have terrain to lie on");

@@ -9,6 +9,7 @@
 #include "uwsim/world/cover.h"
 #include "uwsim/world/heightfield.h"
 #include "uwsim/world/round_shape.h"
+#include "uwsim/world/school.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -29,7 +30,7 @@ struct Solid {
 };
 
 /// The world that dynamics and rays share, so that the sonar sees the same surfaces that the vehicle hits. Copies are
-/// cheap: they share terrain, solids and cover, which are immutable.
+/// cheap: they share terrain, solids, cover and schools, which are immutable.
 class World {
  public:
   Water water;
@@ -40,10 +41,14 @@ class World {
   /// Adds a layer of pieces on the terrain, which rays meet but bodies pass through, and returns its label; no solid
   /// may be added after it. Throws InvalidValue.
   Label add_cover(CoverLayer layer);
+  /// Adds a school of fish, which only instruments meet. Its label follows those of all bodies: MovingBodies. Throws
+  /// InvalidValue.
+  void add_school(SchoolSpec school);
 
   const std::shared_ptr<const Heightfield>& terrain() const { return terrain_; }
   const std::vector<std::shared_ptr<const Solid>>& solids() const { return solids_; }
   const std::vector<std::shared_ptr<const CoverLayer>>& cover() const { return cover_; }
+  const std::vector<std::shared_ptr<const School>>& schools() const { return schools_; }
   Label first_cover() const { return static_cast<Label>(kTerrain + 1 + solids_.size()); }
   /// The first label that no surface of the world has.
   Label labels_end() const { return static_cast<Label>(first_cover() + cover_.size()); }
@@ -56,6 +61,7 @@ class World {
   std::shared_ptr<const Heightfield> terrain_;
   std::vector<std::shared_ptr<const Solid>> solids_;
   std::vector<std::shared_ptr<const CoverLayer>> cover_;
+  std::vector<std::shared_ptr<const School>> schools_;
 };
 
 }  // namespace uwsim

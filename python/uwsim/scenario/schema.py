@@ -23,6 +23,7 @@ from uwsim.scenario.spec.cover import CoverSpec
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.life import LifeSpec
 from uwsim.scenario.spec.link import LinkSetup
 from uwsim.scenario.spec.modem import ModemModel
 from uwsim.scenario.spec.obstacle import ObstacleSpec
@@ -54,6 +55,7 @@ PARTS: dict[str, Any] = {
     "camera": CameraMount,
     "control": Control,
     "cover": CoverSpec,
+    "life": LifeSpec,
     "failsafe": Failsafe,
     "fault": FaultSpec,
     "link": LinkSetup,

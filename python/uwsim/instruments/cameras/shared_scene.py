@@ -97,8 +97,8 @@ class SharedScene:
 
     @property
     def has_cover(self) -> bool:
-        """True if the scenario has cover, so that frames have pieces."""
-        return bool(self._scenario.cover)
+        """True if the scenario has cover or life, so that frames have pieces."""
+        return bool(self._scenario.cover or self._scenario.life)
 
     def kept(self) -> SharedScene:
         """Return a copy that keeps the current materials, hulls and water, regardless of later changes."""

@@ -43,6 +43,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
             body.name, *mesh, shape.material.kind, shape.material.colour,
             surface_class=shape.surface_class, texture_image=image, texture_corners=corners,
         )  # fmt: skip
+    for animals in scenario.life or ():
+        scene.add_school(animals.material.kind, animals.surface_class, animals.material.colour)
     return scene
 
 

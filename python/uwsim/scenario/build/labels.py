@@ -8,14 +8,14 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """Return the names by label: those from `build_world` (World.label_names), then vehicles, objects and tethers.
+    """Return the names by label: those from `build_world` (World.label_names), then vehicles, objects, life and tethers.
 
     A tether has a label for each of its elements, all with the name `<vehicle> tether`.
     """
     station = ["station"] if scenario.station.mesh is not None else []
-    parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects)
-    obstacles, cover, vehicles, objects = ([named.name for named in part] for part in parts)
-    return ["nothing", "terrain", *obstacles, *station, *cover, *vehicles, *objects, *_tethers(scenario)]
+    parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects, scenario.life or ())
+    obstacles, cover, vehicles, objects, life = ([named.name for named in part] for part in parts)
+    return ["nothing", "terrain", *obstacles, *station, *cover, *vehicles, *objects, *life, *_tethers(scenario)]
 
 
 def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
@@ -23,6 +23,7 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     station = [scenario.station.material] if scenario.station.mesh is not None else []
     vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
     vehicles += [body.shape.material for body in scenario.objects]
+    vehicles += [animals.material for animals in scenario.life or ()]
     obstacles, cover = [one.surface for one in scenario.obstacles], [layer.material for layer in scenario.cover]
     solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
     tethers = [TETHER] * len(_tethers(scenario))

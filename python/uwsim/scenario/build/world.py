@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scenario.build.cover import add_cover
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
+from uwsim.scenario.build.life import add_life
 from uwsim.scenario.build.loose_bodies import object_points
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.scale import require_fits, require_solid_fits
@@ -59,6 +60,9 @@ def build_world(scenario: Scenario) -> _core.World:
     for index, layer in enumerate(scenario.cover):
         with found.noted(), errors_at("cover", index):
             add_cover(world, layer)
+    for index, animals in enumerate(scenario.life or ()):
+        with found.noted(), errors_at("life", index):
+            add_life(world, terrain, animals)
     for index, vehicle in enumerate(scenario.vehicles):
         with found.noted(), vehicle_errors_at(scenario, index):
             require_fits(vehicle.model.name, _hull(vehicle), terrain, vehicle.model.mesh_scale)

@@ -47,6 +47,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "ground",
             "obstacles",
             "cover",
+            "life",
             "objects",
             "water_targets",
             "link",
