@@ -33,7 +33,7 @@ auto reached_by(const RayBundle& bundle) {
   return [&bundle](const Eigen::Vector3d& centre_m, double radius_m) { return bundle.may_reach(centre_m, radius_m); };
 }
 
-/// Whether any ray of a packet may reach a sphere; conservative. Written without branches, for vector units.
+/// Returns true if any ray of a packet may reach a sphere; conservative. Written without branches, for vector units.
 template <typename Packet, typename Distances>
 bool any_reaches(const Eigen::Vector3d& anchor_world_m, const Packet& rays, const Distances& distance_m,
                  const Eigen::Vector3d& centre_world_m, double radius_m) {
