@@ -38,31 +38,61 @@ def write_atomically(path: Path, content: bytes, *, replaces_any: bool = False) 
     An existing file is replaced only if it is empty or our own (see own_files.py), unless replaces_any, for a user who
     has asked for it. On failure, raises OSError that names the target, and leaves no temporary file behind.
     """
-    if path.exists() and not path.is_file() and not path.is_dir():  # a rename would replace a device
-        raise OSError(f"'{path}': cannot be written: it is not a regular file")
-    if not replaces_any:
-        require_own(path)
+    file = GrowingFile(path, replaces_any=replaces_any)
     try:
-        _write_and_rename(path, content)
-    except OSError as error:
-        raise OSError(f"'{path}': cannot be written: {error.strerror or error}") from error
+        file.write(content)
+        file.close()
+    except BaseException:  # report the first error, not one of discarding
+        file.discard()
+        raise
 
 
-def _write_and_rename(path: Path, content: bytes) -> None:
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    _unfinished.add(name)
-    try:
-        with os.fdopen(descriptor, "wb") as file:
+class GrowingFile:
+    """A file that is written piece by piece, as a temporary file next to its target, and is renamed by `close`.
+
+    replaces_any: see write_atomically. The methods and the constructor raise OSError that names the target.
+    """
+
+    def __init__(self, path: Path, *, replaces_any: bool = False) -> None:
+        if path.exists() and not path.is_file() and not path.is_dir():  # a rename would replace a device
+            raise OSError(f"'{path}': cannot be written: it is not a regular file")
+        if not replaces_any:
+            require_own(path)
+        self._path = path
+        with self._named():
+            descriptor, self._name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            _unfinished.add(self._name)
+            self._file = os.fdopen(descriptor, "wb")
             mark_temporary(descriptor)
-            os.fchmod(file.fileno(), 0o644)
-            file.write(content)
+            os.fchmod(descriptor, 0o644)
+
+    def write(self, content: bytes) -> int:
+        """Append bytes; return their number."""
+        with self._named():
+            return self._file.write(content)
+
+    def close(self) -> None:
+        """Flush the content to disk and rename the file to its target."""
+        with self._named(), self._file as file:
             file.flush()
             os.fsync(file.fileno())
-        Path(name).replace(path)
-        mark(path)
-    except BaseException:
-        with contextlib.suppress(OSError):  # report the first error, not this one
-            Path(name).unlink()
-        raise
-    finally:
-        _unfinished.discard(name)
+        with self._named():
+            Path(self._name).replace(self._path)
+            mark(self._path)
+        _unfinished.discard(self._name)
+
+    def discard(self) -> None:
+        """Remove the temporary file, if it has not been renamed. Raises nothing."""
+        with contextlib.suppress(OSError):
+            self._file.close()
+        if self._name in _unfinished:
+            with contextlib.suppress(OSError):
+                Path(self._name).unlink()
+            _unfinished.discard(self._name)
+
+    @contextlib.contextmanager
+    def _named(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise OSError(f"'{self._path}': cannot be written: {error.strerror or error}") from error

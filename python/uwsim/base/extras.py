@@ -23,6 +23,7 @@ EXTRA_OF = {
     "websockets": "ros",
     "cbor2": "ros",
     "mcap": "recording",
+    "GSFU": "survey",
     "coacd": "decompose",
     "cascadio": "step",
     "cyclonedds": "ros2",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from uwsim.base.options import need
+from uwsim.base.sockets import registered
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
@@ -89,6 +90,13 @@ Autosave = Annotated[
     float | None,
     typer.Option(help="Wall time between saves [s]; 0 for none. Default: 30.", callback=within(0, 1e6, "s")),
 ]
+Raw = Annotated[
+    Path | None,
+    typer.Option(
+        help="Also write every mapped ping with its travel times for survey software: "
+        f"{' or '.join(f'.{name}' for name in registered('uwsim.kinds.survey_file'))}; needs earth: in the scenario."
+    ),
+]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")]
 
 
@@ -99,13 +107,15 @@ def given(**options: Any) -> dict[str, Any]:
 
 def require_consistent(
     *, resume: bool, record: Path | None, record_topic: list[str] | None, close_loops: bool, autosave: float | None,
-    min_coverage: float | None, report: str,
+    min_coverage: float | None, report: str, raw: Path | None = None,
 ) -> None:  # fmt: skip
     """Raise ValueError or WithoutEffectError for options that contradict each other."""
     if min_coverage and report == "none":
         raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
     if resume and record is not None:
         raise ValueError("--record: a flight that is resumed cannot be recorded from its start")
+    if resume and raw is not None:
+        raise ValueError("--raw: a flight that is resumed has no pings from its start")
     if close_loops and autosave:
         raise ValueError(f"--autosave {autosave:g} s: a flight with --close-loops is not autosaved")
     if resume and close_loops:

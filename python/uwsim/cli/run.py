@@ -20,6 +20,7 @@ from uwsim.cli.flights import (
     MinCoverage,
     Out,
     OutlierFilter,
+    Raw,
     Report,
     Resume,
     TimeLimit,
@@ -111,6 +112,7 @@ def run(
         list[str] | None,
         typer.Option(help="Channels to record, such as odom or 'camera/*'. Default: all but pictures and the map."),
     ] = None,
+    raw: Raw = None,
     report: Report = "full",
     autosave: Autosave = None,
     resume: Resume = False,
@@ -124,7 +126,8 @@ def run(
     switch = None if autopilot is None else flag_name(str(autopilot.switch))
     of_map = {
         "--voxel": voxel, "--engine": engine, "--verify-map": verify_map or None, "--map-memory": map_memory,
-        "--outlier-filter": outlier_filter, "--close-loops": close_loops or None, "--min-coverage": min_coverage,
+        "--outlier-filter": outlier_filter, "--raw": raw,
+        "--close-loops": close_loops or None, "--min-coverage": min_coverage,
     }  # fmt: skip
     simulated = {
         "--estimate": estimate, "--seed": seed, "--vehicle-model": vehicle_model, "--sonar-model": sonar_model,
@@ -147,7 +150,7 @@ def run(
         need("--estimate filter", close_loops=estimate != "filter")
     require_consistent(
         resume=resume, record=record, record_topic=record_topic, close_loops=close_loops, autosave=autosave,
-        min_coverage=min_coverage, report=report,
+        min_coverage=min_coverage, report=report, raw=raw,
     )  # fmt: skip
     from uwsim.flight.terminal import Terminal
 
@@ -185,7 +188,7 @@ def run(
                 scene, of_simulator = prepared(autopilot, scenario or "lake", **of_simulator), {}
                 typer.echo(stack.enter_context(autopilot.flying(scene)))
             flown = fly(
-                mission, scene, out, close_loops=close_loops, record=record, record_topics=topics,
+                mission, scene, out, close_loops=close_loops, record=record, record_topics=topics, raw=raw,
                 **asked, **of_simulator, **of_flight,
             )  # fmt: skip
     exit_as(flown, min_coverage)

@@ -16,6 +16,7 @@ from uwsim.cli.flights import (
     MinCoverage,
     Out,
     OutlierFilter,
+    Raw,
     Report,
     Resume,
     ScenarioOfFlight,
@@ -73,6 +74,7 @@ def survey(
     min_coverage: MinCoverage = None,
     record: Record = None,
     record_topic: SurveyTopics = None,
+    raw: Raw = None,
     resume: Resume = False,
 ) -> None:
     """Fly the survey of a scenario, map what is seen, and report.
@@ -82,7 +84,7 @@ def survey(
     """
     require_consistent(
         resume=resume, record=record, record_topic=record_topic, close_loops=close_loops, autosave=autosave,
-        min_coverage=min_coverage, report=report,
+        min_coverage=min_coverage, report=report, raw=raw,
     )  # fmt: skip
     if not resume:
         from uwsim.scenario.world_ahead import make_world_ahead
@@ -101,6 +103,6 @@ def survey(
     else:
         topics = tuple(record_topic or ()) or None
         flown = run_survey(
-            scenario or "lake", out, close_loops=close_loops, record=record, record_topics=topics, **asked
+            scenario or "lake", out, close_loops=close_loops, record=record, record_topics=topics, raw=raw, **asked
         )
     exit_as(flown, min_coverage)

@@ -30,7 +30,7 @@ class Departure:
 
     names: the vehicles that fly. is_planned: whether they fly the scenario's survey. has_map: whether pings are mapped.
     request: what was asked for, for the flight's own files, if it writes any. carried: name endings of the channels
-    that cross a link. record, record_topics: see fly(). saved: the state of each attachment of the flight that
+    that cross a link. record, record_topics, raw: see fly(). saved: the state of each attachment of the flight that
     continues, by name. others: those attached earlier, by name.
     """
 
@@ -42,6 +42,7 @@ class Departure:
     carried: tuple[str, ...] | None = None
     record: Path | None = None
     record_topics: tuple[str, ...] | None = None
+    raw: Path | None = None
     saved: Mapping[str, Any] = field(default_factory=dict)
     others: dict[str, Attachment] = field(default_factory=dict)
 
@@ -86,7 +87,7 @@ def attached(flight: Departure) -> dict[str, Attachment]:
 
     uwsim's own are loaded only if they are needed, since channels are slow to import.
     """
-    needed = {"recorder": flight.record is not None, "link": flight.sim.link is not None}
+    needed = {"recorder": flight.record is not None, "link": flight.sim.link is not None, "raw": flight.raw is not None}
     for name in (name for name, is_needed in needed.items() if is_needed and name not in registered(GROUP)):
         raise ValueError(f"{name}: no installed package provides it (entry point '{name}' in {GROUP})")
     for name in registered(GROUP):

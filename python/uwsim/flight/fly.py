@@ -64,6 +64,7 @@ def fly(
     threads: int | None = None,
     record: Path | None = None,
     record_topics: tuple[str, ...] | None = None,
+    raw: Path | None = None,
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
@@ -84,9 +85,10 @@ def fly(
     time; by default the battery life. link: a modem, by name or file, that replaces the scenario's; the map built
     ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
     send over the link; by default all that the link can carry. record: path of a new recording (.mcap). record_topics:
-    the channels to record; by default all but pictures and maps. sample_sensors: whether the record's samples include
-    the readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0 disables
-    saving.
+    the channels to record; by default all but pictures and maps. raw: path of a new file with each mapped ping of the
+    first vehicle, in a format of uwsim.kinds.survey_file; needs map. sample_sensors: whether the record's samples
+    include the readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0
+    disables saving.
     screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
     results.
 
@@ -146,7 +148,8 @@ def fly(
     )
     if found.file is None:
         request = replace(request, mission=found.name)
-    attachments = attached(Departure(sim, names, found.make is not None, map, request, carried, record, record_topics))
+    departure = Departure(sim, names, found.make is not None, map, request, carried, record, record_topics, raw)
+    attachments = attached(departure)
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,

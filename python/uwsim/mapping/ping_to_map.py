@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,10 @@ from uwsim import _core
 from uwsim.base.sealed import Sealed
 from uwsim.mapping import ranging
 from uwsim.mapping.map_filler import MapFiller
+
+if TYPE_CHECKING:
+    from uwsim.mapping.files.georeference import Georeference
+    from uwsim.mapping.files.swath import Swath
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 """A box, as its low and high corners, (3,) each."""
@@ -137,6 +142,23 @@ def received_echoes(echoes_sonar_m: NDArray[np.float64], map_from_sonar: NDArray
     by a last digit.
     """
     return (echoes_sonar_m @ map_from_sonar[:3, :3].T + map_from_sonar[:3, 3]).astype(np.float32)
+
+
+def traced_echoes(
+    swath: Swath, profile: _core.SoundSpeedProfile, place: Georeference
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Return the echoes (n, 3) and the position (3,) of the sonar of a swath from a survey file, in the world of place.
+
+    Rays are traced from the transducer for half of the travel times through the profile, at the file's attitude. Beams
+    that the file flags are left out.
+    """
+    position = place.world_m(swath.latitude_deg, swath.longitude_deg, -swath.reference_depth_m)
+    yaw = math.pi / 2 - swath.heading_rad + place.north_rad(position)
+    level = np.array([[math.cos(yaw), math.sin(yaw), 0], [math.sin(yaw), -math.cos(yaw), 0], [0, 0, -1]])
+    sonar = position + swath.transducer_m @ level
+    seen = swath.is_detected & np.isfinite(swath.axes).all(axis=1)
+    ends = _core.soundings(swath.axes[seen] @ level, swath.travel_time_s[seen], sonar, profile)
+    return ends[np.isfinite(ends).all(axis=1)].astype(np.float32), sonar
 
 
 def placed_echoes(

@@ -11,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.flight.ping_log import PingLog
+from uwsim.flight.raw_survey import RawSurvey
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import FlightRequest
 from uwsim.flight.results import write_results
@@ -33,11 +34,13 @@ Seen = Callable[[MapFiller, PingLog, int], None]
 """Sees how a map grows: the filler, the log of the pings so far, and the time of the last one [ns]."""
 
 
-def survey_from(recording: Recording, out: Path, report: Path | None, *, outlier_filter: bool | None = None) -> int:
+def survey_from(
+    recording: Recording, out: Path, report: Path | None, *, outlier_filter: bool | None = None, raw: Path | None = None
+) -> int:
     """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
 
-    outlier_filter: overrides the survey's setting. Raises ValueError if the recording ends before the data that a
-    report needs, OSError if a file cannot be read or written.
+    outlier_filter: overrides the survey's setting. raw: also write the pings there; see RawSurvey. Raises ValueError if
+    the recording ends before the data that a report needs, OSError if a file cannot be read or written.
     """
     request = request_of(recording)
     if outlier_filter is not None:
@@ -46,7 +49,8 @@ def survey_from(recording: Recording, out: Path, report: Path | None, *, outlier
     if report is not None and values is None:
         raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
     sim = new_simulator(recording)
-    occupancy, log = repeated(recording, sim, request)
+    survey = None if raw is None else RawSurvey(sim, raw)
+    occupancy, log = repeated(recording, sim, request, raw=survey)
     occupancy.write(out)
     if report is not None and values is not None:
         record = dataclasses.replace(
@@ -72,11 +76,11 @@ def request_of(recording: Recording) -> FlightRequest:
 
 
 def repeated(
-    recording: Recording, sim: Simulator, request: FlightRequest, seen: Seen | None = None
+    recording: Recording, sim: Simulator, request: FlightRequest, seen: Seen | None = None, raw: RawSurvey | None = None
 ) -> tuple[OccupancyMap, PingLog]:
     """Pass the recorded pings through the survey's processing chain; return the resulting map and log.
 
-    seen: called after each ping.
+    seen: called after each ping. raw: receives each ping, and is completed.
     """
     occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
     log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
@@ -87,6 +91,10 @@ def repeated(
             body, sonar, stamp_s = taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9
             points = chain.insert(ping.ranges_m, body, sonar, stamp_s, taken.deviation_m)
             log.add(ping, points, panel, ping.world_from_sonar)
+            if raw is not None:
+                raw.add(ping, panel, body, body)
             if seen is not None:
                 seen(filler, log, ping.time_ns)
+    if raw is not None:
+        raw.close()
     return occupancy, log

@@ -36,7 +36,7 @@ def offered(shell: str, line: str, cwd: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ("uwsim map ", {"info", "convert", "from", "merge", "score", "render", "diff", "slice", "view", "film"}),
+        ("uwsim map ", {"build", "info", "convert", "from", "merge", "score", "render", "diff", "slice", "view"}),
         ("uwsim map sc", {"score"}),
         ("uwsim scenario ", {"list", "new", "check", "schema", "from"}),
         ("uwsim map slice --o", {"--out", "--origin"}),

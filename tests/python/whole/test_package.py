@@ -95,7 +95,13 @@ def packages(lines: list[str]) -> set[str]:
     return {each.name for each in wanted} | {name for lines in inner for name in packages(lines)}
 
 
-PACKAGE_OF = {"PIL": "pillow", "zenoh": "eclipse-zenoh", "foxglove": "foxglove-sdk", "pygame": "pygame-ce"}
+PACKAGE_OF = {
+    "GSFU": "gsfu",
+    "PIL": "pillow",
+    "zenoh": "eclipse-zenoh",
+    "foxglove": "foxglove-sdk",
+    "pygame": "pygame-ce",
+}
 OF_OTHERS = {
     "ruamel",
     "affine",

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import readable
-from uwsim.cli.flights import OutlierFilter
+from uwsim.cli.flights import OutlierFilter, Raw
 from uwsim.cli.map import MAPS
 
 
@@ -24,6 +24,7 @@ def from_recording(
         str | None, typer.Option(help="Vehicle whose pings to use. Default: the first with any.")
     ] = None,
     outlier_filter: OutlierFilter = None,
+    raw: Raw = None,
 ) -> None:
     """Rebuild the map from a recording, byte for byte as in the run."""
     from uwsim.mapping.files.formats import MAP_FORMATS
@@ -38,8 +39,10 @@ def from_recording(
             raise ValueError("--vehicle: a survey has one vehicle")
         from uwsim.recording.survey_from import survey_from
 
-        count = survey_from(recording, out, report, outlier_filter=outlier_filter)
+        count = survey_from(recording, out, report, outlier_filter=outlier_filter, raw=raw)
     else:
+        if raw is not None:
+            raise ValueError(f"--raw {raw}: '{source}' is no recording of a survey")
         if report is not None:
             raise ValueError(f"--report: '{source}' is no recording of a survey")
         from uwsim.recording.live_map import live_map

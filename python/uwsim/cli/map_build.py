@@ -1,0 +1,110 @@
+"""`uwsim map build`: a map from files of real or simulated surveys."""
+
+from __future__ import annotations
+
+import math
+from itertools import chain, islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwsim.base.sockets import registered
+from uwsim.cli.bounds import readable, within
+from uwsim.cli.map import MAPS
+
+if TYPE_CHECKING:
+    from uwsim import _core
+    from uwsim.mapping.files.swath import SoundSpeeds, Swath
+
+FILES = [f".{name}" for name in registered("uwsim.kinds.survey_file")]
+SHARE = 0.01  # the default voxel, as a share of the first ping's median depth below its sonar
+PLACES = (1.0, 2.0, 5.0)
+RANGE_MAX_M = 15_000.0
+
+
+def build(
+    out: Annotated[Path, typer.Argument(help=f"The map to write, {' or '.join(MAPS)}.")],
+    sources: Annotated[
+        list[Path],
+        typer.Option("--from", help=f"A survey, {' or '.join(FILES)}; may be given several times.", callback=readable),
+    ],
+    voxel: Annotated[
+        float | None,
+        typer.Option(
+            help="Edge of a voxel [m]. Default: 1 % of the first ping's depth.", callback=within(0.01, 1000, "m")
+        ),
+    ] = None,
+    origin: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            help="Latitude and longitude [deg] of the map's zero. Default: the first ping's.",
+            metavar="LAT LON",
+            callback=within(-180, 180, "deg"),
+        ),
+    ] = None,
+) -> None:
+    """Build a map from a survey file.
+
+    Travel times are traced through the file's own sound-speed profile at its attitude and offsets, and inserted like a
+    simulated ping. Beams that the file flags are left out. The map is in metres east and north of its zero.
+    """
+    from uwsim.mapping import OccupancyMap
+    from uwsim.mapping.files.formats import MAP_FORMATS
+    from uwsim.mapping.files.georeference import Georeference
+    from uwsim.mapping.files.swath import survey_format
+    from uwsim.mapping.map_filler import MapFiller
+    from uwsim.mapping.ping_to_map import traced_echoes
+    from uwsim.scenario.terrains.elevations import metres_about
+
+    if out.suffix not in MAP_FORMATS:
+        raise ValueError(f"{out}: must end in {' or '.join(MAP_FORMATS)}")
+    surveys = []
+    for path in sources:
+        read = survey_format(path, "--from").read
+        if read is None:
+            raise ValueError(f"--from {path}: this format is only written")
+        head, swaths = read(path)
+        first = list(islice(swaths, 1))
+        if not first:
+            raise ValueError(f"--from {path}: has no ping")
+        surveys.append((head.profile, first[0], chain(first, swaths)))
+    start = surveys[0][1]
+    latitude, longitude = origin or (start.latitude_deg, start.longitude_deg)
+    place = Georeference(metres_about((longitude, latitude)))
+    occupancy = OccupancyMap(resolution_m=voxel or _voxel_m(start))
+    pings = soundings = 0
+    with MapFiller(occupancy, RANGE_MAX_M) as filler:
+        for profile, _, swaths in surveys:
+            traced = _profile(profile)
+            for swath in swaths:
+                echoes, sonar = traced_echoes(swath, traced, place)
+                filler.insert(echoes, sonar)
+                pings, soundings = pings + 1, soundings + len(echoes)
+    if not soundings:
+        raise ValueError(f"--from {sources[0]}: no beam of its {pings} pings has a travel time that is not flagged")
+    occupancy.write(out)
+    typer.echo(
+        f"{out}: {pings:,} pings, {soundings:,} soundings, voxels of {occupancy.resolution_m:g} m; "
+        f"zero at {latitude:.7f} {longitude:.7f}"
+    )
+
+
+def _profile(speeds: SoundSpeeds) -> _core.SoundSpeedProfile:
+    from uwsim import _core
+
+    return _core.SoundSpeedProfile(speeds.depths_m, speeds.speeds_m_s)
+
+
+def _voxel_m(swath: Swath) -> float:
+    """Return 1 % of a swath's median depth below its sonar, rounded to 1, 2 or 5 times a power of ten."""
+    import numpy as np  # here, since all commands are imported for completion
+
+    seen = swath.is_detected
+    if not seen.any():
+        return 1.0
+    least_m = SHARE * max(
+        1.0, float(np.median(0.5 * swath.sound_speed_m_s * swath.travel_time_s[seen] * swath.axes[seen, 2]))
+    )
+    power = 10.0 ** math.floor(math.log10(least_m))
+    return min((each * power for each in (*PLACES, 10.0)), key=lambda each: abs(math.log(each / least_m)))

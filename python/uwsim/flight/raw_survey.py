@@ -1,0 +1,196 @@
+"""A flight's pings as a raw survey for surveyors' software: `uwsim survey --raw`, `uwsim map from --raw`."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.flight.attachment import Attachment, Departure
+from uwsim.flight.record import FlightRecord
+from uwsim.instruments.sonars.soundings import beam_directions, sound_speed_profile
+from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, SwathWriter, survey_format
+from uwsim.scenario.georeference import georeference
+from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.simulator.simulator import Simulator
+
+Array = NDArray[np.float64]
+PROFILE_STEP_M = 0.5
+STILL_M_S = 0.01  # below this speed, the course is the heading
+
+
+class RawSurvey:
+    """Writes each ping of the first vehicle as a swath, at the pose that its map uses; `add` is a TakePing.
+
+    With `bending: true`, travel times are those of the ping and the file's profile is the water's. Otherwise the rays
+    of the simulation are straight: the file's profile is the speed at the head's depth at the first ping, at all
+    depths, and travel times follow from the ranges with it. Raises ValueError unless the scenario has a place on Earth
+    and the format can be written, OSError if the file cannot be.
+    """
+
+    def __init__(self, sim: Simulator, path: Path, option: str = "--raw") -> None:
+        self._sim, self._path = sim, path
+        written = survey_format(path, option).write
+        if written is None:
+            raise ValueError(f"{option} {path}: this format is only read")
+        self._place = georeference(sim.scenario)
+        if self._place.crs is None:
+            raise ValueError(f"{option} {path}: scenario '{sim.scenario.name}': has no place on Earth: add earth: "
+                             "{latitude_deg: ..., longitude_deg: ...}")  # fmt: skip
+        if self._place.units_per_m != 1.0:
+            raise ValueError(f"{option} {path}: scenario '{sim.scenario.name}': horizontal_scale must be 1, since a "
+                             "file for surveyors has no scale")  # fmt: skip
+        self._write = written
+        self._file: SwathWriter | None = None
+        self._last: tuple[int, Array] | None = None
+        self.count = 0
+
+    @property
+    def _setup(self) -> SonarSetup:
+        (entry,) = (each for each in self._sim.scenario.vehicles if each.name == self._sim.rov.name)
+        return entry.sonar
+
+    @cached_property
+    def _bends(self) -> bool:
+        return self._setup.bending
+
+    @cached_property
+    def _water(self) -> _core.SoundSpeedProfile:
+        return sound_speed_profile(self._sim.world.water)
+
+    def add(self, ping: Any, panel: object, world_from_body: Array, true_body: Array | None = None) -> None:
+        """Write a ping taken at a pose (4, 4). true_body: the true pose, by default the vehicle's current one."""
+        true = np.asarray(self._sim.rov.pose.world_from_body if true_body is None else true_body, np.float64)
+        body = np.asarray(world_from_body, np.float64)
+        sonar = body @ np.linalg.inv(true) @ ping.world_from_sonar
+        if self._file is None:
+            self._head_m_s = self._water.at(max(0.0, -float(sonar[2, 3])))
+            self._profile = self._water if self._bends else _core.SoundSpeedProfile.even(self._head_m_s)
+            self._file = self._write(self._path, self._head(np.linalg.inv(body) @ sonar))
+        self._file.add(self._swath(ping, body, sonar))
+        self.count += 1
+
+    def close(self) -> None:
+        """Complete the file. Raises ValueError if no ping was taken."""
+        if self._file is None:
+            raise ValueError(f"--raw {self._path}: no ping was taken, and nothing written")
+        self._file.close()
+
+    def discard(self) -> None:
+        """Remove what was written of a flight that failed."""
+        if self._file is not None:
+            self._file.discard()
+
+    def _head(self, body_from_sonar: Array) -> SurveyHead:
+        model, scenario = self._sim.rov.sonar.model, self._sim.scenario
+        deepest_m = -self._sim.world.lowest_m if self._bends else 0.0
+        depths_m = np.arange(0.0, max(deepest_m, 0.0) + 2.0 * PROFILE_STEP_M, PROFILE_STEP_M)
+        speeds = np.array([self._profile.at(depth) for depth in depths_m])
+        # A head that looks straight down with its fan across the track is mounted without rotation.
+        axes = body_from_sonar[:3, :3] @ np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]], np.float64)
+        roll, pitch, yaw = _angles(axes * np.array([1.0, -1.0, -1.0]))
+        rays = "bent by the profile" if self._bends else "straight: the profile is one speed"
+        return SurveyHead(
+            vehicle=self._sim.rov.name, sonar=model.name, frequency_hz=model.frequency_hz, beams=model.beams,
+            max_range_m=model.range_max_m, offset_m=body_from_sonar[:3, 3] * np.array([1.0, -1.0, -1.0]),
+            mount_rad=np.array([roll, -pitch, -yaw]), profile=SoundSpeeds(depths_m, speeds),
+            comment=f"uwsim: scenario {scenario.name}, seed {self._sim.seed}; simulated, rays {rays}",
+        )  # fmt: skip
+
+    def _swath(self, ping: Any, body: Array, sonar: Array) -> Swath:
+        position = body[:3, 3]
+        latitude, longitude = self._place.degrees(position).tolist()
+        roll, pitch, yaw = _angles(body[:3, :3])
+        level = np.array([[math.cos(yaw), math.sin(yaw), 0], [math.sin(yaw), -math.cos(yaw), 0], [0, 0, -1]])
+        north_rad = self._place.north_rad(position)
+        ranges = np.asarray(ping.ranges_m, np.float64)
+        axes_world = beam_directions(ping) @ (sonar[:3, :3] @ ping.world_from_sonar[:3, :3].T).T
+        time_s = getattr(ping, "travel_time_s", None)
+        if not self._bends:
+            time_s = 2.0 * ranges / self._head_m_s
+        elif time_s is None:  # a recording holds ranges: the speed at the head times half the travel time
+            time_s = 2.0 * ranges / self._water.at(max(0.0, -float(ping.world_from_sonar[2, 3])))
+        time_s = np.where(np.isfinite(ranges), np.asarray(time_s, np.float64), np.nan)
+        ends = _core.soundings(axes_world, time_s, sonar[:3, 3], self._profile)
+        soundings = (ends - position) @ level.T
+        soundings[:, 2] = -ends[:, 2]
+        vertical, horizontal = _deviations(ping)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            quality = np.asarray(getattr(ping, "deviation_m", vertical), np.float64) / ranges
+        kinds = getattr(ping, "detections", None)
+        speed_m_s, course = self._motion(ping.time_ns, position, math.pi / 2 - yaw)
+        return Swath(
+            time_ns=EPOCH_NS + ping.time_ns, latitude_deg=latitude, longitude_deg=longitude,
+            reference_depth_m=-float(position[2]), heading_rad=(math.pi / 2 - yaw + north_rad) % math.tau,
+            pitch_rad=-pitch, roll_rad=roll, course_rad=(course + north_rad) % math.tau, speed_m_s=speed_m_s,
+            sound_speed_m_s=self._profile.at(max(0.0, -float(sonar[2, 3]))),
+            transducer_m=level @ (sonar[:3, 3] - position), travel_time_s=time_s, axes=axes_world @ level.T,
+            sounding_m=soundings, beam_rad=np.asarray(ping.angles_rad, np.float64),
+            amplitude_db=np.asarray(ping.intensity_db, np.float64), vertical_deviation_m=vertical,
+            horizontal_deviation_m=horizontal, quality=quality,
+            is_phase=np.zeros(len(ranges), bool) if kinds is None else np.asarray(kinds) == int(_core.Detection.PHASE),
+        )  # fmt: skip
+
+    def _motion(self, time_ns: int, position: Array, heading_rad: float) -> tuple[float, float]:
+        """Return speed over ground and course since the last ping; the heading while the vehicle is still."""
+        last, self._last = self._last, (time_ns, position.copy())
+        if last is None or time_ns <= last[0]:
+            return 0.0, heading_rad
+        east, north = (position - last[1])[:2] * 1e9 / (time_ns - last[0])
+        speed_m_s = math.hypot(east, north)
+        return speed_m_s, math.atan2(east, north) if speed_m_s > STILL_M_S else heading_rad
+
+
+def _angles(rotation: Array) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    pitch = math.asin(min(1.0, max(-1.0, -rotation[2, 0])))
+    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])
+
+
+def _deviations(ping: Any) -> tuple[Array, Array]:
+    """Return the vertical and horizontal standard deviations, nan where unknown."""
+    vertical = getattr(ping, "vertical_deviation_m", None)
+    if vertical is None:
+        unknown = np.full(len(ping.ranges_m), np.nan)
+        return unknown, unknown
+    both = (np.asarray(each, np.float64) for each in (vertical, ping.horizontal_deviation_m))
+    first, second = (np.where(np.isfinite(each), each, np.nan) for each in both)
+    return first, second
+
+
+class RawFlight(Attachment):
+    """Writes the raw survey of one flight."""
+
+    def __init__(self, survey: RawSurvey) -> None:
+        self._survey, self._has_ended = survey, False
+        self.on_ping = survey.add
+
+    def ended(self, flown: FlightRecord) -> FlightRecord:
+        """Note that the flight has ended by itself or by Ctrl-C, so that its file is kept."""
+        self._has_ended = True
+        return flown
+
+    def try_close(self) -> OSError | None:
+        """Complete the file, or remove it after a flight that failed or took no ping."""
+        if not self._has_ended or self._survey.count == 0:
+            self._survey.discard()
+            return OSError("--raw: no ping was taken, and nothing written") if self._has_ended else None
+        try:
+            self._survey.close()
+        except OSError as error:
+            return error
+        return None
+
+
+def attach(flight: Departure) -> RawFlight | None:
+    """Return the raw survey of a flight with a map, if one was asked for. Raises ValueError."""
+    if flight.raw is None:
+        return None
+    if not flight.has_map:
+        raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
+    return RawFlight(RawSurvey(flight.sim, flight.raw))

@@ -1,0 +1,225 @@
+"""Raw surveys: what is written is read by others' software and grids to the same bed; real surveys are read."""
+
+import math
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import uwsim
+from uwsim import _core
+from uwsim.cli.map_build import build
+from uwsim.flight.survey import run_survey
+from uwsim.instruments.sonars.soundings import sound_speed_profile
+from uwsim.mapping.depth_grid import depth_grid
+from uwsim.mapping.files.gsf_read import read_gsf
+from uwsim.mapping.files.swath import survey_format
+
+REAL = Path(__file__).parents[4] / "shared" / "reality"
+LATITUDE, LONGITUDE = 43.1, 5.9
+POOL = """
+name: sloped_water
+earth: {latitude_deg: 43.1, longitude_deg: 5.9}
+mission_time_s: 600
+water: {density_kg_m3: 1000, surface_temperature_deg_c: 25, bottom_temperature_deg_c: 6}
+terrain: {source: noise, size_m: [30, 30], spacing_m: 0.5, bed_depth_m: 9}
+station: {position_m: [-6, 0, 0], dock_m: [0, 0, -2]}
+vehicles:
+  - name: rov
+    model: rov
+    start: station
+    sonar: {model: 2, tilt_deg: 90SONAR}
+survey: {area_m: [[-3, -2], [0, -2], [0, 1], [-3, 1]], altitude_m: 5, line_spacing_m: 3, speed_m_s: 0.5, tilt_deg: 90}
+"""
+
+
+class Flown:
+    """A survey flown once: its raw file, its recording, and the soundings by our own chain, in the world."""
+
+    def __init__(self, folder: Path, sonar: str = ", mode: physics, bending: true") -> None:
+        self.folder, scenario = folder, folder / "scenario.yaml"
+        scenario.write_text(POOL.replace("SONAR", sonar))
+        self.raw, self.recording = folder / "survey.gsf", folder / "survey.mcap"
+        self.record = run_survey(scenario, folder / "out", raw=self.raw, record=self.recording, report="none")
+
+
+@pytest.fixture(scope="module")
+def bent(tmp_path_factory):
+    return Flown(tmp_path_factory.mktemp("bent"))
+
+
+def own_soundings(flown: Flown) -> np.ndarray:
+    from uwsim.recording.pings import mappable_pings
+    from uwsim.recording.reader import Recording
+    from uwsim.recording.replay import new_simulator
+
+    recording = Recording(flown.recording)
+    sim = new_simulator(recording)
+    profile, points = sound_speed_profile(sim.world.water), []
+    for taken, _ in mappable_pings(recording, "sonar_ping", sim.rov.sonar.chain):
+        pose, angles = taken.odom_from_sonar, taken.ping.angles_rad.astype(float)
+        axes = np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1) @ pose[:3, :3].T
+        times = 2.0 * taken.ping.ranges_m.astype(float) / profile.at(-pose[2, 3])
+        points.append(_core.soundings(axes, times, pose[:3, 3], profile))
+    found = np.concatenate(points)
+    return found[np.isfinite(found).all(axis=1)]
+
+
+def traced(start_depth_m, down, time_s, depths_m, speeds_m_s, dz_m=0.002):
+    """Return horizontal range and depth of each ray, by thin even layers; written for this test alone."""
+    z = np.arange(start_depth_m, depths_m[-1], dz_m)
+    c = np.interp(z + dz_m / 2, depths_m, speeds_m_s)
+    sine = np.sqrt(1.0 - down**2) / np.interp(start_depth_m, depths_m, speeds_m_s)
+    out = []
+    for p, t in zip(sine, time_s / 2, strict=True):
+        cosine = np.sqrt(np.maximum(1.0 - (p * c) ** 2, 1e-12))
+        times, ranges = np.cumsum(dz_m / (c * cosine)), np.cumsum(dz_m * p * c / cosine)
+        out.append((np.interp(t, times, ranges), np.interp(t, times, z + dz_m)))
+    return np.array(out)
+
+
+def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int, int]]:
+    """Return the file's own soundings and those traced from its travel times, as Leidos' C library reads it."""
+    gsfpy = pytest.importorskip("gsfpy3_09", reason="needs gsfpy, which has Leidos' library")
+    from gsfpy3_09.enums import RecordType
+
+    curvature = math.radians(LATITUDE)
+    e2 = 6.69437999014e-3
+    w = 1.0 - e2 * math.sin(curvature) ** 2
+    north_m, east_m = 6378137.0 * (1 - e2) / w**1.5, 6378137.0 / math.sqrt(w) * math.cos(curvature)
+    stated, again, kinds = [], [], {}
+    with gsfpy.open_gsf(str(path)) as file:
+        while True:
+            try:
+                what, record = file.read()
+            except Exception as error:
+                assert "End of file" in str(error), error
+                break
+            kinds[what.recordID] = kinds.get(what.recordID, 0) + 1
+            if what.recordID == RecordType.GSF_RECORD_SOUND_VELOCITY_PROFILE:
+                count = record.svp.number_points
+                profile = np.array(record.svp.depth[:count]), np.array(record.svp.sound_speed[:count])
+            if what.recordID != RecordType.GSF_RECORD_SWATH_BATHYMETRY_PING:
+                continue
+            ping = record.mb_ping
+            names = ("depth", "across_track", "along_track", "travel_time", "beam_angle", "beam_angle_forward")
+            arrays = {name: np.array(getattr(ping, name)[: ping.number_beams]) for name in names}
+            seen = np.array([flag == b"\x00" or flag == 0 for flag in ping.beam_flags[: ping.number_beams]])
+            heading = math.radians(ping.heading)
+            ahead = np.array([math.sin(heading), math.cos(heading)])
+            beam = np.array([math.cos(heading), -math.sin(heading)])
+            longitude, latitude = (
+                ping.latitude,
+                ping.longitude,
+            )  # gsfpy swaps them, in real files, too
+            place = np.radians([longitude - LONGITUDE, latitude - LATITUDE]) * [east_m, north_m]
+            flat = place + arrays["along_track"][:, None] * ahead + arrays["across_track"][:, None] * beam
+            stated.append(np.column_stack([flat, -arrays["depth"]])[seen])
+            if kinds[what.recordID] % every:
+                continue
+            down = np.cos(np.radians(arrays["beam_angle"]))
+            ray = traced(ping.depth_corrector, down[seen], arrays["travel_time"][seen], *profile)
+            azimuth = np.radians(arrays["beam_angle_forward"][seen])
+            again.append(
+                (ray, azimuth, arrays["depth"][seen], arrays["across_track"][seen], arrays["along_track"][seen])
+            )
+    return np.concatenate(stated), again, kinds
+
+
+def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
+    stated, again, kinds = by_leidos(bent.raw, every=25)
+    assert kinds[2] == kinds[12] == len(bent.record.path_world_m)
+    own = own_soundings(bent)
+    ours, theirs = depth_grid(own, 0.5), depth_grid(stated, 0.5)
+    low = np.array([[max(a, b) for a, b in zip(ours.extent_m[::2], theirs.extent_m[::2], strict=True)],
+                    [min(a, b) for a, b in zip(ours.extent_m[1::2], theirs.extent_m[1::2], strict=True)]])  # fmt: skip
+
+    def part(grid):
+        column, row = np.round((low[0] - [grid.west_m, grid.south_m]) / 0.5).astype(int)
+        columns, rows = np.round((low[1] - low[0]) / 0.5).astype(int)
+        return [each[row : row + rows, column : column + columns] for each in (grid.depth_m, grid.count)]
+
+    (ours_m, count), (theirs_m, others) = part(ours), part(theirs)
+    full = (count > 20) & (others > 20)
+    assert full.sum() > 100
+    assert np.abs(ours_m - theirs_m)[full].max() < 0.01
+    assert len(again) > 5
+    for ray, azimuth, depth, across, along in again:  # from travel times, by another tracer
+        assert np.abs(ray[:, 1] - depth).max() < 0.006  # the head's depth is in whole centimetres
+        offsets = np.array([across - ray[:, 0] * np.cos(azimuth), along - ray[:, 0] * np.sin(azimuth)])
+        assert np.ptp(offsets, axis=1).max() < 0.01  # one lever arm for all beams of a ping
+
+
+def test_a_recording_gives_the_same_bytes(bent, tmp_path):
+    from uwsim.recording.cli.map_from import from_recording
+
+    from_recording(bent.recording, tmp_path / "map.bt", None, None, None, tmp_path / "again.gsf")
+    again, first = (list(read_gsf(path)[1]) for path in (tmp_path / "again.gsf", bent.raw))
+    assert len(again) == len(first)
+    for ours, theirs in zip(first, again, strict=True):
+        assert ours.time_ns == theirs.time_ns
+        np.testing.assert_allclose(ours.travel_time_s, theirs.travel_time_s, rtol=3e-7, atol=2e-8)
+        np.testing.assert_allclose(ours.sounding_m, theirs.sounding_m, atol=3e-4)
+
+
+def test_a_map_from_the_file_has_the_voxels_of_the_flight(bent, tmp_path):
+    build(tmp_path / "map.bt", [bent.raw], voxel=0.25, origin=(LATITUDE, LONGITUDE))
+    there = uwsim.OccupancyMap.read(tmp_path / "map.bt")
+    bed = there.occupied_points()[:, 2] if hasattr(there, "occupied_points") else there.occupied_voxels()[:, 2]
+    assert np.median(bed) == pytest.approx(-9.0, abs=0.3)
+
+
+def test_straight_rays_have_one_speed_and_round_trip(tmp_path):
+    flown = Flown(tmp_path, sonar="")
+    head, swaths = read_gsf(flown.raw)
+    assert np.ptp(head.profile.speeds_m_s) == 0
+    profile = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s)
+    for swath in list(swaths)[::20]:
+        seen = swath.is_detected
+        start = np.array([*swath.transducer_m[:2], -(swath.reference_depth_m + swath.transducer_m[2])])
+        ends = _core.soundings(swath.axes[seen] * [1, 1, -1], swath.travel_time_s[seen], start, profile)
+        np.testing.assert_allclose(ends * [1, 1, -1], swath.sounding_m[seen], atol=0.006)
+
+
+@pytest.mark.parametrize(("name", "share"), [
+    ("0059_20181102_212138_EX1811_MB_EM302.gsf", 0.0025), ("0029_20160323_185603_EX1604_EM302.gsf", 0.002),
+])  # fmt: skip
+def test_a_real_survey_is_met_by_its_own_travel_times(name, share):
+    path = REAL / "gsf" / name
+    if not path.exists():
+        pytest.skip("the real survey is not here: it is not ours to keep")
+    head, swaths = read_gsf(path)
+    profile, misfits, depths = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s), [], []
+    for swath in swaths:
+        seen = swath.is_detected
+        start = np.array([*swath.transducer_m[:2], -(swath.reference_depth_m + swath.transducer_m[2])])
+        ends = _core.soundings(swath.axes[seen] * [1, 1, -1], swath.travel_time_s[seen], start, profile)
+        misfits.append(-ends[:, 2] - swath.sounding_m[seen, 2])
+        depths.append(swath.sounding_m[seen, 2])
+    misfit, depth = np.concatenate(misfits), np.median(np.concatenate(depths))
+    assert abs(np.median(misfit)) < 0.001 * depth
+    assert 1.4826 * np.median(np.abs(misfit - np.median(misfit))) < share * depth
+
+
+def test_a_scenario_without_a_place_is_refused_before_anything_is_written(tmp_path):
+    with pytest.raises(ValueError, match=r"--raw .*: has no place on Earth: add earth"):
+        run_survey("pool", tmp_path / "out", raw=tmp_path / "a.gsf")
+    assert not (tmp_path / "a.gsf").exists()
+    with pytest.raises(ValueError, match=r"must end in \.gsf"):
+        survey_format(tmp_path / "a.txt", "--raw")
+
+
+@pytest.mark.parametrize("cut", [0, 5, 19, 30, 700, 2000])
+def test_a_truncated_file_is_refused_with_its_offset(bent, tmp_path, cut):
+    path = tmp_path / "cut.gsf"
+    path.write_bytes(bent.raw.read_bytes()[:cut])
+    with pytest.raises(ValueError, match=r"cut\.gsf': at byte \d+: "):
+        list(read_gsf(path)[1])
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path):
+    path = tmp_path / "other.gsf"
+    path.write_bytes(struct.pack(">II", 4, 1) + b"\x7fELF" * 100)
+    with pytest.raises(ValueError, match=r"other\.gsf': at byte 0: not a GSF record: must begin"):
+        read_gsf(path)
