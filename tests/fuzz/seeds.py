@@ -125,6 +125,32 @@ def seeds(name: str) -> dict[str, bytes]:
     return {f"{name}-{number}": data for number, data in enumerate(made)}
 
 
+def survey(suffix: str) -> bytes:
+    """Return a small raw survey: two swaths of five beams."""
+    from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, survey_format
+
+    angles = np.linspace(-0.9, 0.9, 5)
+    axes = np.column_stack([0 * angles, -np.sin(angles), np.cos(angles)])
+    some, unknown = np.full(5, 0.02), np.full(5, np.nan)
+    levels = SoundSpeeds(np.array([0.0, 20.0]), np.array([1500.0, 1490.0]))
+    head = SurveyHead("rov", "small", 4e5, 5, 50.0, np.zeros(3), np.zeros(3), levels, "made for tests")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"survey{suffix}"
+        write = survey_format(path, "--raw").write
+        assert write is not None
+        writer = write(path, head)
+        for number in range(2):
+            time_s = 20.0 / 1500.0 / axes[:, 2]
+            writer.add(Swath(
+                EPOCH_NS + number * 10**8, 43.1, 5.9, 2.0, 1.0, 0.01, -0.02, 1.0, 0.5, 1498.0,
+                np.array([0.2, 0.0, 0.1]),
+                time_s, axes, 750.0 * time_s[:, None] * axes + [0.2, 0.0, 2.1], angles, -60.0 + 0 * angles, some, some,
+                unknown, np.zeros(5, bool),
+            ))  # fmt: skip
+        writer.close()
+        return path.read_bytes()
+
+
 def _points() -> np.ndarray:
     return np.array([[0.1, 0.2, -3.0], [1.5, -2.25, -3.5], [40.0, 1e-3, -4.0]], np.float32)
 
@@ -348,6 +374,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     **{suffix: _mesh(suffix) for suffix in ("stl", "obj", "off", "glb", "gltf")},
     "mesh_ply": _mesh("ply"),
     "map": _map,
+    "gsf": lambda: [survey(".gsf")],
     "state": _state,
     "depth_string": _depth_string,
     "fbx": lambda: [FBX],

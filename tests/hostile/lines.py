@@ -92,6 +92,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "ros package": ([], {"out": "ros"}),
     "map info": (["map.bt"], {}),
     "map convert": (["map.bt", "cloud.ply"], {}),
+    "map build": (["built.bt"], {"from": "survey.gsf"}),
     "map from": (["run.mcap"], {"out": "from.bt"}),
     "map merge": (["map.bt", "map.bt"], {"out": "merged.bt"}),
     "map score": (["map.bt"], {"scenario": "pool.yaml", "out": "score.png"}),
@@ -236,11 +237,14 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 def prepare(folder: Path) -> None:
     """Write the files that BASES name; map and recording are those of the tests."""
+    from tests.fuzz.seeds import survey
+
     from uwsim.scenario.read.assets import assets_folder
 
     (folder / "folder").mkdir()
     (folder / "pool.yaml").write_bytes((assets_folder() / "scenarios" / "pool.yaml").read_bytes())
     (folder / "map.bt").write_bytes((SAVED / "survey" / "map.bt").read_bytes())
+    (folder / "survey.gsf").write_bytes(survey(".gsf"))
     (folder / "run.mcap").write_bytes((SAVED / "live.mcap").read_bytes())
     (folder / "mission.py").write_text(
         "from uwsim.missions import wait\n\ndef mission(vehicle):\n    vehicle.release()\n    yield wait(1.0)\n"

@@ -43,3 +43,24 @@ def test_every_cell_holds_the_median_and_the_count_of_its_points(n, seed, cell_m
 def test_invalid_points_and_cells_are_refused(points, cell_m, message):
     with pytest.raises(ValueError, match=message):
         depth_grid(points, cell_m)
+
+
+def test_gdal_reads_the_bag_that_we_write(tmp_path):
+    rasterio = pytest.importorskip("rasterio")
+    from uwsim.mapping.files.bag import write_bag
+    from uwsim.mapping.files.georeference import Georeference
+    from uwsim.scenario.terrains.elevations import metres_about
+
+    points = np.array([[0.5, 0.5, -10.0], [2.5, 1.5, -12.5], [2.6, 1.4, -12.7]])
+    place = Georeference(metres_about((5.9, 43.1)))
+    for name in ("a.bag", "b.bag"):
+        write_bag(tmp_path / name, depth_grid(points, 1.0), place)
+    assert (tmp_path / "a.bag").read_bytes() == (tmp_path / "b.bag").read_bytes()
+    with rasterio.open(tmp_path / "a.bag") as file:
+        assert (file.driver, file.descriptions) == ("BAG", ("elevation", "uncertainty"))
+        found = file.read(1, masked=True)
+        np.testing.assert_allclose(found[~found.mask], [-12.6, -10.0], atol=1e-6)
+        assert file.index(2.5, 1.5) == (0, 2) and file.index(0.5, 0.5) == (1, 0)
+        assert found.mask.sum() == found.size - 2
+    with pytest.raises(ValueError, match="needs a place on Earth"):
+        write_bag(tmp_path / "c.bag", depth_grid(points, 1.0), Georeference())

@@ -1,4 +1,4 @@
-"""`uwsim scenario from`: a scenario from the published simulator's Unity project."""
+"""`uwsim scenario from`: a scenario from a chart, or from the published simulator's Unity project."""
 
 from __future__ import annotations
 
@@ -7,21 +7,70 @@ from typing import Annotated
 
 import typer
 
-SCENE = "LawnTest"
+from uwsim.base.options import need
+from uwsim.cli.bounds import within
+
+SCENE, TERRAIN = "LawnTest", "SolidTerrain"
+SIZE_M = 500.0
 
 
-def from_unity(
-    checkout: Annotated[Path, typer.Argument(help="A checkout of the Unity project, which contains Assets.")],
-    scene: Annotated[str, typer.Option(help="The scene, by its file's name without .unity.")] = SCENE,
-    terrain: Annotated[str, typer.Option(help="The top-level object that is the bed.")] = "SolidTerrain",
-    out: Annotated[Path | None, typer.Option(help="The folder to write. Default: the scene's name.")] = None,
-) -> None:
-    """Make a scenario from the published simulator's Unity project.
+def from_source(
+    source: Annotated[
+        Path, typer.Argument(help="A chart (BAG, GeoTIFF, NetCDF, ...), or a checkout of the Unity project.")
+    ],
+    size: Annotated[
+        float | None,
+        typer.Option(help="A chart: the largest edge [m]. Default: 500.", callback=within(5, 20_000, "m")),
+    ] = None,
+    centre: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            help="A chart: the middle, in its coordinates. Default: that of the largest square without gaps.",
+            metavar="X Y", callback=within(-1e9, 1e9, ""),
+        ),
+    ] = None,
+    water_level: Annotated[
+        float | None,
+        typer.Option(
+            help="A chart: its elevation of the water surface [m]. Default: 0.", callback=within(-12_000, 10_000, "m")
+        ),
+    ] = None,
+    scene: Annotated[
+        str | None, typer.Option(help=f"Unity: the scene, by its file's name without .unity. Default: {SCENE}.")
+    ] = None,
+    terrain: Annotated[
+        str | None, typer.Option(help=f"Unity: the top-level object that is the bed. Default: {TERRAIN}.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="A chart: the YAML file to write. Unity: the folder. Default: the chart's or scene's name."),
+    ] = None,
+) -> None:  # fmt: skip
+    """Make a scenario from a chart, or from the published simulator's Unity project.
 
-    Reads the meshes (FBX) and places of a scene and its prefabs: bed, station, gates, pipelines, vehicle. The
-    vehicle's file is drafted from its hull, as by `uwsim vehicle --draft`; water, optics and survey are those of the
-    scenario `paper`. All that is left out is printed.
+    Of a chart, the largest square without gaps becomes the bed, at its place on Earth, with a vehicle and a survey in
+    its middle; elevations are positive up. Of a Unity project, the meshes (FBX) and places of a scene and its prefabs
+    are read: bed, station, gates, pipelines, vehicle. The vehicle's file is drafted from its hull, as by `uwsim vehicle
+    --draft`; water, optics and survey are those of the scenario `paper`. All that is left out is printed.
     """
+    if source.is_dir():
+        need("a chart", size=size, centre=centre, water_level=water_level)
+        _from_unity(source, scene or SCENE, terrain or TERRAIN, out)
+        return
+    if not source.is_file():
+        raise FileNotFoundError(f"'{source}': no such file or folder")
+    need("a Unity project", scene=scene, terrain=terrain)
+    from uwsim.scenario.from_chart import scenario_from_chart
+
+    target = out or Path(source.stem.lower().replace(" ", "_") + ".yaml")
+    made = scenario_from_chart(source, target, size_m=size or SIZE_M, centre=centre, water_level_m=water_level or 0.0)
+    typer.echo(
+        f"{made.path}: {made.size_m:g} x {made.size_m:g} m, {made.depth_m[0]:.1f} to {made.depth_m[1]:.1f} m deep; "
+        f"uwsim survey {made.path}"
+    )
+
+
+def _from_unity(checkout: Path, scene: str, terrain: str, out: Path | None) -> None:
     from uwsim.evidence.unity.project import Project
     from uwsim.evidence.unity.scenario import scenario_from
 

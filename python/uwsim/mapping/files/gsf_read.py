@@ -27,6 +27,10 @@ from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
 CONFIDENCE = 1.96  # half-width of the 95 % interval of a normal distribution, in standard deviations
 KNOT_M_S = 1852.0 / 3600.0
 DETECTION_PHASE = 2
+OPTIONAL = (
+    "AlongTrack_m", "BeamAngleForward_deg", "VerticalError_m", "HorizontalError_m", "MeanCalAmplitude_dB",
+    "MeanRelAmplitude_dB", "DetectionInfo", "QualityFactor",
+)  # fmt: skip
 REQUIRED = ("TravelTime_s", "BeamAngle_deg", "Depth_m", "AcrossTrack_m")
 
 logger = logging.getLogger(__name__)
@@ -53,7 +57,9 @@ def read_gsf(path: Path) -> tuple[SurveyHead, Iterator[Swath]]:
     """
     file = gsfu.gsf(str(path))
     with _named(path, lambda: 0):
-        if path.open("rb").read(12)[8:] != b"GSF-":
+        with path.open("rb") as begun:
+            start = begun.read(12)
+        if start[8:] != b"GSF-":
             raise ValueError("must begin with a GSF header record")
         file.index_file()
     ids = file.Index["RecordID"].to_numpy()
@@ -63,12 +69,14 @@ def read_gsf(path: Path) -> tuple[SurveyHead, Iterator[Swath]]:
     if not profiles:
         raise ValueError(f"'{path}': at byte 0: must hold a sound-speed profile (record 3), has none")
     parameters: dict[str, str] = next(_records(path, file, "PROCESSING_PARAMETERS"), {"Parameters": {}})["Parameters"]
+    attitudes = _attitudes(path, file)
+    file.closeFile()  # `_swaths` opens it again
     head = SurveyHead(
         vehicle="", sonar="GSF", frequency_hz=math.nan, beams=0, max_range_m=math.inf,
         offset_m=_offset(parameters.get("APPLIED_TRANSDUCER_OFFSET")), mount_rad=np.zeros(3),
         profile=_profile(path, profiles[0]), comment="",
     )  # fmt: skip
-    return head, _swaths(path, file, head, _attitudes(path, file))
+    return head, _swaths(path, file, head, attitudes)
 
 
 def _records(path: Path, file: Any, kind: str) -> Iterator[dict[str, Any]]:
@@ -76,7 +84,7 @@ def _records(path: Path, file: Any, kind: str) -> Iterator[dict[str, Any]]:
     offsets = index["ByteOffset"][index["RecordID"] == gsfu.resolve_record_type(kind)].tolist()
     found = file.iter_records(kind)
     for offset in offsets:
-        with _named(path, partial(int, offset)):
+        with _named(path, partial(int, offset)), np.errstate(all="ignore"):  # `_require_sound` judges the values
             _, _, record = next(found)
         yield record
 
@@ -127,13 +135,30 @@ def _attitudes(path: Path, file: Any) -> Attitudes:
 def _swaths(path: Path, file: Any, head: SurveyHead, attitudes: Attitudes) -> Iterator[Swath]:
     for number, record in enumerate(_records(path, file, "SWATH_BATHYMETRY_PING")):
         beams = record["Beams"]
-        for name in REQUIRED:
-            if beams[name] is None or len(beams[name]) != record["NumberBeams"]:
-                raise ValueError(f"'{path}': ping {number}: must have {name} for each of its beams")
+        _require_sound(f"'{path}': ping {number}", record, beams)
         swath = _swath(record, beams, head, attitudes)
         if number == 0 and swath.reference_depth_m + swath.transducer_m[2] == 0.0:
             logger.warning("'%s': states no depth of the transducer: it is taken to be at the surface", path)
         yield swath
+    file.closeFile()
+
+
+def _require_sound(where: str, record: dict[str, Any], beams: dict[str, Any]) -> None:
+    """Raise ValueError unless a ping has all that its soundings need, within the limits of the Earth's seas."""
+    for name in REQUIRED:
+        if beams[name] is None or len(beams[name]) != record["NumberBeams"]:
+            raise ValueError(f"{where}: must have {name} for each of its beams")
+    limits = {"TravelTime_s": 60.0, "BeamAngle_deg": 360.0, "Depth_m": 12_000.0, "AcrossTrack_m": 40_000.0,
+              "AlongTrack_m": 40_000.0, "BeamAngleForward_deg": 720.0}  # fmt: skip
+    for name, limit in limits.items():
+        values = beams[name]
+        if values is not None and not (np.abs(values) <= limit).all():  # false for nan, too
+            raise ValueError(f"{where}: {name} must be within {limit:g} for each beam")
+    for name in ("BeamFlags", *OPTIONAL):
+        if beams[name] is not None and len(beams[name]) != record["NumberBeams"]:
+            raise ValueError(f"{where}: must have {name} for each of its beams, or for none")
+    if not (abs(record["Latitude_deg"]) <= 90.0 and abs(record["Longitude_deg"]) <= 180.0):
+        raise ValueError(f"{where}: latitude and longitude must be within 90 and 180 deg")
 
 
 def _swath(record: dict[str, Any], beams: dict[str, Any], head: SurveyHead, attitudes: Attitudes) -> Swath:

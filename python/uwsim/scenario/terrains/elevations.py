@@ -46,7 +46,7 @@ GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
 @dataclass(frozen=True)
-class _Raster:
+class Raster:
     """A raster read from a file.
 
     elevations: (h, w); NaN for cells without data. file_from_pixel: transform from pixel corners (column, row) to the
@@ -72,6 +72,19 @@ class _Raster:
         """Convert the file's coordinates to fractional columns and rows; whole numbers are cell centres."""
         columns, rows = _mapped(~self.file_from_pixel, x, y)
         return columns - 0.5, rows - 0.5
+
+    def corner_at(self, x: float, y: float) -> tuple[float, float]:
+        """Convert the file's coordinates to fractional columns and rows; whole numbers are corners of cells."""
+        return _mapped(~self.file_from_pixel, x, y)
+
+    def place_at(self, column: float, row: float) -> tuple[float, float]:
+        """Convert columns and rows, as of `corner_at`, to the file's coordinates."""
+        return _mapped(self.file_from_pixel, column, row)
+
+
+def chart_raster(spec: RasterTerrain) -> Raster:
+    """Return the raster of a terrain as it is in its file. Raises ScenarioError."""
+    return _read(spec)
 
 
 def raster_heights(spec: RasterTerrain) -> FloatGrid:
@@ -134,7 +147,7 @@ def raster_place(spec: RasterTerrain) -> RasterPlace:
     return RasterPlace(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
 
 
-def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
+def _require_centre(raster: Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
     h, w = raster.elevations.shape
     column, row = _mapped(~raster.file_from_pixel, *centre)
     if not (0 <= column <= w and 0 <= row <= h):
@@ -152,7 +165,7 @@ def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTe
         )
 
 
-def _heights(raster: _Raster, elevations: FloatGrid, spec: RasterTerrain) -> FloatGrid:
+def _heights(raster: Raster, elevations: FloatGrid, spec: RasterTerrain) -> FloatGrid:
     """Return scaled elevations above the water. Raises ScenarioError for any beyond MAX_HEIGHT_M."""
     above = elevations - spec.water_level_m
     heights = above * spec.vertical_scale
@@ -168,7 +181,7 @@ def _heights(raster: _Raster, elevations: FloatGrid, spec: RasterTerrain) -> Flo
     )
 
 
-def _read(spec: RasterTerrain) -> _Raster:
+def _read(spec: RasterTerrain) -> Raster:
     name = spec.file.name
     try:
         with _opened(spec.file) as file:
@@ -203,7 +216,7 @@ def _read(spec: RasterTerrain) -> _Raster:
             at=("crs",) if spec.crs else ("file",),
         )
     known = np.where(has_data & np.isfinite(elevations), elevations, np.nan)
-    return _Raster(name, _filled(known) if spec.fill_nodata else known, file_from_pixel, crs)
+    return Raster(name, _filled(known) if spec.fill_nodata else known, file_from_pixel, crs)
 
 
 def _opened(path: Path) -> DatasetReader:
@@ -247,7 +260,7 @@ def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS |
 
 
 def _file_from_metres(
-    raster: _Raster, centre: tuple[float, float], x_m: FloatGrid, y_m: FloatGrid
+    raster: Raster, centre: tuple[float, float], x_m: FloatGrid, y_m: FloatGrid
 ) -> tuple[FloatGrid, FloatGrid]:
     """Convert real metres east and north of the centre to the file's coordinates."""
     if not raster.is_geographic:
@@ -256,7 +269,7 @@ def _file_from_metres(
     return np.reshape(x, x_m.shape), np.reshape(y, x_m.shape)
 
 
-def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
+def _largest_size(raster: Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
     """Return the simulated size of the largest grid around the centre that fits within the outermost cell centres."""
     h, w = raster.elevations.shape
     across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)

@@ -1,0 +1,55 @@
+"""Exports a depth grid as a Bathymetric Attributed Grid (BAG 1.6), by GDAL: elevation and uncertainty."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from affine import Affine
+from rasterio.io import MemoryFile
+from rasterio.shutil import copy
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.mapping.depth_grid import DepthGrid
+from uwsim.mapping.files.formats import GridFormat
+from uwsim.mapping.files.georeference import Georeference
+
+NO_DATA = np.float32(1e6)  # as the format has it
+METADATA = {
+    "VAR_TITLE": "Depth grid of a simulated survey", "VAR_ABSTRACT": "Made by uwsim; no real sea floor",
+    "VAR_INDIVIDUAL_NAME": "uwsim", "VAR_ORGANISATION_NAME": "uwsim", "VAR_POSITION_NAME": "simulator",
+    "VAR_DATE": "2020-01-01", "VAR_DATETIME": "2020-01-01T00:00:00",
+    "VAR_VERTICAL_DATUM": "mean water surface", "VAR_PROCESS_STEP_DESCRIPTION": "median of the points in each cell",
+}  # fmt: skip
+
+
+def write_bag(path: Path, grid: DepthGrid, place: Georeference) -> None:
+    """Write elevations, positive up, and their uncertainty: half a cell, since a grid does not state its points'.
+
+    Empty cells have no data. Written atomically. Raises OSError, or ValueError without a place on Earth.
+    """
+    if place.crs is None:
+        raise ValueError(f"{path}: a BAG needs a place on Earth: give --scenario, of one with earth or a georeferenced "
+                         "terrain")  # fmt: skip
+    rows, columns = grid.depth_m.shape
+    west, _, _, north = grid.extent_m
+    scale, (x, y) = place.units_per_m, place.origin
+    cell = grid.cell_m * scale
+    depth = np.flipud(grid.depth_m)
+    known = np.isfinite(depth)
+    layers = np.stack([np.where(known, -depth, NO_DATA), np.where(known, 0.5 * grid.cell_m, NO_DATA)])
+    with MemoryFile() as memory, tempfile.TemporaryDirectory() as folder:
+        with memory.open(
+            driver="GTiff", width=columns, height=rows, count=2, dtype="float32", nodata=float(NO_DATA), crs=place.crs,
+            transform=Affine(cell, 0.0, x + west * scale, 0.0, -cell, y + north * scale),
+        ) as file:  # fmt: skip
+            file.write(layers.astype(np.float32))
+        made = Path(folder) / "grid.bag"
+        with memory.open() as file:
+            copy(file, str(made), driver="BAG", **METADATA)
+        content = made.read_bytes()
+    write_atomically(path, content)
+
+
+BAG = GridFormat(write_bag)
