@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.fuzz import text_readers
+from tests.fuzz import surveys, text_readers
 
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
@@ -305,19 +305,6 @@ def _map(data: bytes, folder: Path) -> bytes:
     return OccupancyMap.read(_written(folder / "map.bt", data)).to_bytes("ot")
 
 
-def _survey(suffix: str) -> Callable[[bytes, Path], Any]:
-    def read(data: bytes, folder: Path) -> Any:
-        from uwsim.mapping.files.swath import survey_format
-
-        path = _written(folder / f"survey{suffix}", data)
-        reader = survey_format(path, "--from").read
-        assert reader is not None
-        head, swaths = reader(path)
-        return [head.profile.depths_m.tobytes(), *(swath.axes.tobytes() for swath in swaths)]
-
-    return read
-
-
 def _depth_string(data: bytes, _: Path) -> bytes:
     from uwsim import _core
 
@@ -365,7 +352,7 @@ READERS = {
     "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
     "ply": Reader(_cloud(".ply"), ("numpy.lib.npyio",)),
     "las": Reader(_cloud(".las"), ("laspy",)),
-    "gsf": Reader(_survey(".gsf"), ("GSFU",), has_end=_without_end),
+    "gsf": Reader(surveys.reader(".gsf"), ("GSFU",), has_end=_without_end),
     "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
     "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
     "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=_without_end),

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
+from tests.fuzz.surveys import survey
 
 ASC = b"ncols 4\nnrows 3\nxllcorner 1000\nyllcorner 2000\ncellsize 5\nNODATA_value -9999\n" + b"-1 -2 -3 -4\n" * 3
 CSV = b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,-9,0.1,0,0\n5,0,-9,0.2,0,0\n0,5,-9,0.1,0,0\n5,5,-9,0.3,0,0\n"
@@ -123,32 +124,6 @@ def seeds(name: str) -> dict[str, bytes]:
     """Return the inputs that a reader's fuzzer starts with, by file name."""
     made = _MAKERS[name]()
     return {f"{name}-{number}": data for number, data in enumerate(made)}
-
-
-def survey(suffix: str) -> bytes:
-    """Return a small raw survey: two swaths of five beams."""
-    from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, survey_format
-
-    angles = np.linspace(-0.9, 0.9, 5)
-    axes = np.column_stack([0 * angles, -np.sin(angles), np.cos(angles)])
-    some, unknown = np.full(5, 0.02), np.full(5, np.nan)
-    levels = SoundSpeeds(np.array([0.0, 20.0]), np.array([1500.0, 1490.0]))
-    head = SurveyHead("rov", "small", 4e5, 5, 50.0, np.zeros(3), np.zeros(3), levels, "made for tests")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"survey{suffix}"
-        write = survey_format(path, "--raw").write
-        assert write is not None
-        writer = write(path, head)
-        for number in range(2):
-            time_s = 20.0 / 1500.0 / axes[:, 2]
-            writer.add(Swath(
-                EPOCH_NS + number * 10**8, 43.1, 5.9, 2.0, 1.0, 0.01, -0.02, 1.0, 0.5, 1498.0,
-                np.array([0.2, 0.0, 0.1]),
-                time_s, axes, 750.0 * time_s[:, None] * axes + [0.2, 0.0, 2.1], angles, -60.0 + 0 * angles, some, some,
-                unknown, np.zeros(5, bool),
-            ))  # fmt: skip
-        writer.close()
-        return path.read_bytes()
 
 
 def _points() -> np.ndarray:

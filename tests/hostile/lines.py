@@ -237,7 +237,7 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 def prepare(folder: Path) -> None:
     """Write the files that BASES name; map and recording are those of the tests."""
-    from tests.fuzz.seeds import survey
+    from tests.fuzz.surveys import survey
 
     from uwsim.scenario.read.assets import assets_folder
 

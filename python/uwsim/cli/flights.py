@@ -97,6 +97,13 @@ Raw = Annotated[
         f"{' or '.join(f'.{name}' for name in registered('uwsim.kinds.survey_file'))}; needs earth: in the scenario."
     ),
 ]
+Offsets = Annotated[
+    str | None,
+    typer.Option(
+        help="With --raw: errors of installation in that file, to be found by calibration: roll, pitch, heading [deg], "
+        "latency [s], such as roll=0.5,latency=0.02."
+    ),
+]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")]
 
 

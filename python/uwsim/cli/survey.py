@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.base.options import need
 from uwsim.cli.flights import (
     Autosave,
     CloseLoops,
@@ -14,6 +15,7 @@ from uwsim.cli.flights import (
     Estimate,
     MapMemory,
     MinCoverage,
+    Offsets,
     Out,
     OutlierFilter,
     Raw,
@@ -75,6 +77,7 @@ def survey(
     record: Record = None,
     record_topic: SurveyTopics = None,
     raw: Raw = None,
+    offsets: Offsets = None,
     resume: Resume = False,
 ) -> None:
     """Fly the survey of a scenario, map what is seen, and report.
@@ -86,6 +89,11 @@ def survey(
         resume=resume, record=record, record_topic=record_topic, close_loops=close_loops, autosave=autosave,
         min_coverage=min_coverage, report=report, raw=raw,
     )  # fmt: skip
+    if raw is None:
+        need("--raw", offsets=offsets)
+    from uwsim.flight.patch_errors import PatchErrors
+
+    errors = None if offsets is None else PatchErrors.parse(offsets)
     if not resume:
         from uwsim.scenario.world_ahead import make_world_ahead
 
@@ -103,6 +111,13 @@ def survey(
     else:
         topics = tuple(record_topic or ()) or None
         flown = run_survey(
-            scenario or "lake", out, close_loops=close_loops, record=record, record_topics=topics, raw=raw, **asked
+            scenario or "lake",
+            out,
+            close_loops=close_loops,
+            record=record,
+            record_topics=topics,
+            raw=raw,
+            raw_errors=errors,
+            **asked,
         )
     exit_as(flown, min_coverage)

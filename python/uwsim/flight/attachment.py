@@ -16,6 +16,7 @@ from uwsim.base.sockets import load, registered
 
 if TYPE_CHECKING:
     from uwsim.base.journal import Observer
+    from uwsim.flight.patch_errors import PatchErrors
     from uwsim.flight.pinging import TakePing
     from uwsim.flight.record import FlightRecord
     from uwsim.flight.request import FlightRequest
@@ -30,8 +31,8 @@ class Departure:
 
     names: the vehicles that fly. is_planned: whether they fly the scenario's survey. has_map: whether pings are mapped.
     request: what was asked for, for the flight's own files, if it writes any. carried: name endings of the channels
-    that cross a link. record, record_topics, raw: see fly(). saved: the state of each attachment of the flight that
-    continues, by name. others: those attached earlier, by name.
+    that cross a link. record, record_topics, raw, raw_errors: see fly(). saved: the state of each attachment of the
+    flight that continues, by name. others: those attached earlier, by name.
     """
 
     sim: Simulator
@@ -43,6 +44,7 @@ class Departure:
     record: Path | None = None
     record_topics: tuple[str, ...] | None = None
     raw: Path | None = None
+    raw_errors: PatchErrors | None = None
     saved: Mapping[str, Any] = field(default_factory=dict)
     others: dict[str, Attachment] = field(default_factory=dict)
 

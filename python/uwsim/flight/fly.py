@@ -16,6 +16,7 @@ from uwsim.flight.engine import Flight
 from uwsim.flight.folder import results_folder
 from uwsim.flight.mission_file import FUNCTION
 from uwsim.flight.missions import AnyMission, FlownMission, found_mission
+from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.pinging import MapSetup
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest, resolved_path
@@ -65,6 +66,7 @@ def fly(
     record: Path | None = None,
     record_topics: tuple[str, ...] | None = None,
     raw: Path | None = None,
+    raw_errors: PatchErrors | None = None,
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
@@ -86,9 +88,9 @@ def fly(
     ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
     send over the link; by default all that the link can carry. record: path of a new recording (.mcap). record_topics:
     the channels to record; by default all but pictures and maps. raw: path of a new file with each mapped ping of the
-    first vehicle, in a format of uwsim.kinds.survey_file; needs map. sample_sensors: whether the record's samples
-    include the readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0
-    disables saving.
+    first vehicle, in a format of uwsim.kinds.survey_file; needs map. raw_errors: errors of installation in that file.
+    sample_sensors: whether the record's samples include the readings of all sensors. autosave_s: wall time between
+    saves, from which `resume` can continue; 0 disables saving.
     screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
     results.
 
@@ -148,7 +150,18 @@ def fly(
     )
     if found.file is None:
         request = replace(request, mission=found.name)
-    departure = Departure(sim, names, found.make is not None, map, request, carried, record, record_topics, raw)
+    departure = Departure(
+        sim,
+        names,
+        found.make is not None,
+        map,
+        request,
+        carried,
+        record,
+        record_topics,
+        raw,
+        raw_errors,
+    )
     attachments = attached(departure)
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(

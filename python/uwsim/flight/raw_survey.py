@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.flight.attachment import Attachment, Departure
+from uwsim.flight.patch_errors import ErringPoses, PatchErrors
 from uwsim.flight.record import FlightRecord
 from uwsim.instruments.sonars.soundings import beam_directions, sound_speed_profile
 from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, SwathWriter, survey_format
@@ -30,10 +31,10 @@ class RawSurvey:
     With `bending: true`, travel times are those of the ping and the file's profile is the water's. Otherwise the rays
     of the simulation are straight: the file's profile is the speed at the head's depth at the first ping, at all
     depths, and travel times follow from the ranges with it. Raises ValueError unless the scenario has a place on Earth
-    and the format can be written, OSError if the file cannot be.
+    and the format can be written, OSError if the file cannot be. errors: of installation, which the file then has.
     """
 
-    def __init__(self, sim: Simulator, path: Path, option: str = "--raw") -> None:
+    def __init__(self, sim: Simulator, path: Path, errors: PatchErrors | None = None, option: str = "--raw") -> None:
         self._sim, self._path = sim, path
         written = survey_format(path, option).write
         if written is None:
@@ -45,6 +46,8 @@ class RawSurvey:
         if self._place.units_per_m != 1.0:
             raise ValueError(f"{option} {path}: scenario '{sim.scenario.name}': horizontal_scale must be 1, since a "
                              "file for surveyors has no scale")  # fmt: skip
+        self._errors = errors
+        self._poses = None if errors is None else ErringPoses(errors)
         self._write = written
         self._file: SwathWriter | None = None
         self._last: tuple[int, Array] | None = None
@@ -68,10 +71,13 @@ class RawSurvey:
         true = np.asarray(self._sim.rov.pose.world_from_body if true_body is None else true_body, np.float64)
         body = np.asarray(world_from_body, np.float64)
         sonar = body @ np.linalg.inv(true) @ ping.world_from_sonar
+        nominal = np.linalg.inv(body) @ sonar
+        if self._poses is not None:
+            body, sonar = self._poses.assumed(1e-9 * ping.time_ns, body, sonar)
         if self._file is None:
             self._head_m_s = self._water.at(max(0.0, -float(sonar[2, 3])))
             self._profile = self._water if self._bends else _core.SoundSpeedProfile.even(self._head_m_s)
-            self._file = self._write(self._path, self._head(np.linalg.inv(body) @ sonar))
+            self._file = self._write(self._path, self._head(nominal))
         self._file.add(self._swath(ping, body, sonar))
         self.count += 1
 
@@ -95,11 +101,12 @@ class RawSurvey:
         axes = body_from_sonar[:3, :3] @ np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]], np.float64)
         roll, pitch, yaw = _angles(axes * np.array([1.0, -1.0, -1.0]))
         rays = "bent by the profile" if self._bends else "straight: the profile is one speed"
+        errors = f"; made with errors of installation: {self._errors}" if self._errors else ""
         return SurveyHead(
             vehicle=self._sim.rov.name, sonar=model.name, frequency_hz=model.frequency_hz, beams=model.beams,
             max_range_m=model.range_max_m, offset_m=body_from_sonar[:3, 3] * np.array([1.0, -1.0, -1.0]),
             mount_rad=np.array([roll, -pitch, -yaw]), profile=SoundSpeeds(depths_m, speeds),
-            comment=f"uwsim: scenario {scenario.name}, seed {self._sim.seed}; simulated, rays {rays}",
+            comment=f"uwsim: scenario {scenario.name}, seed {self._sim.seed}; simulated, rays {rays}{errors}",
         )  # fmt: skip
 
     def _swath(self, ping: Any, body: Array, sonar: Array) -> Swath:
@@ -193,4 +200,4 @@ def attach(flight: Departure) -> RawFlight | None:
         return None
     if not flight.has_map:
         raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
-    return RawFlight(RawSurvey(flight.sim, flight.raw))
+    return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors))

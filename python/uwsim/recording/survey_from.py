@@ -10,6 +10,7 @@ from typing import Any, cast
 from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
+from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.ping_log import PingLog
 from uwsim.flight.raw_survey import RawSurvey
 from uwsim.flight.record import FlightRecord
@@ -35,12 +36,19 @@ Seen = Callable[[MapFiller, PingLog, int], None]
 
 
 def survey_from(
-    recording: Recording, out: Path, report: Path | None, *, outlier_filter: bool | None = None, raw: Path | None = None
+    recording: Recording,
+    out: Path,
+    report: Path | None,
+    *,
+    outlier_filter: bool | None = None,
+    raw: Path | None = None,
+    raw_errors: PatchErrors | None = None,
 ) -> int:
     """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
 
-    outlier_filter: overrides the survey's setting. raw: also write the pings there; see RawSurvey. Raises ValueError if
-    the recording ends before the data that a report needs, OSError if a file cannot be read or written.
+    outlier_filter: overrides the survey's setting. raw, raw_errors: also write the pings there, with these errors; see
+    RawSurvey. Raises ValueError if the recording ends before the data that a report needs, OSError if a file cannot be
+    read or written.
     """
     request = request_of(recording)
     if outlier_filter is not None:
@@ -49,7 +57,7 @@ def survey_from(
     if report is not None and values is None:
         raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
     sim = new_simulator(recording)
-    survey = None if raw is None else RawSurvey(sim, raw)
+    survey = None if raw is None else RawSurvey(sim, raw, raw_errors)
     occupancy, log = repeated(recording, sim, request, raw=survey)
     occupancy.write(out)
     if report is not None and values is not None:

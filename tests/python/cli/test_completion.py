@@ -36,7 +36,10 @@ def offered(shell: str, line: str, cwd: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ("uwsim map ", {"build", "info", "convert", "from", "merge", "score", "render", "diff", "slice", "view"}),
+        (
+            "uwsim map ",
+            {"build", "info", "convert", "from", "merge", "score", "render", "diff", "slice", "view", "film"},
+        ),
         ("uwsim map sc", {"score"}),
         ("uwsim scenario ", {"list", "new", "check", "schema", "from"}),
         ("uwsim map slice --o", {"--out", "--origin"}),

@@ -10,6 +10,7 @@ import pytest
 import uwsim
 from uwsim import _core
 from uwsim.cli.map_build import build
+from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.survey import run_survey
 from uwsim.instruments.sonars.soundings import sound_speed_profile
 from uwsim.mapping.depth_grid import depth_grid
@@ -47,6 +48,11 @@ class Flown:
 @pytest.fixture(scope="module")
 def bent(tmp_path_factory):
     return Flown(tmp_path_factory.mktemp("bent"))
+
+
+@pytest.fixture(scope="module")
+def straight(tmp_path_factory):
+    return Flown(tmp_path_factory.mktemp("straight"), sonar="")
 
 
 def own_soundings(flown: Flown) -> np.ndarray:
@@ -154,13 +160,49 @@ def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
 def test_a_recording_gives_the_same_bytes(bent, tmp_path):
     from uwsim.recording.cli.map_from import from_recording
 
-    from_recording(bent.recording, tmp_path / "map.bt", None, None, None, tmp_path / "again.gsf")
+    from_recording(bent.recording, tmp_path / "map.bt", None, None, None, tmp_path / "again.gsf", None)
     again, first = (list(read_gsf(path)[1]) for path in (tmp_path / "again.gsf", bent.raw))
     assert len(again) == len(first)
     for ours, theirs in zip(first, again, strict=True):
         assert ours.time_ns == theirs.time_ns
         np.testing.assert_allclose(ours.travel_time_s, theirs.travel_time_s, rtol=3e-7, atol=2e-8)
         np.testing.assert_allclose(ours.sounding_m, theirs.sounding_m, atol=3e-4)
+
+
+def test_errors_of_installation_are_found_back(straight, tmp_path):
+    from uwsim.recording.cli.map_from import from_recording
+
+    for offsets, name in (
+        ("roll=0.8", "roll"),
+        ("pitch=-0.6", "pitch"),
+        ("heading=2", "heading"),
+        ("latency=0.3", "late"),
+    ):
+        from_recording(straight.recording, tmp_path / "map.bt", None, None, None, tmp_path / f"{name}.gsf", offsets)
+    true = list(read_gsf(straight.raw)[1])
+    found = {name: list(read_gsf(tmp_path / f"{name}.gsf")[1]) for name in ("roll", "pitch", "heading", "late")}
+    k = len(true) // 2  # under way; the bed is level, 9 m deep
+    seen = true[k].is_detected & (np.abs(true[k].sounding_m[:, 1]) < 3.0)
+    along, across, depth = true[k].sounding_m[seen].T
+    below_m = np.median(depth) - (true[k].reference_depth_m + true[k].transducer_m[2])
+    # The survey assumes a head with less roll to starboard, so that it takes the starboard side for shallower.
+    slope = np.polyfit(across, found["roll"][k].sounding_m[seen, 2] - depth, 1)[0]
+    assert math.degrees(math.atan(slope)) == pytest.approx(-0.8, abs=0.05)
+    moved = np.median(found["pitch"][k].sounding_m[seen, 0] - along)
+    assert math.degrees(math.atan(moved / below_m)) == pytest.approx(0.6, abs=0.05)
+    turn = np.polyfit(across, found["heading"][k].sounding_m[seen, 0] - along, 1)[0]
+    assert math.degrees(math.atan(turn)) == pytest.approx(2.0, abs=0.1)
+    metres = np.array([111_111.0, 111_111.0 * math.cos(math.radians(LATITUDE))])
+    for j in range(20, len(true)):
+        before = np.interp(true[j].time_ns - 3e8, [each.time_ns for each in true], [each.latitude_deg for each in true])
+        assert (found["late"][j].latitude_deg - before) * metres[0] == pytest.approx(0.0, abs=0.03)
+        assert found["late"][j].heading_rad == pytest.approx(true[j].heading_rad, abs=2e-4)
+
+
+@pytest.mark.parametrize("text", ["roll", "yaw=1", "roll=1,roll=2", "roll=nan", "latency=-1", "pitch=11", ""])
+def test_wrong_errors_of_installation_are_refused(text):
+    with pytest.raises(ValueError, match="--offsets"):
+        PatchErrors.parse(text)
 
 
 def test_a_map_from_the_file_has_the_voxels_of_the_flight(bent, tmp_path):
@@ -170,9 +212,8 @@ def test_a_map_from_the_file_has_the_voxels_of_the_flight(bent, tmp_path):
     assert np.median(bed) == pytest.approx(-9.0, abs=0.3)
 
 
-def test_straight_rays_have_one_speed_and_round_trip(tmp_path):
-    flown = Flown(tmp_path, sonar="")
-    head, swaths = read_gsf(flown.raw)
+def test_straight_rays_have_one_speed_and_round_trip(straight):
+    head, swaths = read_gsf(straight.raw)
     assert np.ptp(head.profile.speeds_m_s) == 0
     profile = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s)
     for swath in list(swaths)[::20]:

@@ -1,0 +1,52 @@
+"""Raw surveys: a reader of their formats for the fuzzers, and the small file with which these start."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def reader(suffix: str) -> Callable[[bytes, Path], Any]:
+    """Return a reader of a raw survey: its profile and the directions of its beams."""
+
+    def read(data: bytes, folder: Path) -> Any:
+        from uwsim.mapping.files.swath import survey_format
+
+        path = folder / f"survey{suffix}"
+        path.write_bytes(data)
+        read_survey = survey_format(path, "--from").read
+        assert read_survey is not None
+        head, swaths = read_survey(path)
+        return [head.profile.depths_m.tobytes(), *(swath.axes.tobytes() for swath in swaths)]
+
+    return read
+
+
+def survey(suffix: str) -> bytes:
+    """Return a small raw survey: two swaths of five beams."""
+    from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, survey_format
+
+    angles = np.linspace(-0.9, 0.9, 5)
+    axes = np.column_stack([0 * angles, -np.sin(angles), np.cos(angles)])
+    some, unknown = np.full(5, 0.02), np.full(5, np.nan)
+    levels = SoundSpeeds(np.array([0.0, 20.0]), np.array([1500.0, 1490.0]))
+    head = SurveyHead("rov", "small", 4e5, 5, 50.0, np.zeros(3), np.zeros(3), levels, "made for tests")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"survey{suffix}"
+        write = survey_format(path, "--raw").write
+        assert write is not None
+        writer = write(path, head)
+        for number in range(2):
+            time_s = 20.0 / 1500.0 / axes[:, 2]
+            writer.add(Swath(
+                EPOCH_NS + number * 10**8, 43.1, 5.9, 2.0, 1.0, 0.01, -0.02, 1.0, 0.5, 1498.0,
+                np.array([0.2, 0.0, 0.1]),
+                time_s, axes, 750.0 * time_s[:, None] * axes + [0.2, 0.0, 2.1], angles, -60.0 + 0 * angles, some, some,
+                unknown, np.zeros(5, bool),
+            ))  # fmt: skip
+        writer.close()
+        return path.read_bytes()
