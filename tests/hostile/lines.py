@@ -92,7 +92,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "ros package": ([], {"out": "ros"}),
     "map info": (["map.bt"], {}),
     "map convert": (["map.bt", "cloud.ply"], {}),
-    "map build": (["built.bt"], {"from": "survey.gsf"}),
+    "map build": (["built.bt"], {"sources": "survey.gsf"}),
     "map from": (["run.mcap"], {"out": "from.bt"}),
     "map merge": (["map.bt", "map.bt"], {"out": "merged.bt"}),
     "map score": (["map.bt"], {"scenario": "pool.yaml", "out": "score.png"}),
@@ -237,7 +237,7 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 def prepare(folder: Path) -> None:
     """Write the files that BASES name; map and recording are those of the tests."""
-    from tests.fuzz.surveys import survey
+    from fuzz.surveys import survey
 
     from uwsim.scenario.read.assets import assets_folder
 

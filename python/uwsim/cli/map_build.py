@@ -50,15 +50,14 @@ def build(
     simulated ping. Beams that the file flags are left out. The map is in metres east and north of its zero.
     """
     from uwsim.mapping import OccupancyMap
-    from uwsim.mapping.files.formats import MAP_FORMATS
     from uwsim.mapping.files.georeference import Georeference
     from uwsim.mapping.files.swath import survey_format
     from uwsim.mapping.map_filler import MapFiller
+    from uwsim.mapping.occupancy_map import require_map_path
     from uwsim.mapping.ping_to_map import traced_echoes
     from uwsim.scenario.terrains.elevations import metres_about
 
-    if out.suffix not in MAP_FORMATS:
-        raise ValueError(f"{out}: must end in {' or '.join(MAP_FORMATS)}")
+    require_map_path(out)  # before long work
     surveys = []
     for path in sources:
         read = survey_format(path, "--from").read

@@ -264,3 +264,10 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
     path.write_bytes(struct.pack(">II", 4, 1) + b"\x7fELF" * 100)
     with pytest.raises(ValueError, match=r"other\.gsf': at byte 0: not a GSF record: must begin"):
         read_gsf(path)
+
+
+def test_a_map_that_cannot_be_written_is_refused_before_the_survey_is_read(tmp_path):
+    (tmp_path / "loop.bt").symlink_to("loop.bt")
+    for name, rule in (("loop.bt", "loop of symbolic links"), ("map.txt", "must end in"), ("no/map.bt", "no folder")):
+        with pytest.raises((OSError, ValueError), match=rule):
+            build(tmp_path / name, [tmp_path / "absent.gsf"])
