@@ -40,9 +40,9 @@ def test_a_chart_with_gaps_becomes_the_bed_of_its_largest_square(tmp_path):
     east, south = np.meshgrid(np.arange(80), np.arange(60))
     heights = -30.0 + 0.1 * east - 0.05 * south
     heights[:8], heights[:, 50:] = np.nan, np.nan
-    chart = write(tmp_path / "bay.tif", heights, "GTiff", "EPSG:32610", Affine(4, 0, 520_000, 0, -4, 5_330_000))
-    made = scenario_from_chart(chart, tmp_path / "bay.yaml", size_m=1000.0)
-    scenario = load(tmp_path / "bay.yaml")
+    chart = write(tmp_path / "inlet.tif", heights, "GTiff", "EPSG:32610", Affine(4, 0, 520_000, 0, -4, 5_330_000))
+    made = scenario_from_chart(chart, tmp_path / "inlet.yaml", size_m=1000.0)
+    scenario = load(tmp_path / "inlet.yaml")
     assert made.size_m == pytest.approx(196.0)  # 50 cells, between the middles of the outermost
     assert scenario.terrain.file == chart.resolve()
     places = np.array([[0.0, 0.0], [40.0, -20.0], [-60.0, 70.0]])
