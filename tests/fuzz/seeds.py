@@ -52,6 +52,7 @@ DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/CO
 </library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
+ROBOTS = Path(__file__).parents[1] / "python" / "data" / "robots"
 PROFILE = b"# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
 SHEET = (
     b"# ours\nvoltage_v,command,thrust_n,current_a,rpm\n10,-1,-5,1,900\n10,1,5,1,900\n16,-1,-9,2,1200\n16,1,9,2,1200\n"
@@ -367,6 +368,10 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "mapping": lambda: [MAPPING],
     "motion_csv": _motion_log,
     "motion_mcap": _motion_recording,
+    "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
+    "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
+    "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],
+    "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],
     "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],
     "track_csv": lambda: [TRACK],

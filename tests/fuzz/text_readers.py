@@ -1,8 +1,9 @@
-"""Readers of JSON, of thrusters' sheets, and of the files of `uwsim identify` and `uwsim exercise`."""
+"""Readers of JSON, thrusters' sheets, robots' descriptions, and the files of `uwsim identify` and `uwsim exercise`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +62,22 @@ def exercise(data: bytes, folder: Path) -> str:
     from uwsim.exercises.exercise import load_exercise
 
     return repr(load_exercise(_written(folder / "exercise.yaml", data)))
+
+
+def robot(module: str, function: str, suffix: str) -> Callable[[bytes, Path], str]:
+    """Return a reader of a robot's description, as far as its vehicles' masses."""
+
+    def read(data: bytes, folder: Path) -> str:
+        found = getattr(import_module(f"uwsim.evidence.robots.{module}"), function)(
+            _written(folder / f"robot{suffix}", data)
+        )
+        for each in found.robots:
+            if each.model is None:
+                whole = each.whole()
+                assert whole.mass_kg > 0.0 and np.isfinite(whole.centre_m).all()
+        return repr((found.notes, found.obstacles, [each.thrusters for each in found.robots]))
+
+    return read
 
 
 def _written(path: Path, data: bytes) -> Path:

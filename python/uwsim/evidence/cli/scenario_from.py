@@ -1,4 +1,4 @@
-"""`uwsim scenario from`: a scenario from a chart, or from the published simulator's Unity project."""
+"""`uwsim scenario from`: a scenario from a chart, or from the files of another simulator."""
 
 from __future__ import annotations
 
@@ -7,17 +7,11 @@ from typing import Annotated
 
 import typer
 
-from uwsim.base.options import need
 from uwsim.cli.bounds import within
 
-SCENE, TERRAIN = "LawnTest", "SolidTerrain"
-SIZE_M = 500.0
 
-
-def from_source(
-    source: Annotated[
-        Path, typer.Argument(help="A chart (BAG, GeoTIFF, NetCDF, ...), or a checkout of the Unity project.")
-    ],
+def scenario_from(
+    source: Annotated[Path, typer.Argument(help="A file, or the checkout of the Unity project.")],
     size: Annotated[
         float | None,
         typer.Option(help="A chart: the largest edge [m]. Default: 500.", callback=within(5, 20_000, "m")),
@@ -36,50 +30,33 @@ def from_source(
         ),
     ] = None,
     scene: Annotated[
-        str | None, typer.Option(help=f"Unity: the scene, by its file's name without .unity. Default: {SCENE}.")
+        str | None, typer.Option(help="Unity: the scene, by its file's name without .unity. Default: LawnTest.")
     ] = None,
     terrain: Annotated[
-        str | None, typer.Option(help=f"Unity: the top-level object that is the bed. Default: {TERRAIN}.")
+        str | None, typer.Option(help="Unity: the top-level object that is the bed. Default: SolidTerrain.")
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="A chart: the YAML file to write. Unity: the folder. Default: the chart's or scene's name."),
+        typer.Option(help="A chart: the YAML file to write. Others: the folder. Default: the source's own name."),
     ] = None,
 ) -> None:  # fmt: skip
-    """Make a scenario from a chart, or from the published simulator's Unity project.
+    """Make a scenario from a chart, an SDF, URDF, Stonefish or HoloOcean file, or the published Unity project.
 
-    Of a chart, the largest square without gaps becomes the bed, at its place on Earth, with a vehicle and a survey in
-    its middle; elevations are positive up. Of a Unity project, the meshes (FBX) and places of a scene and its prefabs
-    are read: bed, station, gates, pipelines, vehicle. The vehicle's file is drafted from its hull, as by `uwsim vehicle
-    --draft`; water, optics and survey are those of the scenario `paper`. All that is left out is printed.
+    Of a chart (BAG, GeoTIFF, NetCDF, ...), the largest square without gaps becomes the bed, at its place on Earth, with
+    a vehicle and a survey in its middle; elevations are positive up. Of a robot's description, the scenario and its
+    vehicles are written, with hulls, mass, hydrodynamics, thrusters and sensors; files that it refers to are looked for
+    beside it. Of a Unity project, bed, station, gates, pipelines and vehicle are read. All that is left out or assumed
+    is printed.
     """
-    if source.is_dir():
-        need("a chart", size=size, centre=centre, water_level=water_level)
-        _from_unity(source, scene or SCENE, terrain or TERRAIN, out)
-        return
-    if not source.is_file():
-        raise FileNotFoundError(f"'{source}': no such file or folder")
-    need("a Unity project", scene=scene, terrain=terrain)
-    from uwsim.scenario.from_chart import scenario_from_chart
+    from uwsim.base.options import OptionError
+    from uwsim.evidence.scenario_source import source_of
 
-    target = out or Path(source.stem.lower().replace(" ", "_") + ".yaml")
-    made = scenario_from_chart(source, target, size_m=size or SIZE_M, centre=centre, water_level_m=water_level or 0.0)
-    typer.echo(
-        f"{made.path}: {made.size_m:g} x {made.size_m:g} m, {made.depth_m[0]:.1f} to {made.depth_m[1]:.1f} m deep; "
-        f"uwsim survey {made.path}"
-    )
-
-
-def _from_unity(checkout: Path, scene: str, terrain: str, out: Path | None) -> None:
-    from uwsim.evidence.unity.project import Project
-    from uwsim.evidence.unity.scenario import scenario_from
-
-    project = Project(checkout)
-    found = sorted(path for path in (checkout / "Assets").rglob("*.unity") if path.stem == scene)
-    if not found:
-        scenes = ", ".join(sorted(path.stem for path in (checkout / "Assets").rglob("*.unity")))
-        raise ValueError(f"--scene = {scene!r}: must be one of {scenes}" if scenes else f"'{checkout}': has no scenes")
-    made = scenario_from(project, found[0], out or Path(scene.lower().replace(" ", "_")), terrain=terrain)
+    found = source_of(source)
+    options = {"size": size, "centre": centre, "water_level": water_level, "scene": scene, "terrain": terrain}
+    given = {key: value for key, value in options.items() if value is not None}
+    for key in given.keys() - {*found.options}:
+        raise OptionError(f"--{key.replace('_', '-')}: is not for {found.what}")
+    made = found.make(source, out, given)
     for note in made.notes:
         typer.echo(note)
     typer.echo(f"{made.path}: fly it with uwsim station {made.path}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import read_yaml
+from uwsim.evidence.scenario_source import Made
 from uwsim.evidence.unity.project import Project
 from uwsim.evidence.unity.scene import Piece, read_scene
 from uwsim.evidence.vehicle.draft import drafted
@@ -32,13 +33,6 @@ HULL = "vehicle.ply"
 SPACING_M, ABOVE_M, DEEP_M, BED_MAX_M = 0.5, 1e3, 1e4, 2000.0
 KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_time_s")
 """Keys of the packaged scenario `paper` that hold for this lake, too."""
-
-
-class Made(NamedTuple):
-    """The scenario's file, and a line for each element that was left out or assumed."""
-
-    path: Path
-    notes: list[str]
 
 
 def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TERRAIN) -> Made:

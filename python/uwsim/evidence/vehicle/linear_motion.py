@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.scenario.build.actuator import actuators_spec
-from uwsim.scenario.build.craft import craft
+from uwsim.scenario.build.craft import craft, mass_properties
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 Floats = NDArray[np.float64]
@@ -49,6 +49,16 @@ class Mode:
 def model_motion(model: VehicleModel, trim: Trim | None, density_kg_m3: float, speed_m_s: float) -> Floats:
     """Return motion_matrix for a vehicle's file with a trim. Raises ScenarioError if it cannot be built."""
     return motion_matrix(craft(model, density_kg_m3, trim), actuators_spec(model).fins, speed_m_s, density_kg_m3)
+
+
+def mass_matrix(model: VehicleModel, trim: Trim | None, density_kg_m3: float) -> Floats:
+    """Return the mass of a vehicle and of the water that moves with it (6, 6), about its origin; Fossen 2021, ch. 3."""
+    mass_kg, centre_m, inertia = mass_properties(model, density_kg_m3, trim)
+    x, y, z = centre_m
+    lever = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    own = np.block([[np.eye(3), -lever], [lever, -lever @ lever]]) * mass_kg
+    own[3:, 3:] += inertia
+    return np.asarray(own + model.matrix("added_mass"))
 
 
 def motion_matrix(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim.base.quaternions import heading_rad
 from uwsim.batch.batch import Batch
 from uwsim.evidence.validate.flights import deep_scenario
+from uwsim.evidence.vehicle.linear_motion import mass_matrix
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.scenario.spec.vehicle import Trim
 from uwsim.simulator.simulator import Simulator
@@ -109,12 +110,19 @@ def terminal_speeds(scenario: Scenario) -> Floats:
 
     As in a towing tank, only the motion on that axis is free; the others are held at zero and the attitude level. A
     vehicle that would pitch or turn at full effort therefore still has a speed. Thrust falls with speed as in any
-    flight.
+    flight. What holds the other axes changes the momentum along them alone, so of a free step from rest across them,
+    which changes the velocity by dv, the momentum M dv along the axis remains, and with it the speed M[axis] dv /
+    M[axis, axis], where M contains the added mass. For a thrust below the centre of mass that differs from dv[axis].
     """
     batch = Batch(scenario, n=12)
     full = np.max(batch.simulator(0).rov.full_wrench_body, axis=0)
     efforts = np.concatenate([np.eye(6), -np.eye(6)])
+    entry = scenario.vehicles[0]
+    density_kg_m3 = float(batch.simulator(0).world.water.density_at_kg_m3(0.0))
+    kept = mass_matrix(entry.model, entry.trim or entry.model.trim, density_kg_m3)
+    kept = np.concatenate([kept / np.diagonal(kept)[:, None]] * 2)
     free = np.abs(efforts)
+    velocity = np.zeros((12, 6))
     place = np.array([0.0, 0.0, TOWED_M])
     batch.place(place)
     steps = max(1, round(HOLD_S / scenario.step_s))
@@ -123,7 +131,8 @@ def terminal_speeds(scenario: Scenario) -> Floats:
     for k in range(round(LONGEST_S / (steps * scenario.step_s))):
         batch.step(steps, efforts)
         motion = batch.observe()
-        velocity = free * motion.velocity_body
+        gained = np.einsum("ij,ij->i", kept, motion.velocity_body - velocity)
+        velocity = velocity + free * gained[:, None]
         batch.place(place, velocity_body=velocity)
         if k % second == 0:
             speeds = np.abs(velocity).sum(axis=1)

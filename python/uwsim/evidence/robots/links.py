@@ -1,0 +1,89 @@
+"""Links and joints of a robot description: poses, lumped masses and solids, for SDF and URDF alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from uwsim.evidence.robots.robot import Lump, Mesh, Robot
+from uwsim.evidence.robots.shapes import placed, volume_and_centre
+from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+
+
+@dataclass
+class Joint:
+    """A joint. pose: of the joint's frame in the model. axis: unit vector in the model's frame."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    pose: Pose
+    axis: Floats
+
+
+@dataclass
+class Links:
+    """The links of a model. poses: of each in the frame of the model."""
+
+    element: Element
+    poses: dict[str, Pose] = field(default_factory=dict)
+    lumps: dict[str, Lump] = field(default_factory=dict)
+    solids: dict[str, list[Mesh]] = field(default_factory=dict)
+    joints: dict[str, Joint] = field(default_factory=dict)
+
+    def add(self, name: str, other: Links) -> None:
+        """Add the links and joints of a model within this one, under its name."""
+        self.poses |= {f"{name}::{key}": value for key, value in other.poses.items()}
+        self.lumps |= {f"{name}::{key}": value for key, value in other.lumps.items()}
+        self.solids |= {f"{name}::{key}": value for key, value in other.solids.items()}
+        for key, joint in other.joints.items():
+            parent, child = f"{name}::{joint.parent}", f"{name}::{joint.child}"
+            self.joints[f"{name}::{key}"] = replace(joint, name=f"{name}::{key}", parent=parent, child=child)
+
+    def pose(self, name: str, of: Element) -> Pose:
+        """Return a link's pose in the model. Raises ValueError for a name that there is not."""
+        if name not in self.poses:
+            raise of.error(f"there is no link '{name}' among {', '.join(self.poses) or 'none'}")
+        return self.poses[name]
+
+    def joint(self, name: str, of: Element) -> Joint:
+        """Return a joint. Raises ValueError for a name that there is not."""
+        if name not in self.joints:
+            raise of.error(f"there is no joint '{name}' among {', '.join(self.joints) or 'none'}")
+        return self.joints[name]
+
+    def base(self) -> str:
+        """Return the link that is no joint's child. Raises ValueError unless there is exactly one."""
+        children = {joint.child for joint in self.joints.values()}
+        roots = [name for name in self.poses if name not in children]
+        if len(roots) != 1:
+            raise self.element.error(f"must have one link that is no joint's child, not {', '.join(roots) or 'none'}")
+        return roots[0]
+
+    def put_into(self, robot: Robot, base: str) -> None:
+        """Add all masses and solids, in the frame of the base link."""
+        to_base = self.poses[base].inverse()
+        for name, pose in self.poses.items():
+            there = to_base.then(pose)
+            if (lump := self.lumps.get(name)) is not None:
+                turned = there.turn @ lump.inertia_kg_m2 @ there.turn.T
+                robot.lumps.append(Lump(lump.mass_kg, there.points(lump.centre_m[None])[0], turned))
+            robot.solids += [placed(solid, there) for solid in self.solids.get(name, [])]
+
+
+def inertia(element: Element | None, number: Callable[[Element, str], float]) -> Floats:
+    """Return the inertia matrix of six numbers, zero without an element."""
+    if element is None:
+        return np.zeros((3, 3))
+    xx, xy, xz, yy, yz, zz = (number(element, key) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def summed_volume(solids: list[Mesh]) -> tuple[float, Floats]:
+    """Return the sum of the volumes, in which overlaps count twice, and the centre by volume."""
+    each = [volume_and_centre(solid) for solid in solids]
+    volume = sum(size for size, _ in each)
+    return volume, sum((size * centre for size, centre in each), start=np.zeros(3)) / volume

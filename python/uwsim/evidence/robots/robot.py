@@ -1,0 +1,119 @@
+"""A vehicle and its world as a description in another format states them, in uwsim's frames and units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.evidence.robots.xml_file import Floats, Pose
+
+Mesh = tuple[Floats, NDArray[np.int64]]
+"""Vertices (n, 3) [m] and triangles (m, 3)."""
+
+
+class Lump(NamedTuple):
+    """A rigid part. mass_kg; centre_m: centre of mass; inertia_kg_m2: (3, 3), about it. Frame: the vehicle's body."""
+
+    mass_kg: float
+    centre_m: Floats
+    inertia_kg_m2: Floats
+
+
+class Thruster(NamedTuple):
+    """A thruster. axis: of positive thrust. thrust_n: pairs of a command in [-1, 1] and a thrust. Frame: the body."""
+
+    name: str
+    position_m: Floats
+    axis: Floats
+    thrust_n: list[tuple[float, float]]
+    time_constant_s: float
+    diameter_m: float
+    bollard_coefficient: float | None
+    clockwise: bool
+    zero_thrust_advance_ratio: float | None = None
+    torque_per_thrust_m: float = 0.0
+
+
+@dataclass
+class Robot:
+    """A vehicle. Body frame: x forward, y left, z up; its origin is that of the base link.
+
+    lumps: the rigid parts of its mass. solids: closed parts that displace water. volume_m3, centre_of_buoyancy_m: of
+    the displaced water, by default those of the solids. added_mass, linear, quadratic: (6, 6), magnitudes; estimated
+    from the hull where they are None. sensors, cameras, imaging_sonars: as in a vehicle's file. sonar: the multibeam's
+    mount. place: where it starts in the world.
+    """
+
+    name: str
+    place: Pose
+    lumps: list[Lump] = field(default_factory=list)
+    solids: list[Mesh] = field(default_factory=list)
+    volume_m3: float | None = None
+    centre_of_buoyancy_m: Floats | None = None
+    added_mass: Floats | None = None
+    linear: Floats | None = None
+    quadratic: Floats | None = None
+    thrusters: list[Thruster] = field(default_factory=list)
+    sensors: dict[str, dict[str, Any]] = field(default_factory=dict)
+    cameras: dict[str, dict[str, Any]] = field(default_factory=dict)
+    imaging_sonars: dict[str, dict[str, Any]] = field(default_factory=dict)
+    sonar: list[float] | None = None
+    model: str | None = None
+
+    def whole(self) -> Lump:
+        """Return all lumps as one rigid part (Steiner). Raises ValueError if they have no mass."""
+        mass = sum(lump.mass_kg for lump in self.lumps)
+        if not mass > 0.0:
+            raise ValueError(f"vehicle '{self.name}': has no mass")
+        centre = sum((lump.mass_kg * lump.centre_m for lump in self.lumps), start=np.zeros(3)) / mass
+        inertia = np.zeros((3, 3))
+        for lump in self.lumps:
+            off = lump.centre_m - centre
+            inertia += lump.inertia_kg_m2 + lump.mass_kg * (off @ off * np.eye(3) - np.outer(off, off))
+        return Lump(mass, centre, inertia)
+
+
+@dataclass
+class Found:
+    """A scenario as found in a file.
+
+    obstacles: as in a scenario. notes: a line for each element that was left out or assumed. density_kg_m3: of the
+    water, if stated. current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
+    """
+
+    name: str
+    robots: list[Robot] = field(default_factory=list)
+    obstacles: list[dict[str, Any]] = field(default_factory=list)
+    meshes: dict[str, Mesh] = field(default_factory=dict)
+    density_kg_m3: float | None = None
+    current_m_s: Floats | None = None
+    bed_z_m: float | None = None
+    notes: list[str] = field(default_factory=list)
+
+    def left_out(self, what: str) -> None:
+        """Note an element that is not used, once."""
+        if (note := f"left out: {what}") not in self.notes:
+            self.notes.append(note)
+
+    def assumed(self, what: str) -> None:
+        """Note a value that the file does not state, once."""
+        if (note := f"assumed: {what}") not in self.notes:
+            self.notes.append(note)
+
+
+def plain_name(text: str, others: Any = ()) -> str:
+    """Return a text as a name that scenarios accept and that is not among others."""
+    plain = "".join(c if c.isascii() and (c.isalnum() or c in "-_") else "_" for c in text).strip("_-")
+    plain = (plain if plain[:1].isalpha() else f"n_{plain}")[:36].rstrip("_-")
+    number, name = 2, plain
+    while name in others:
+        name, number = f"{plain}_{number}", number + 1
+    return name
+
+
+def unlike_zero(matrix: Floats) -> bool:
+    """Return whether a matrix has entries beside its diagonal."""
+    return bool(np.any(matrix != np.diag(np.diagonal(matrix))))

@@ -1,0 +1,43 @@
+"""Descriptions of robots and their worlds, as sources of scenarios."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from uwsim.evidence.scenario_source import Made, ScenarioSource
+
+HEAD = 4096
+"""Bytes in which the root element of a description is looked for."""
+
+
+def _xml(suffixes: tuple[str, ...], root: bytes) -> Callable[[Path], bool]:
+    def accepts(path: Path) -> bool:
+        if not path.is_file() or path.suffix.lower() not in (*suffixes, ".xml"):
+            return False
+        with path.open("rb") as file:
+            return path.suffix.lower() in suffixes or b"<" + root in file.read(HEAD)
+
+    return accepts
+
+
+def _json(path: Path) -> bool:
+    return path.is_file() and path.suffix.lower() == ".json"
+
+
+def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[str, Any]], Made]:
+    def make(path: Path, out: Path | None, _: Mapping[str, Any]) -> Made:
+        from uwsim.evidence.robots.written import write_found
+
+        found = getattr(import_module(f"uwsim.evidence.robots.{module}"), function)(path)
+        return Made(write_found(found, out or Path(found.name)), found.notes)
+
+    return make
+
+
+SDF = ScenarioSource("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"))
+URDF = ScenarioSource("a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"))
+STONEFISH = ScenarioSource("a Stonefish .scn file", _xml((".scn",), b"scenario"), _make("stonefish", "read_stonefish"))
+HOLOOCEAN = ScenarioSource("a HoloOcean scenario (.json)", _json, _make("holoocean", "read_holoocean"))

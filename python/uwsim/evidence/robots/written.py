@@ -1,0 +1,225 @@
+"""Writes what was found in another format as a scenario, its vehicles' files and their meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, cast
+
+import numpy as np
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.axes import AXES
+from uwsim.base.own_files import require_own
+from uwsim.base.texts.yaml_document import yaml_document
+from uwsim.evidence.robots.robot import Found, Mesh, Robot, Thruster, plain_name, unlike_zero
+from uwsim.evidence.robots.shapes import joined, volume_and_centre
+from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
+from uwsim.evidence.vehicle.draft import drafted
+from uwsim.scenario.dump import yaml_text
+from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.simulator.simulator import Simulator
+
+ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
+"""Assumed: the flat bed reaches this far around what was found, and is at least this deep."""
+PRODUCTS = 0.01
+"""Products of inertia beyond this share of the smallest moment are noted, since they are left out."""
+BEYOND = 1.1
+"""A stretched hull reaches this much farther than the centre of mass."""
+STATES = ("added_mass", "linear", "quadratic")
+KEYS = {"added_mass": "added_mass", "linear": "linear_damping", "quadratic": "quadratic_damping"}
+
+
+def write_found(found: Found, out: Path) -> Path:
+    """Write a folder: NAME.yaml, and for each vehicle its YAML file and hull. Return the scenario's path.
+
+    Everything is checked before anything is written: what uwsim would refuse is refused here. Notes are added to
+    `found.notes`. Raises ValueError or OSError.
+    """
+    if not found.robots:
+        raise ValueError(f"'{found.name}': has no vehicle")
+    if found.name in {robot.name for robot in found.robots}:  # each has a file
+        found.name = plain_name(f"{found.name}_water")
+    contents: dict[str, bytes] = {}
+    vehicles, objects = [], [*found.obstacles]
+    for name, mesh in found.meshes.items():
+        contents[f"{name}.ply"] = _ply(mesh)
+    for robot in found.robots:
+        entry: dict[str, Any] = {"name": robot.name, "model": robot.model}
+        if robot.model is None:
+            entry["model"] = f"{robot.name}.yaml"
+            hull, values, origin = _vehicle(robot, found)
+            robot.place = robot.place.then(Pose(origin, np.eye(3)))
+            contents[f"{robot.name}.ply"] = _ply(hull)
+            contents[f"{robot.name}.yaml"] = yaml_text(values).encode()
+        entry["start"] = _start(robot, found)
+        if robot.sonar is not None:
+            entry["sonar"] = {"model": 2, "tilt_deg": 30}
+        vehicles.append(entry)
+    contents[f"{found.name}.yaml"] = yaml_text(_scenario(found, vehicles, objects)).encode()
+    _check(found.name, contents)
+    for name in contents:
+        require_own(out / name)
+    out.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        write_atomically(out / name, content)
+    return out / f"{found.name}.yaml"
+
+
+def _check(name: str, contents: dict[str, bytes]) -> None:
+    """Raise ValueError for files that cannot be simulated."""
+    with TemporaryDirectory() as folder:
+        for file, content in contents.items():
+            (Path(folder) / file).write_bytes(content)
+        try:
+            Simulator(Path(folder) / f"{name}.yaml")
+        except ValueError as error:
+            raise ValueError(str(error).replace(f"{folder}/", "")) from None
+
+
+def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]]) -> dict[str, Any]:
+    places = [robot.place.position_m for robot in found.robots]
+    places += [np.array(item["position_m"]) for item in obstacles]
+    across = 2.0 * (max(float(np.abs(place[:2]).max()) for place in places) + ROOM_M)
+    deep = max(BED_MIN_M, max(-float(place[2]) for place in places) + BED_MIN_M)
+    across = BED_SPACING_M * float(np.ceil(across / BED_SPACING_M))
+    if found.bed_z_m is not None:
+        deep = -found.bed_z_m
+    found.assumed(f"a bed {across:g} m wide" + ("" if found.bed_z_m is not None else f", flat at {deep:g} m"))
+    water: dict[str, Any] = {}
+    if found.density_kg_m3 is not None:
+        water["density_kg_m3"] = found.density_kg_m3
+    if found.current_m_s is not None and found.current_m_s.any():
+        water["current_world_m_s"] = found.current_m_s.tolist()
+    return {
+        "name": found.name,
+        "description": "made by `uwsim scenario from`",
+        **({"water": water} if water else {}),
+        "terrain": {"source": "noise", "size_m": [across, across], "spacing_m": BED_SPACING_M, "bed_depth_m": deep},
+        "vehicles": vehicles,
+        **({"obstacles": obstacles} if obstacles else {}),
+    }
+
+
+def _start(robot: Robot, found: Found) -> dict[str, Any]:
+    yaw, pitch, roll = yaw_pitch_roll_deg(robot.place.turn)
+    if abs(pitch) > 0.1 or abs(roll) > 0.1:
+        found.left_out(f"vehicle '{robot.name}': it would start pitched and rolled by {pitch:.1f} and {roll:.1f} deg")
+    return {"position_m": _row(robot.place.position_m), "yaw_deg": round(yaw, 4)}
+
+
+def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
+    """Return a vehicle's hull, the values of its file, and its origin in the frame of the base link."""
+    hull, centre = _hull(robot, found)
+    whole = robot.whole()
+    estimated = any(getattr(robot, key) is None for key in STATES)
+    origin = centre if estimated else np.zeros(3)
+    hull = (hull[0] - origin, hull[1])
+    values: dict[str, Any] = {"name": robot.name, "mesh": f"{robot.name}.ply"}
+    if estimated:
+        found.assumed(
+            f"vehicle '{robot.name}': added mass and drag are estimated from its hull, as by `uwsim vehicle --draft`, "
+            f"about its centroid, ({', '.join(f'{value:.4g}' for value in centre)}) m from the base link"
+        )
+        values |= _estimates(robot.name, hull)
+    else:
+        for state, key in KEYS.items():
+            matrix = cast(Floats, getattr(robot, state))
+            full = unlike_zero(matrix)
+            values[f"{key}_matrix" if full else key] = (
+                [_row(row) for row in matrix] if full else _row(np.diagonal(matrix))
+            )
+    values["mass_kg"] = whole.mass_kg
+    values["centre_of_mass_m"] = _row(whole.centre_m - origin)
+    moments = np.diagonal(whole.inertia_kg_m2)
+    products = float(np.abs(whole.inertia_kg_m2 - np.diag(moments)).max())
+    if products > PRODUCTS * moments.min():
+        found.left_out(f"vehicle '{robot.name}': its products of inertia, {products:.3g} kg m2 at most")
+    values["inertia_kg_m2"] = _row(moments)
+    values["compressibility_1_pa"] = 0.0
+    if not robot.thrusters:
+        raise ValueError(f"vehicle '{robot.name}': has no thrusters, so nothing could move it")
+    values["thrusters"] = {each.name: _thruster(each, origin) for each in robot.thrusters}
+    for key in ("sensors", "cameras", "imaging_sonars"):
+        if parts := getattr(robot, key):
+            values[key] = {name: _moved(part, origin) for name, part in parts.items()}
+    if robot.sonar is not None:
+        values["sonar"] = {"position_m": _row(np.array(robot.sonar) - origin)}
+    return hull, values, origin
+
+
+def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
+    """Return the hull, which displaces the stated volume about the stated centre, and its centroid."""
+    if not robot.solids:
+        raise ValueError(f"vehicle '{robot.name}': has no solid that displaces water")
+    vertices, triangles = closed_mesh(*joined(robot.solids), name=f"vehicle '{robot.name}'")
+    hull = (np.asarray(vertices), np.asarray(triangles, np.int64))
+    volume, centroid = volume_and_centre(hull)
+    wanted = volume if robot.volume_m3 is None else robot.volume_m3
+    centre = centroid if robot.centre_of_buoyancy_m is None else robot.centre_of_buoyancy_m
+    factor = float(np.cbrt(wanted / volume))
+    if abs(factor - 1.0) > 1e-3:
+        found.assumed(f"vehicle '{robot.name}': its hull is scaled by {factor:.3f} to displace {wanted:.4g} m3")
+    about = (hull[0] - centroid) * factor
+    return (about * _stretch(robot, about, robot.whole().centre_m - centre, found) + centre, hull[1]), centre
+
+
+def _stretch(robot: Robot, about: Floats, mass_m: Floats, found: Found) -> Floats:
+    """Return factors by axis that keep a hull's volume, and with which it reaches beyond the centre of mass.
+
+    Gazebo's buoyant shapes are often thin boxes of the right volume; uwsim refuses a centre of mass outside the hull's
+    bounding box. about, mass_m: the hull's vertices and the centre of mass, from the centroid.
+    """
+    reach = np.where(mass_m < 0.0, -about.min(axis=0), about.max(axis=0))
+    need = np.maximum(1.0, BEYOND * np.abs(mass_m) / reach)
+    free = need == 1.0
+    if free.all():
+        return np.asarray(need)
+    if not free.any():
+        raise ValueError(f"vehicle '{robot.name}': its centre of mass is far outside the solids that displace water")
+    factors: Floats = np.where(free, float(np.prod(need)) ** (-1.0 / free.sum()), need)
+    by = ", ".join(f"{value:.3g}" for value in factors)
+    found.assumed(f"vehicle '{robot.name}': its hull is stretched by {by}, to reach its centre of mass")
+    return factors
+
+
+def _estimates(name: str, hull: Mesh) -> dict[str, Any]:
+    with TemporaryDirectory() as folder:
+        mesh = Path(folder) / f"{name}.ply"
+        mesh.write_bytes(_ply(hull))
+        text = drafted(mesh, AXES, None, "metres", "x").text
+    values = yaml_document(text, name).values
+    kept = ("added_mass_matrix", "munk_share", "quadratic_damping", "linear_damping", "crossflow_length_m", "fins")
+    return {key: values[key] for key in kept if key in values}
+
+
+def _thruster(each: Thruster, origin: Floats) -> dict[str, Any]:
+    model: dict[str, Any] = {
+        "name": each.name,
+        "thrust_n": [list(pair) for pair in each.thrust_n],
+        "time_constant_s": each.time_constant_s,
+        "diameter_m": each.diameter_m,
+    }
+    for key in ("bollard_coefficient", "zero_thrust_advance_ratio", "torque_per_thrust_m"):
+        if (value := getattr(each, key)) is not None:
+            model[key] = value
+    spin = "clockwise" if each.clockwise else "counter-clockwise"
+    axis = each.axis / np.linalg.norm(each.axis)
+    return {"model": model, "position_m": _row(each.position_m - origin), "axis": _row(axis), "spin": spin}
+
+
+def _moved(part: dict[str, Any], origin: Floats) -> dict[str, Any]:
+    if "position_m" not in part:
+        return part
+    return part | {"position_m": _row(np.array(part["position_m"]) - origin)}
+
+
+def _row(values: Floats) -> list[float]:
+    """Return numbers without the noise of rotations."""
+    return [float(value) for value in np.round(values, 9) + 0.0]
+
+
+def _ply(mesh: Mesh) -> bytes:
+    import trimesh
+
+    return cast(bytes, trimesh.Trimesh(*mesh, process=False).export(file_type="ply"))

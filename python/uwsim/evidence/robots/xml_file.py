@@ -1,0 +1,177 @@
+"""Descriptions in XML: elements, numbers and poses, with errors that give the path of the element and the rule."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+BYTES_MAX, DEPTH_MAX = 20_000_000, 100
+
+
+class Pose(NamedTuple):
+    """A place in the frame of a parent. turn: rotation matrix (3, 3), from the own frame to the parent's."""
+
+    position_m: Floats
+    turn: Floats
+
+    def then(self, inner: Pose) -> Pose:
+        """Return the pose of a frame that has the pose `inner` in this one."""
+        return Pose(self.position_m + self.turn @ inner.position_m, self.turn @ inner.turn)
+
+    def inverse(self) -> Pose:
+        """Return the pose of the parent in this frame."""
+        return Pose(-self.turn.T @ self.position_m, self.turn.T)
+
+    def points(self, points: Floats) -> Floats:
+        """Return points (n, 3) of this frame in the parent's."""
+        return np.asarray(points @ self.turn.T + self.position_m)
+
+
+HERE = Pose(np.zeros(3), np.eye(3))
+
+
+def turned(roll: float, pitch: float, yaw: float) -> Floats:
+    """Return the rotation by roll, pitch and yaw [rad] about the parent's fixed x, y and z, as SDF and URDF have it."""
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle), math.sin(angle)) for angle in (roll, pitch, yaw))
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def yaw_pitch_roll_deg(turn: Floats) -> list[float]:
+    """Return the angles of a rotation, as scenarios have them."""
+    level = math.hypot(turn[0, 0], turn[1, 0])
+    pitch = math.atan2(-turn[2, 0], level)
+    if level < 1e-9:  # upright: roll and yaw turn about the same axis
+        return [math.degrees(math.atan2(-turn[0, 1], turn[1, 1])), math.degrees(pitch), 0.0]
+    return [
+        math.degrees(math.atan2(turn[1, 0], turn[0, 0])),
+        math.degrees(pitch),
+        math.degrees(math.atan2(turn[2, 1], turn[2, 2])),
+    ]
+
+
+class Element:
+    """An element of a document, with its path for messages, such as `model 'rov'/link 'base'`."""
+
+    def __init__(self, node: ElementTree.Element, file: Path, path: str) -> None:
+        self._node, self.file, self.path = node, file, path
+
+    @property
+    def tag(self) -> str:
+        """The element's tag."""
+        return self._node.tag
+
+    @property
+    def name(self) -> str:
+        """Its attribute `name`, or its tag."""
+        return self._node.get("name") or self._node.tag
+
+    def error(self, rule: str) -> ValueError:
+        """Return the error that this element breaks a rule."""
+        return ValueError(f"'{self.file}': {self.path}: {rule}")
+
+    def attribute(self, key: str) -> str | None:
+        """Return an attribute's text, if any."""
+        return self._node.get(key)
+
+    def needed(self, key: str) -> str:
+        """Return an attribute's text. Raises ValueError."""
+        text = self._node.get(key)
+        if text is None:
+            raise self.error(f"has no attribute {key}")
+        return text
+
+    def text(self, path: str | None = None) -> str | None:
+        """Return the text of this element, or of the one at a path of tags below it; None if there is none."""
+        node = self._node if path is None else self._node.find(path)
+        return None if node is None else (node.text or "").strip()
+
+    def find(self, path: str) -> Element | None:
+        """Return the first element at a path of tags, if any."""
+        node = self._node.find(path)
+        return None if node is None else self._below(node)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """Yield the children with a tag; `*` is any."""
+        for node in self._node.findall(tag):
+            yield self._below(node)
+
+    def _below(self, node: ElementTree.Element) -> Element:
+        named = node.get("name")
+        return Element(node, self.file, f"{self.path}/{node.tag}" + (f" '{named}'" if named else ""))
+
+    def numbers(self, path: str | None, count: int | None = None, key: str | None = None) -> Floats | None:
+        """Return the finite numbers in a text, or in the attribute `key`, or None if absent. Raises ValueError."""
+        element = self if path is None else self.find(path)
+        text = None if element is None else element.text() if key is None else element.attribute(key)
+        if element is None or text is None:
+            return None
+        try:
+            found = np.array([float(word) for word in text.replace(",", " ").split()])
+        except ValueError:
+            found = np.array([np.nan])
+        if not np.isfinite(found).all() or (count is not None and len(found) != count):
+            many = "finite numbers" if count is None else f"{count} finite number{'s' * (count > 1)}"
+            raise element.error(f"{f'{key} = ' if key else ''}{text[:60]!r}: must be {many}")
+        return found
+
+    def number(self, path: str | None, default: float | None = None, key: str | None = None) -> float:
+        """Return a number of a text or attribute, or the default. Raises ValueError if it is missing without one."""
+        found = self.numbers(path, 1, key)
+        if found is not None:
+            return float(found[0])
+        if default is None:
+            raise self.error(f"has no {'/'.join(part for part in (path, key) if part)}")
+        return default
+
+    def pose(self, path: str = "pose") -> Pose:
+        """Return SDF's pose, x y z roll pitch yaw, by default that of the parent."""
+        found = self.numbers(path, 6)
+        return HERE if found is None else Pose(found[:3], turned(*found[3:]))
+
+    def origin(self, path: str = "origin") -> Pose:
+        """Return URDF's origin, attributes xyz and rpy, by default that of the parent."""
+        position, angles = self.numbers(path, 3, "xyz"), self.numbers(path, 3, "rpy")
+        return Pose(np.zeros(3) if position is None else position, np.eye(3) if angles is None else turned(*angles))
+
+
+def read_xml(path: Path, expand: Callable[[str], str] | None = None) -> Element:
+    """Return the root of an XML file. Entities of its own, which may expand without bound, are refused.
+
+    expand: applied to the value of each attribute. Raises ValueError for what is not XML, is too large or too deep, and
+    OSError.
+    """
+    content = path.read_bytes()
+    if len(content) > BYTES_MAX:
+        raise ValueError(f"'{path}': has {len(content)} bytes: must have at most {BYTES_MAX}")
+    if b"<!ENTITY" in content:
+        raise ValueError(f"'{path}': declares entities: must have none")
+    depth, root = 0, None
+    try:
+        for event, node in ElementTree.iterparse(BytesIO(content), ("start", "end")):
+            root = node if root is None else root
+            depth += 1 if event == "start" else -1
+            if depth > DEPTH_MAX:
+                raise ValueError(f"'{path}': has elements {depth} deep: must be at most {DEPTH_MAX}")
+    except ElementTree.ParseError as error:
+        raise ValueError(f"'{path}': must be XML: {error}") from None
+    assert root is not None
+    if expand is not None:
+        for node in root.iter():
+            for key, value in node.attrib.items():
+                node.attrib[key] = expand(value)
+    named = root.get("name")
+    return Element(root, path, root.tag + (f" '{named}'" if named else ""))

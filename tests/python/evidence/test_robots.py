@@ -1,0 +1,232 @@
+"""`uwsim scenario from` an SDF, URDF, Stonefish or HoloOcean file: small vehicles of our own in those formats.
+
+The laws: terminal speed and trim by the formulas of each source, and what is where in the world.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import uwsim
+from command_line import uwsim as command
+from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.robot import Lump, Robot
+from uwsim.evidence.robots.sdf import read_sdf
+from uwsim.evidence.robots.stonefish import formula, read_stonefish
+from uwsim.evidence.robots.urdf import read_urdf
+from uwsim.evidence.robots.written import write_found
+from uwsim.evidence.robots.xml_file import HERE, Pose, turned, yaw_pitch_roll_deg
+
+G = 9.80665
+DATA = Path(__file__).parents[1] / "data" / "robots"
+WORLD, URDF, SCN = ((DATA / name).read_text() for name in ("glider.sdf", "sled.urdf", "robot.scn"))
+HOLO = (DATA / "dive.json").read_text()
+
+
+def screw(right: str, inverted: str) -> str:
+    """The Stonefish scenario with another propeller."""
+    changed = SCN.replace('right="true"', f'right="{right}"')
+    return changed.replace('inverted_setpoint="false"', f'inverted_setpoint="{inverted}"')
+
+
+def made(tmp_path: Path, name: str, text: str) -> tuple[uwsim.Simulator, str]:
+    """A simulator of what the command makes of a file, and what it printed."""
+    (tmp_path / name).write_text(text)
+    done = command("scenario", "from", tmp_path / name, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    (path,) = [file for file in (tmp_path / "out").glob("*.yaml") if "vehicles:" in file.read_text()]
+    (tmp_path / "out").rename(tmp_path / "moved")  # the folder is complete
+    return uwsim.Simulator(tmp_path / "moved" / path.name), done.stdout
+
+
+def reported(vehicle: Path) -> dict[str, Any]:
+    """The report on a vehicle's file."""
+    done = command("vehicle", vehicle, "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def steady(force_n: float, linear: float, quadratic: float) -> float:
+    """The speed at which drag equals a force."""
+    return float((-linear + np.sqrt(linear**2 + 4.0 * quadratic * force_n)) / (2.0 * quadratic))
+
+
+def test_an_sdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
+    sim, printed = made(tmp_path, "world.sdf", WORLD)
+    (rov,) = sim.vehicles.values()
+    assert sim.scenario.water.density_kg_m3 == 1025.0
+    np.testing.assert_allclose(rov.pose.position_world_m, [5.0, 2.0, -6.0])
+    assert sim.scenario.vehicles[0].start.yaw_deg == pytest.approx(np.degrees(0.5), abs=1e-3)
+    model = sim.scenario.vehicles[0].model
+    assert model.mass_kg == pytest.approx(100.0)  # the propellers are part of it
+    np.testing.assert_allclose(model.centre_of_mass_m, [-0.009, 0.0, -0.0495], atol=1e-9)
+    report = reported(tmp_path / "moved" / "glider.yaml")
+    assert report["figures"]["net_buoyancy_n"] == pytest.approx((0.1 * 1000.0 - 100.0) * G, abs=0.01)  # in fresh water
+    assert report["terminal"][0] == pytest.approx([steady(80.0, 4.0, 20.0)] * 2, rel=0.003)
+    for note in ("sensor 'nose'", "yVabsR", "model 'crate'"):
+        assert note in printed
+    assert {*model.cameras} == {"eye"} and {*model.sensors} == {"inertial"}
+
+
+def test_sdf_obstacles_are_where_their_poses_put_them(tmp_path: Path) -> None:
+    sim, _ = made(tmp_path, "world.sdf", WORLD)
+    axis_m = np.array([3.0, 5.0, -2.0])  # a quarter turn takes 1 m along x to 1 m along y
+    assert sim.scene.distance_m(axis_m + np.array([[0.9, 0.0, 0.0], [0.0, 0.0, 2.4]])) == pytest.approx(
+        [0.4, 0.4], abs=0.01
+    )
+
+
+def test_a_urdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
+    sim, _ = made(tmp_path, "sled.urdf", URDF)
+    model = sim.scenario.vehicles[0].model
+    (thruster,) = model.thrusters.values()
+    np.testing.assert_allclose(thruster.axis, [1.0, 0.0, 0.0], atol=1e-9)  # -x of a link that faces aft
+    np.testing.assert_allclose(thruster.position_m, [-0.6, 0.0, -0.1], atol=1e-9)
+    curve = dict(thruster.model.thrust_n)
+    assert curve[1.0] == pytest.approx(0.01 * 200.0**2) and curve[-1.0] == pytest.approx(-0.01 * 100.0**2)
+    assert curve[-1.0] == curve[-0.5]  # clamped
+    body = read_urdf(tmp_path / "sled.urdf").robots[0]
+    assert body.volume_m3 == 0.2 and body.whole().mass_kg == 202.0
+    report = reported(tmp_path / "moved" / "sled.yaml")
+    assert report["figures"]["net_buoyancy_n"] == pytest.approx((0.2 * 1000.0 - 202.0) * G, abs=0.01)  # in fresh water
+    np.testing.assert_allclose(report["figures"]["centre_of_buoyancy_m"], [0.0, 0.0, 0.1], atol=1e-6)
+    speeds = [steady(force_n, 30.0, 150.0) for force_n in (400.0, 100.0)]  # its thruster is below its centre of mass
+    assert report["terminal"][0] == pytest.approx(speeds, rel=0.003)
+
+
+def test_the_urdf_reader_agrees_with_ros_s_and_with_pinocchio(tmp_path: Path) -> None:
+    (tmp_path / "sled.urdf").write_text(URDF)
+    whole = read_urdf(tmp_path / "sled.urdf").robots[0].whole()
+    parser = pytest.importorskip("urdf_parser_py.urdf", reason="ROS's reader")
+    links = parser.URDF.from_xml_string(URDF).links
+    assert whole.mass_kg == sum(link.inertial.mass for link in links)
+    pinocchio = pytest.importorskip("pinocchio", reason="an independent sum of the links' inertia")
+    model = pinocchio.buildModelFromXML(URDF, pinocchio.JointModelFreeFlyer())
+    data = model.createData()
+    neutral = pinocchio.neutral(model)
+    np.testing.assert_allclose(pinocchio.centerOfMass(model, data, neutral), whole.centre_m, atol=1e-12)
+    composite = pinocchio.crba(model, data, neutral)[3:6, 3:6]  # about the base's origin
+    off = whole.centre_m
+    about = whole.inertia_kg_m2 + whole.mass_kg * (off @ off * np.eye(3) - np.outer(off, off))
+    np.testing.assert_allclose(composite, about, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("right, inverted", [("true", "false"), ("true", "true"), ("false", "false")])
+def test_a_stonefish_vehicle_has_the_source_s_masses_and_thrust(right: str, inverted: str, tmp_path: Path) -> None:
+    sim, printed = made(tmp_path, "robot.scn", screw(right, inverted))
+    model = sim.scenario.vehicles[0].model
+    assert model.mass_kg == pytest.approx(900.0 * 0.1 + 8.0)
+    robot = read_stonefish(tmp_path / "robot.scn").robots[0]
+    assert robot.volume_m3 == pytest.approx(0.1)
+    np.testing.assert_allclose(robot.centre_of_buoyancy_m, [0.0, 0.0, 0.1], atol=1e-12)  # down becomes up
+    (thruster,) = model.thrusters.values()
+    ahead = 1.0 if right == "true" and inverted == "false" else -1.0
+    np.testing.assert_allclose(thruster.axis, [ahead, 0.0, 0.0], atol=1e-9)
+    curve = dict(thruster.model.thrust_n)
+    strong, weak = 1020.0 * 0.4 * 0.2**4 * 10.0**2, 1020.0 * 0.2 * 0.2**4 * 10.0**2  # rho K_T D^4 n^2, 10 1/s
+    wanted = (strong, -weak) if ahead > 0.0 else (weak, -strong)
+    assert (curve[1.0], curve[-1.0]) == pytest.approx(wanted)
+    assert thruster.model.torque_per_thrust_m == pytest.approx(0.2 * 0.05 / 0.4)
+    assert "added mass and drag are estimated" in printed
+
+
+def test_a_stonefish_world_is_turned_from_ned_to_enu(tmp_path: Path) -> None:
+    sim, _ = made(tmp_path, "robot.scn", SCN)
+    (rov,) = sim.vehicles.values()
+    centroid = np.array([3.0, 10.0, -4.0 + 0.1])  # east is NED's y; the body's origin is the hull's centroid
+    np.testing.assert_allclose(rov.pose.position_world_m, centroid, atol=1e-9)
+    assert sim.scenario.vehicles[0].start.yaw_deg == pytest.approx(90.0)  # north
+    np.testing.assert_allclose(sim.scenario.water.current_world_m_s, [0.1, 0.3, 0.0])
+    assert sim.world.height_at(np.array([[0.0, 0.0]])) == pytest.approx([-15.0])
+    # A post of 1 m north by 2 m east about 6 m north, 1 m east and 8 m down.
+    faces = np.array([[2.5, 6.0, -8.0], [1.0, 7.0, -8.0], [1.0, 6.0, -6.0]])
+    assert sim.scene.distance_m(faces) == pytest.approx([0.5, 0.5, 0.5], abs=1e-6)
+    eye = sim.scenario.vehicles[0].model.cameras["eye"]
+    np.testing.assert_allclose(eye.yaw_pitch_roll_deg, [0.0, 0.0, 0.0], atol=1e-3)  # it looks ahead, upright
+
+
+def test_a_holoocean_agent_becomes_the_vehicle_that_resembles_it(tmp_path: Path) -> None:
+    sim, printed = made(tmp_path, "dive.json", HOLO)
+    np.testing.assert_allclose(sim.vehicles["auv0"].pose.position_world_m, [-3.0, 10.0, -4.0])  # north, west, up
+    assert sim.scenario.vehicles[0].start.yaw_deg == pytest.approx(180.0)
+    assert sim.scenario.vehicles[0].model.name == "bluerov2_heavy"
+    assert "left out: world 'PierHarbor'" in printed and "sensor LidarSensor" in printed
+
+
+@pytest.mark.parametrize("angles", [(0.3, -0.7, 2.1), (0.0, np.pi / 2, 0.4), (3.0, 1.2, -3.1)])
+def test_angles_and_rotations_are_inverse(angles: tuple[float, float, float]) -> None:
+    yaw, pitch, roll = np.radians(yaw_pitch_roll_deg(turned(*angles)))
+    np.testing.assert_allclose(turned(roll, pitch, yaw), turned(*angles), atol=1e-12)
+    pose = Pose(np.array([1.0, -2.0, 3.0]), turned(*angles))
+    np.testing.assert_allclose(pose.then(pose.inverse()).position_m, HERE.position_m, atol=1e-12)
+
+
+def test_a_shell_s_inertia_is_that_of_a_hollow_sphere() -> None:
+    lump = shapes.shell_lump(shapes.sphere(2.0), 3.0)
+    np.testing.assert_allclose(lump.inertia_kg_m2, 2.0 / 3.0 * 3.0 * 4.0 * np.eye(3), rtol=0.02, atol=1e-9)
+
+
+def test_lumps_add_up_as_steiner_states() -> None:
+    robot = Robot("two", HERE, [Lump(2.0, np.array([s, 0.0, 0.0]), np.zeros((3, 3))) for s in (-1.0, 1.0)])
+    np.testing.assert_allclose(np.diagonal(robot.whole().inertia_kg_m2), [0.0, 4.0, 4.0])
+
+
+@pytest.mark.parametrize("text, value", [("1000.0/60*2*pi", 1000.0 / 60.0 * 2.0 * np.pi), ("-(2+3)*4", -20.0)])
+def test_formulas_are_numbers_only(text: str, value: float) -> None:
+    assert formula(text) == pytest.approx(value)
+    for bad in ("__import__('os')", "pi**9", "a", "1/0", "(" * 500, ""):
+        with pytest.raises(ValueError, match="must consist of numbers"):
+            formula(bad)
+
+
+BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
+
+
+@pytest.mark.parametrize(
+    "name, text, words",
+    [
+        ("a.sdf", "no", "must be XML"),
+        ("a.sdf", BOMB, "declares entities"),
+        ("a.sdf", "<sdf>" + "<model>" * 200 + "</model>" * 200 + "</sdf>", "deep: must be at most 100"),
+        ("a.sdf", "<sdf/>", "has no model with a thruster"),
+        ("a.txt", "<sdf/>", "must be the checkout of a Unity project"),
+        ("a.sdf", WORLD.replace("<xU>-4", "<xU>4"), "xU = 4: must not be positive: it would drive the hull"),
+        ("a.sdf", WORLD.replace("<mass>99", "<mass>nan"), "link 'base'/inertial/mass: 'nan': must be 1 finite number"),
+        ("a.sdf", WORLD.replace("<mass>99", "<mass>-99"), "mass"),
+        ("a.sdf", WORLD.replace(">port_joint<", ">lost<"), "there is no joint 'lost'"),
+        ("a.sdf", WORLD.replace("2 0.25 0.2", "2 0.25"), "must be 3 finite numbers"),
+        ("a.urdf", URDF.replace("<volume>0.2", "<volume>0"), "volume = 0 m3: must be positive"),
+        ("a.urdf", URDF.replace("-150 -250", "150 -250"), "must not be positive: it would drive the hull"),
+        ("a.urdf", URDF.replace('<parent link="base"/>', '<parent link="tail"/>'), "circle"),
+        ("a.urdf", URDF.replace("Basic", "Odd"), "must be Basic, Bessa or LinearInterp"),
+        ("a.scn", SCN + "<a/>", "must be XML"),
+        ("a.scn", SCN.replace('name="foam" density', 'name="wood" density'), "material 'foam'"),
+        ("a.scn", SCN.replace("${600/60*2*pi}", "$(arg most)"), "$(arg most): has no value here"),
+        ("a.json", "[]", "must be an object with a list of agents"),
+        ("a.json", json.dumps({"agents": [{"agent_type": "Turtle"}]}), "'Turtle': must be one of HoveringAUV"),
+        (
+            "a.json",
+            json.dumps({"agents": [{"agent_type": "HoveringAUV", "location": [1, 2]}]}),
+            "three finite",
+        ),
+    ],
+)
+def test_mistakes_are_one_line_and_write_nothing(name: str, text: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(text)
+    done = command("scenario", "from", tmp_path / name, "--out", tmp_path / "out")
+    assert done.returncode != 0 and words in done.stderr and len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_nothing_that_is_not_ours_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "world.sdf").write_text(WORLD)
+    found = read_sdf(tmp_path / "world.sdf")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "glider.yaml").write_text("mine")
+    with pytest.raises(FileExistsError, match=r"glider\.yaml"):
+        write_found(found, tmp_path / "out")
+    assert (tmp_path / "out" / "glider.yaml").read_text() == "mine"
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["glider.yaml"]
