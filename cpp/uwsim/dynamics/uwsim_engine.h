@@ -40,7 +40,7 @@ class UwsimEngine final : public DynamicsEngine {
   void find_parts();
   void repeat_in_parts(std::size_t body, const Interval& whole);
   void move(const Interval& now);
-  BodyState moved(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const;
+  BodyState state_after(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const;
   void find_rests(const Interval& now);
   void stop(std::size_t body);
   bool are_near(std::size_t a, std::size_t b, double step_s) const;

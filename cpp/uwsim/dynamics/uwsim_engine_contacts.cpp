@@ -29,7 +29,7 @@ void UwsimEngine::move(const Interval& now) {
                             .all = body.loads(Vector6d::Zero(), now.step_s),
                             .time_s = now.time_s,
                             .step_s = now.step_s});
-    next_states_[k] = moved(k, states_[k], body.motions.back().all, now);
+    next_states_[k] = state_after(k, states_[k], body.motions.back().all, now);
     if (body.arm) body.motions.back().arm_body = body.arm->stage_wrenches();
     body.require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
   }
@@ -39,7 +39,8 @@ void UwsimEngine::move(const Interval& now) {
 }
 
 /// A body's state at the end of the interval.
-BodyState UwsimEngine::moved(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const {
+BodyState UwsimEngine::state_after(std::size_t body, const BodyState& state, const Loads& loads,
+                                   const Interval& now) const {
   if (const BodyPath* const path = bodies_[body].spec.path.get()) return path->at(now.time_s + now.step_s);
   return bodies_[body].advanced(state, loads, now.water, now.time_s, now.step_s);
 }
@@ -155,7 +156,7 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     impulse_world << q * solved.impulse_body.head<3>(), q * solved.impulse_body.tail<3>();
     Loads& all = bodies_[k].motions.back().all;
     all = bodies_[k].loads(impulse_world, now.step_s);
-    next_states_[k] = moved(k, states_[k], all, now);
+    next_states_[k] = state_after(k, states_[k], all, now);
     if (bodies_[k].arm) bodies_[k].motions.back().arm_body = bodies_[k].arm->stage_wrenches();
     next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
   }
@@ -245,7 +246,7 @@ bool UwsimEngine::try_stopping(std::size_t group, const Interval& now) {
   for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
     const BodyState stopped{.world_from_body = states_[k].world_from_body};
-    free_velocities_body_[k] = moved(k, stopped, bodies_[k].motions.back().all, now).velocity_body;
+    free_velocities_body_[k] = state_after(k, stopped, bodies_[k].motions.back().all, now).velocity_body;
     stopped_bodies_[k] = {.world_from_body = stopped.world_from_body,
                           .velocity_body = free_velocities_body_[k],
                           .inverse_mass = contact_bodies_[k].inverse_mass};
