@@ -26,6 +26,8 @@ SLOT_BYTES = 8
 OBJECT_BYTES = 72
 FEW_FIELDS = 16  # with more fields, each object has a dict
 FIELD_BYTES = 18  # in a key-sharing dict, as measured for a hundred objects
+SHARED_FIELDS = 29  # with more, each object has a dict of its own ...
+UNUSED_BYTES = 272  # ... and, in Python 3.13, its unused room for the values of shared keys
 ARRAY_BYTES = 232  # an empty array, and its tag in CBOR
 NUMBER_BYTES = 32
 STRING_BYTES = 64
@@ -50,9 +52,7 @@ def cost_of(name: str) -> Cost:
 
 
 def _measured(message: Any) -> tuple[int, int]:
-    count = len(vars(message))
-    fields_bytes = 16 * count if count <= FEW_FIELDS else max(FIELD_BYTES * count, sys.getsizeof(vars(message)))
-    objects, size = 1, OBJECT_BYTES + fields_bytes
+    objects, size = 1, OBJECT_BYTES + _fields_bytes(vars(message))
     for value in vars(message).values():
         for part in value if isinstance(value, list) else [value]:
             if hasattr(part, "__msgtype__"):
@@ -62,6 +62,15 @@ def _measured(message: Any) -> tuple[int, int]:
                 size += ARRAY_BYTES + part.nbytes
         size += sys.getsizeof(value) if isinstance(value, list) else 0
     return objects, size
+
+
+def _fields_bytes(values: dict[str, Any]) -> int:
+    count = len(values)
+    if count <= FEW_FIELDS:
+        return 16 * count
+    if count <= SHARED_FIELDS:
+        return max(FIELD_BYTES * count, sys.getsizeof(values))
+    return UNUSED_BYTES + sys.getsizeof(values)
 
 
 def _plain_bytes(value: Any) -> int:
