@@ -205,8 +205,22 @@ def beer_lambert(case: Case) -> float:
     )
 
 
-def catenary(case: Case) -> None:
-    """Return None: there are no cables yet."""
+def catenary(case: Case) -> float:
+    """Return the horizontal tension of a tether that is laid at rest between two points of one height."""
+    chain, water = case["chain"], {"density_kg_m3": 1000.0}
+    diameter_m, gravity_m_s2 = 0.01, 9.80665
+    displaced_kg_m = water["density_kg_m3"] * math.pi * diameter_m**2 / 4
+    tether = {
+        "anchor": [0.0, 0.0, -5.0], "length_m": chain["length_m"], "elements": 100, "diameter_m": diameter_m,
+        "mass_kg_m": chain["weight_in_water_n_m"] / gravity_m_s2 + displaced_kg_m,
+        "axial_stiffness_n": 1e7, "bending_stiffness_n_m2": 0.0,
+    }  # fmt: skip
+    vehicle = {"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [chain["span_m"], 0.0, -5.0]}}
+    bed = {"source": "noise", "size_m": [60, 60], "spacing_m": 1.0, "bed_depth_m": 50}
+    sim = Simulator({"name": "chain", "water": water, "terrain": bed, "vehicles": [vehicle | {"tether": tether}]})
+    laid = sim.rov.tether.read()
+    along = np.diff(laid.points_world_m, axis=0)
+    return float(np.mean(laid.tensions_n * along[:, 0] / np.linalg.norm(along, axis=1)))
 
 
 def bent_ray_delay(case: Case) -> float:

@@ -31,8 +31,5 @@ def test_there_are_twelve_cases_with_a_law_and_a_source(adapter: ModuleType) -> 
 def test_a_case_passes_within_its_tolerance(adapter: ModuleType, path: Path) -> None:
     case = adapter.load(path)
     got = adapter.ADAPTER[path.stem.partition("-")[2]](case)
-    if got is None:
-        assert path.stem.endswith("catenary")  # there are no cables
-        return
     assert adapter.error(case, got) <= case["expect"]["tolerance"]
     assert adapter.error(case, 1.5 * got + 1) > case["expect"]["tolerance"]
