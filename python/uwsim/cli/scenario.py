@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.groups import show_help
-from uwsim.cli.options import SETTINGS
+from uwsim.cli.options import SETTINGS, AsJson, print_json
 from uwsim.cli.values import scenarios, words
 
 KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem", "battery")
@@ -41,15 +41,27 @@ app = typer.Typer(
 
 
 @app.command("list")
-def list_scenarios() -> None:
+def list_scenarios(as_json: AsJson = False) -> None:
     """List the packaged scenarios."""
     from uwsim.scenario import load, packaged_scenarios
 
-    for name in packaged_scenarios():
-        scenario = load(name)
-        vehicles = ", ".join(f"{vehicle.name} ({vehicle.model.name})" for vehicle in scenario.vehicles)
-        typer.echo(f"{scenario.name}: {' '.join(scenario.description.split())}")
-        typer.echo(f"  vehicles: {vehicles}; obstacles: {len(scenario.obstacles)}; seed {scenario.seed}")
+    found: list[dict[str, Any]] = [
+        {
+            "name": scenario.name,
+            "description": " ".join(scenario.description.split()),
+            "vehicles": {vehicle.name: vehicle.model.name for vehicle in scenario.vehicles},
+            "obstacles": len(scenario.obstacles),
+            "seed": scenario.seed,
+        }
+        for scenario in map(load, packaged_scenarios())
+    ]
+    if as_json:
+        print_json(found)
+        return
+    for each in found:
+        vehicles = ", ".join(f"{name} ({model})" for name, model in each["vehicles"].items())
+        typer.echo(f"{each['name']}: {each['description']}")
+        typer.echo(f"  vehicles: {vehicles}; obstacles: {each['obstacles']}; seed {each['seed']}")
 
 
 @app.command()

@@ -1,5 +1,6 @@
 """The command line: one clear line for each user error, help texts with units, and the small commands."""
 
+import json
 import os
 import re
 from pathlib import Path
@@ -136,6 +137,8 @@ def test_scenarios_are_listed_and_described() -> None:
     listed = uwsim("scenario", "list")
     assert listed.returncode == 0
     assert all(f"{name}:" in listed.stdout for name in ("lake", "valley", "pool"))
+    by_name = {each["name"]: each for each in json.loads(uwsim("scenario", "list", "--json").stdout)}
+    assert {"lake", "valley"} < set(by_name) and by_name["pool"]["vehicles"] == {"rov": "rov"}
     assert "pool.yaml: ok" in uwsim("scenario", "check", "pool").stdout
     assert "uwsim scenario check pool" in error_line(uwsim("scenario", "pool"))
 
