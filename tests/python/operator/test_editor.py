@@ -210,6 +210,32 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     assert ben("edit", action="open", scenario="my_pool.yaml")["by"] == "ben"
 
 
+def test_what_was_left_unsaved_is_there_for_whoever_opens_it_next_and_can_be_dropped(station: Station) -> None:
+    before = Member(station, "anna")("edit", action="open", scenario="pool")["text"]
+    Member(station, "anna")("edit", action="add", section="obstacles", kind="box", at_m=[2, 2])
+    station.left("anna")
+    ben = Member(station, "ben")
+    kept = ben("edit", action="open", scenario="pool")
+    assert kept["message"] == "continues with what was not saved" and kept["can_undo"] and kept["text"] != before
+    reverted = ben("edit", action="revert")
+    assert reverted["text"] == before and reverted["is_saved"]
+    assert ben("edit", action="undo")["text"] == kept["text"]
+    assert ben("edit", action="open", scenario="reef")["message"] == ""
+    assert ben("edit", action="open", scenario="pool")["text"] == before  # another was opened meanwhile
+    station.left("ben")
+    assert not Member(station, "anna")("edit", action="report")["can_undo"]
+
+
+def test_a_renamed_obstacle_keeps_its_place_and_a_taken_name_is_refused(pool) -> None:
+    found, place = draft(), ("obstacles", 0)
+    values = found.part("obstacles", place)
+    found.set("obstacles", place, {"name": "buoy"})
+    assert found.part("obstacles", place) == {**values, "name": "buoy"}
+    assert lines(pool.text, found.text)[0] == [each for each in pool.text.splitlines() if "name: box" in each]
+    with pytest.raises(ValueError, match="rov"):
+        found.set("obstacles", place, {"name": "rov"})
+
+
 def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others(station: Station) -> None:
     anna = Member(station, "anna")
     anna("edit", action="open", scenario="pool")

@@ -105,3 +105,66 @@ def test_a_paused_world_is_rebuilt_around_the_vehicle(here, page):
     after = here.station.present().live
     y_before, y_after = (live.simulator.scenario.obstacles[0].position_m[1] for live in (before, after))
     assert y_after == pytest.approx(y_before + 1.0) and after.paused and after.tick == before.tick > 0
+
+
+def scene_pixel(page, place):
+    return page.evaluate(
+        """(place) => {
+            const { camera, canvas } = station.editor.scene;
+            const at = camera.position.clone().fromArray(place).project(camera);
+            const { x, y, width, height } = canvas.getBoundingClientRect();
+            return [x + ((at.x + 1) / 2) * width, y + ((1 - at.y) / 2) * height];
+        }""",
+        list(place),
+    )
+
+
+def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(browser, tmp_path: Path):
+    with desk(browser, tmp_path) as here:
+        page = here.open(viewport={"width": 1280, "height": 720})
+        page.wait_for_selector(".preview:not([hidden])")
+        page.click("text=Edit this scenario")
+        when(page, "station.editor.state?.is_open")
+        with page.expect_response("**/edit/*/*.glb*"):
+            page.locator(".editor-canvas").press("v")
+        when(page, "station.editor.scene.gate.frames > 0")
+        page.evaluate("station.editor.scene.fit()")
+        page.mouse.move(*scene_pixel(page, (3, 0, -4)))
+        page.mouse.down()
+        page.mouse.move(*scene_pixel(page, (4, 2, -4)), steps=3)
+        page.mouse.up()
+        when(page, SENT.format("box", "position_m[1] > 1.8"))
+        np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.2)
+        page.mouse.wheel(0, -100)
+        when(page, SENT.format("box", "yaw_pitch_roll_deg?.[0] === 5"))
+        page.keyboard.press("Control+z")
+        when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
+        page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
+        when(page, "station.editor.parts.mark")
+        page.get_by_label("Kind").select_option("cylinder")
+        page.click(".editor-bar >> text=Add")
+        when(page, SENT.format("cylinder", "position_m"))
+        np.testing.assert_allclose(sent(page, "cylinder", "position_m"), [-3, -4, 0], atol=0.2)
+        page.locator(".editor-scene").press("PageUp")
+        when(page, SENT.format("cylinder", "position_m[2] === 0.5"))
+        page.keyboard.press("F2")
+        page.keyboard.press("ControlOrMeta+a")
+        page.keyboard.type("buoy")
+        page.keyboard.press("Enter")
+        when(page, SENT.format("buoy", "radius_m"))
+        judge(page, "the editor in 3D")
+        page.click(".editor-bar >> text=Delete")
+        when(page, "!(" + SENT.format("buoy", "radius_m") + ")")
+
+        page.reload()
+        page.wait_for_selector(".preview:not([hidden])")
+        page.click("text=Edit this scenario")
+        shows(page, ".editor-message", "not saved")
+        assert sent(page, "box", "position_m[1]") > 1.8 and page.evaluate("station.editor.state.can_undo")
+        page.evaluate("station.station.bridge.drop()")  # a lost connection
+        when(page, "station.station.id && station.editor.state.by")
+        page.locator(".editor-canvas").press("Control+z")
+        when(page, SENT.format("buoy", "radius_m"))
+        page.click("text=Revert")
+        when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
+        assert not here.complaints

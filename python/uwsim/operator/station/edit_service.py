@@ -13,7 +13,8 @@ from uwsim.operator.station.running import Running
 from uwsim.operator.station.sessions import Sessions
 from uwsim.scenario.read.assets import find_yaml
 
-CHANGES = ("set", "add", "remove", "undo", "redo")
+CHANGES = ("set", "add", "remove", "undo", "redo", "revert")
+GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
 ACTIONS = ("open", "report", *CHANGES, "check", "save", "apply", "close")
 
 
@@ -21,7 +22,7 @@ class EditService:
     """Handles the requests to edit a scenario.
 
     On the start screen, a member may open one if no other member edits; while a simulator runs, the pilot alone or, if
-    there is one, the instructor.
+    there is one, the instructor. Whoever opens the scenario in which unsaved changes were left continues with them.
     """
 
     def __init__(self, sessions: Sessions, lease: Lease, instructor: Instructor | None) -> None:
@@ -40,7 +41,8 @@ class EditService:
         elif self._instructor is not None and self._sessions.running is not None:
             self._instructor.require(caller)  # who may prepare what the trainee must not see
         if action == "open":
-            self._open(caller, request.get("scenario"))
+            if self._open(caller, request.get("scenario")):
+                message = "continues with what was not saved"
         elif action == "check":
             more = {"mistakes": self._editor.mistakes()}
         elif action == "save":
@@ -73,22 +75,30 @@ class EditService:
         else:
             self._lease.require_pilot(caller)
         by = self._editor.by
-        is_free = is_open and (not by or self._sessions.running is not None)  # a new pilot begins again
+        is_gone = by not in self._lease.members or self._sessions.node.silence_s(by) > GONE_S
+        is_free = is_open and (not by or is_gone or self._sessions.running is not None)  # there are rights for that
         if by != caller and not is_free:
             by_name = self._lease.members.get(by, "another client")
             raise ValueError(f"{by_name} edits a scenario" if by else "open a scenario first")
 
-    def _open(self, caller: str, name: object) -> None:
+    def _open(self, caller: str, name: object) -> bool:
+        """Open a scenario, or that of the simulator; return True if unsaved changes were left in it."""
         if name is None:
             running, choice = self._sessions.present(), self._sessions.choice
             scenario = running.live.simulator.scenario
-            self._editor.open_running(caller, scenario, lambda found: with_choice(found, choice, {}) == scenario)
+            is_kept = self._editor.open_running(
+                caller,
+                scenario,
+                lambda found: with_choice(found, choice, {}) == scenario,
+                is_of_same=self._of is running,
+            )
             self._of = running
-            return
+            return is_kept
         saved = self._editor.saved
         known = [*saved, *scenarios(self._sessions.offered)]
         if not isinstance(name, str) or name not in known:
             raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
         path = saved[name] if name in saved else find_yaml(name, "scenarios")
-        self._editor.open(caller, name, Path(path))
+        is_kept = self._editor.open(caller, name, Path(path), is_of_same=self._of is None)
         self._of = None
+        return is_kept

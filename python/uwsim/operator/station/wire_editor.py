@@ -8,7 +8,9 @@ from uwsim.operator.station.wire import Message
 
 
 class Edit(Message):
-    """A request to the editor. action: open, report, set, add, remove, undo, redo, check, save, apply or close.
+    """A request to the editor.
+
+    action: open, report, set, add, remove, undo, redo, revert, check, save, apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
     add. values: fields to set; null removes one. name: under which it is saved.
@@ -38,9 +40,9 @@ class BedGrid(Message):
 class EditedPart(Message):
     """A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it.
 
-    is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m] and yaw
-    [deg] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an
-    obstacle.
+    is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw
+    [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m:
+    of an obstacle.
     """
 
     section: str
@@ -57,8 +59,8 @@ class EditedPart(Message):
 class EditState(Message):
     """The editor's state; without a scenario, only is_open, false. by: the name of the client that edits.
 
-    edition: changes with the text. added: the place of the part that was added, or empty. mistakes: found by `check`.
-    path: where the scenario was saved, or "".
+    edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the
+    place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
     """
 
     success: Literal[True]
@@ -72,6 +74,7 @@ class EditState(Message):
     is_saved: bool | None = None
     is_of_running: bool | None = None
     grid: BedGrid | None = None
+    plan: int | None = None
     vehicles: list[str] | None = None
     parts: list[EditedPart] | None = None
     text: str | None = None

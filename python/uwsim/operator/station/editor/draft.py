@@ -78,6 +78,10 @@ class Draft:
         """Change the scenario's name. Raises ValueError."""
         self._take(with_value(self.text, self.name, ("name",), name))
 
+    def replace(self, text: str) -> None:
+        """Replace the whole text, as one change. Raises ValueError."""
+        self._take(text)
+
     def set(self, section: str, place: Place, values: Mapping[str, Any]) -> None:
         """Set fields of a part; None removes a field. Raises ValueError."""
         own, model = self.part(section, place), self._form(section, place)
@@ -122,6 +126,7 @@ class Draft:
             text, items = with_value(without(text, self.name, above), self.name, above, [dict(items)]), [items]
         if section == "obstacles":
             taken = [each.get("name") for key in ("obstacles", "vehicles") for each in self.values.get(key, [])]
+            taken += [body.name for body in self.scenario.objects]
             values = {"kind": kind, "name": self._free(kind, taken), **values}
         place = (*above, len(items))
         self._take(with_value(text, self.name, place, values))

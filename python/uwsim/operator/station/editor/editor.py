@@ -6,6 +6,7 @@ import math
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ PLACE_MAX = 6
 class Editor:
     """One scenario being edited by one client at a time. folder: where it is saved. threads: of simulators.
 
+    What a client leaves unsaved, for example as its page reloads, is there for whoever next opens the same scenario.
     saved: the paths of the scenarios that were saved here, by their names on the start screen. Methods may be called on
     any thread.
     """
@@ -40,19 +42,29 @@ class Editor:
         self._lock, self._changing, self._building = threading.Lock(), threading.Lock(), threading.Lock()
         self._draft: Draft | None = None
         self._base = ""  # the text that was opened or saved last
-        self._by = self._name = ""
+        self._by = self._opened = self._name = ""
 
     @property
     def by(self) -> str:
         """The client that edits, or ""."""
         return self._by
 
-    def open(self, client: str, name: str, path: Path) -> None:
-        """Open a scenario's file for a client. Raises ScenarioError or ValueError."""
-        self._take(client, name, lambda: Draft(read_yaml(path, path.name).text, path.name, path.resolve().parent))
+    def open(self, client: str, name: str, path: Path, *, is_of_same: bool) -> bool:
+        """Open a scenario's file for a client. Raises ScenarioError or ValueError.
 
-    def open_running(self, client: str, scenario: Scenario, is_of_file: Callable[[Scenario], bool]) -> None:
-        """Open the scenario of the running simulator: its file's text or, if that gives another, its plain values."""
+        is_of_same: whether the scenario being edited was opened from a file, too. If it is this one, and has unsaved
+        changes, editing continues, and the result is True.
+        """
+        make = partial(_of_file, path)
+        return self._take(client, name, make, is_of_same)
+
+    def open_running(
+        self, client: str, scenario: Scenario, is_of_file: Callable[[Scenario], bool], *, is_of_same: bool
+    ) -> bool:
+        """Open the scenario of the running simulator: its file's text or, if that gives another, its plain values.
+
+        is_of_same: whether the scenario being edited is that of the same simulator; see `open`.
+        """
 
         def make() -> Draft:
             document = scenario.source_file.document
@@ -62,12 +74,19 @@ class Editor:
                     return found
             return Draft(yaml_text(plain(scenario)), f"{scenario.name}.yaml", self._folder)
 
-        self._take(client, scenario.name, make)
+        return self._take(client, scenario.name, make, is_of_same)
 
-    def _take(self, client: str, name: str, make: Callable[[], Draft]) -> None:
+    def _take(self, client: str, name: str, make: Callable[[], Draft], is_of_same: bool) -> bool:
         with self._alone():
+            kept = self._draft
+            is_of_same = is_of_same and name in (self._opened, self._name)
+            if kept is not None and is_of_same and kept.text != self._base:
+                self._by = client
+                return True
             draft = make()
-            self._draft, self._base, self._by, self._name = draft, draft.text, client, name
+            self._draft, self._base, self._by = draft, draft.text, client
+            self._opened = self._name = name
+            return False
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -83,21 +102,13 @@ class Editor:
     def close(self, client: str) -> None:
         """End a client's editing, and forget what was not saved."""
         with self._lock:
-            self._forget(client)
+            if client == self._by:
+                self._draft, self._by = None, ""
 
     def left(self, client: str) -> None:
-        """As `close`, but without waiting for a change that is being made, which may take seconds."""
-        if self._lock.acquire(blocking=False):
-            try:
-                self._forget(client)
-            finally:
-                self._lock.release()
-        else:
-            threading.Thread(target=self.close, args=(client,), name="uwsim-edit-close", daemon=True).start()
-
-    def _forget(self, client: str) -> None:
+        """End a client's editing, and keep what was not saved; a change that is being made is not waited for."""
         if client == self._by:
-            self._draft, self._by = None, ""
+            self._by = ""
 
     def act(self, request: Values) -> Place:
         """Change the scenario; return the place of a part that was added, or (). Raises ValueError."""
@@ -111,6 +122,9 @@ class Editor:
             draft, action = self.draft, request.get("action")
             if action in ("undo", "redo"):
                 draft.undo(1 if action == "undo" else -1)
+                return ()
+            if action == "revert":
+                draft.replace(self._base)
                 return ()
             section = str(request.get("section") or "")
             if action == "add":
@@ -172,7 +186,7 @@ class Editor:
             return {
                 "is_open": True, "by": by, "name": self._name, "edition": draft.edition, "can_undo": draft.can_undo,
                 "can_redo": draft.can_redo, "is_saved": draft.text == self._base,
-                "grid": draft.plan.grid,
+                "grid": draft.plan.grid, "plan": draft.plan.edition,
                 "vehicles": [entry.name for entry in draft.scenario.vehicles], "parts": list(_parts(draft)),
                 "text": draft.text,
             }  # fmt: skip
@@ -184,7 +198,7 @@ def _parts(draft: Draft) -> Iterator[Values]:
     for section, found in SECTIONS.items():
         for vehicle in range(len(scenario.vehicles) if found.of_vehicle else 1):
             above = found.below(vehicle)
-            frame = _frame(scenario, vehicle) if found.of_vehicle and section != "starts" else [0.0, 0.0, 0.0]
+            frame = _frame(scenario, vehicle) if found.of_vehicle and section != "starts" else [0.0, 0.0, 0.0, 0.0]
             for place, name in _places(draft, section, above, values):
                 own = draft.shown(section, place)
                 is_docked = section == "starts" and not own
@@ -219,9 +233,13 @@ def _places(draft: Draft, section: str, above: Place, values: Any) -> Iterator[t
 
 
 def _frame(scenario: Scenario, vehicle: int) -> list[float]:
-    """Return the place and direction, x, y [m], yaw [deg], of the frame of a vehicle's parts."""
-    (x, y, _), yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
-    return [x, y, math.degrees(yaw_rad)]
+    """Return the place and direction, x, y [m], yaw [deg], z [m], of the frame of a vehicle's parts."""
+    (x, y, z), yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
+    return [x, y, math.degrees(yaw_rad), z]
+
+
+def _of_file(path: Path) -> Draft:
+    return Draft(read_yaml(path, path.name).text, path.name, path.resolve().parent)
 
 
 def _place(value: object) -> Place:

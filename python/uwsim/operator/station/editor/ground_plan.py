@@ -7,19 +7,25 @@ from functools import partial
 import numpy as np
 
 from uwsim.channels.guest import Values
-from uwsim.operator.station.scene import plan_outline, thinned
+from uwsim.operator.station.scene import glb, plan_outline, thinned
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.scenario.spec.terrain import TerrainSpec
 
 
 class GroundPlan:
-    """The bed and the outlines of a scenario's obstacles, of which only those that have changed are made again."""
+    """The bed, solids and outlines of a scenario's obstacles, of which only those that have changed are made again.
+
+    edition: increases with each change of an obstacle.
+    """
 
     def __init__(self) -> None:
         self.outlines_m: list[list[list[float]]] = []
+        self.edition = 0
+        self._solids: list[tuple[Vertices, Triangles]] = []
         self._obstacles: tuple[ObstacleModel, ...] = ()
         self._spec: TerrainSpec | None = None
         self._terrain: Terrain | None = None
@@ -29,17 +35,26 @@ class GroundPlan:
         is_same = scenario.terrain == self._spec and self._terrain is not None
         terrain = self._terrain if is_same else build_terrain(scenario.terrain)
         assert terrain is not None
-        known = list(zip(self._obstacles, self.outlines_m, strict=True)) if is_same else []
-        found = []
+        known = list(zip(self._obstacles, self.outlines_m, self._solids, strict=True)) if is_same else []
+        outlines, solids = [], []
         for k, obstacle in enumerate(scenario.obstacles):
-            outline = next((outline for each, outline in known if each == obstacle), None)
-            if outline is None:  # a pipeline's is drawn without its solid, which may be impossible
+            made = next(((outline, solid) for each, outline, solid in known if each == obstacle), None)
+            if made is None:  # a pipeline's outline is drawn without its solid, which may be impossible
                 with scenario.source_file.errors_at("obstacles", k):
-                    vertices = obstacle_solid(obstacle, terrain).vertices
+                    vertices, triangles, _ = obstacle_solid(obstacle, terrain)
                 outline = plan_outline(obstacle, partial(np.asarray, vertices), np.zeros(2))
-            found.append(outline)
+                made = (outline, (vertices, triangles))
+            outlines.append(made[0])
+            solids.append(made[1])
+        self.edition += scenario.obstacles != self._obstacles or not is_same
         self._spec, self._terrain = scenario.terrain, terrain
-        self._obstacles, self.outlines_m = scenario.obstacles, found
+        self._obstacles, self.outlines_m, self._solids = scenario.obstacles, outlines, solids
+
+    def solid(self, edition: int, number: int) -> bytes:
+        """Return an obstacle as binary glTF, in the world. Raises ValueError for an old edition or a wrong number."""
+        if edition != self.edition or not 0 <= number < len(self._solids):
+            raise ValueError(f"obstacle {number} of edition {edition}: does not exist")
+        return glb(self._solids[number], np.zeros(3))
 
     @property
     def grid(self) -> Values:

@@ -64,7 +64,7 @@ const inspector = new Inspector(station);
 const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
 showRecording(station);
-const editor = new SceneEditor(station, load);
+const editor = new SceneEditor(station);
 const start = new StartScreen(station, (catalog) => flights.show(catalog.flights), editor);
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
@@ -199,11 +199,7 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
   return found;
 }
 
-async function load(path) {
-  const answer = await fetch(station.href(path));
-  if (!answer.ok) throw new Error(`${path}: ${answer.status} ${answer.statusText}`);
-  return answer;
-}
+const load = (path) => station.load(path);
 
 function act(action, isPressed) {
   if (aim.act(action, isPressed)) return;

@@ -2,6 +2,7 @@
 import './localize.js';
 import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
+import { SceneEditor } from './editor/editor.js';
 import { FaultForm } from './fault_form.js';
 import { FaultTimes } from './fault_times.js';
 import { Inspector, sliderScale } from './inspector.js';
@@ -72,6 +73,11 @@ class InstructorStation extends Station {
 const token = decodeURIComponent(location.hash.slice(1));
 const station = new InstructorStation(bridgeUrl(location), WORDS.title);
 const inspector = new Inspector(station);
+const editor = new SceneEditor(station);
+// The scene is edited while time stands still.
+const editScene = async () => {
+  if (station.state.paused || (await attempt(station.instruct('pause')))) editor.open('');
+};
 const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
 const section = (title, ...contents) => el('section', { 'aria-label': title }, el('h2', {}, title), ...contents);
 
@@ -79,6 +85,7 @@ const truth = el('ul', { className: 'instructor-list' });
 const score = el('p', { className: 'instructor-score' });
 const goals = el('ul', { className: 'instructor-list' });
 const exercise = section(WORDS.exercise, score, goals);
+const edits = button(STRINGS.menu.editTheScene, editScene);
 const pause = button(WORDS.pause, () => attempt(station.instruct(station.state.paused ? 'resume' : 'pause')));
 const moments = el('div', { className: 'instructor-row' });
 const faults = el('div', { className: 'instructor-row' });
@@ -140,6 +147,7 @@ byId('instructor').append(
       'div',
       { className: 'instructor-row' },
       pause,
+      edits,
       button(WORDS.restart, () => attempt(station.instruct('restart'))),
       button(WORDS.save, () => attempt(station.instruct('save_moment'))),
       ends,
@@ -230,6 +238,7 @@ function show() {
   write(byId('title'), `${WORDS.title}: ${station.state.scenario}`);
   write(byId('clock'), clockText(seen.time_s, 1));
   write(pause, station.state.paused ? WORDS.resume : WORDS.pause);
+  edits.hidden = !station.description || station.description.is_fixed; // a given scenario, or an exercise, is not edited
   rewrite(
     truth,
     seen.vehicles.map((vehicle) =>

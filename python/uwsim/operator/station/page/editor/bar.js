@@ -8,7 +8,7 @@ const button = (text, act, more = {}) => el('button', { type: 'button', onclick:
 export class EditorBar {
   sections = []; // as in EditForms
 
-  /** @param {Record<'add' | 'remove' | 'undo' | 'redo' | 'fit' | 'save' | 'apply', () => void>} acts */
+  /** @param {Record<'add' | 'remove' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts */
   constructor(acts) {
     this.section = el('select', { 'aria-label': WORDS.section, onchange: () => this.#showKinds() });
     this.kind = el('select', { 'aria-label': WORDS.kind });
@@ -16,6 +16,8 @@ export class EditorBar {
     this.remove = button(WORDS.remove, acts.remove, { title: WORDS.removeKey });
     this.undo = button(WORDS.undo, acts.undo, { title: WORDS.undoKey });
     this.redo = button(WORDS.redo, acts.redo, { title: WORDS.redoKey });
+    this.revert = button(WORDS.revert, acts.revert, { title: WORDS.revertTip });
+    this.turn = button(WORDS.inThree, acts.turn, { title: WORDS.inThreeKey, 'aria-pressed': 'false' });
     this.name = el('input', { type: 'text', autocomplete: 'off', spellcheck: false, maxLength: 40 });
     this.apply = button(WORDS.apply, acts.apply);
     this.element = el(
@@ -28,6 +30,8 @@ export class EditorBar {
       this.remove,
       this.undo,
       this.redo,
+      this.revert,
+      this.turn,
       button(WORDS.fit, acts.fit),
       el('span', { className: 'spring' }),
       el('label', {}, WORDS.name, this.name),
@@ -42,7 +46,8 @@ export class EditorBar {
   }
 
   /** @param {import('../wire/messages.js').EditState} state */
-  show({ vehicles, can_undo, can_redo, is_of_running }) {
+  show({ vehicles, can_undo, can_redo, is_saved, is_of_running }) {
+    this.revert.disabled = Boolean(is_saved);
     [this.undo.disabled, this.redo.disabled, this.apply.hidden] = [!can_undo, !can_redo, !is_of_running];
     const offered = this.sections.filter(({ name }) => name !== 'starts');
     fill(
@@ -54,6 +59,11 @@ export class EditorBar {
       (vehicles ?? []).map((name, k) => [String(k), name]),
     );
     this.#showKinds();
+  }
+
+  // isScene: whether the 3D view is shown in place of the chart.
+  showScene(isScene) {
+    this.turn.setAttribute('aria-pressed', String(isScene));
   }
 
   #showKinds() {

@@ -14,13 +14,8 @@ const PARTS_PX_M = 15; // the scale from which parts aboard are shown
 const LABEL_PX = 16; // above a part
 const VESSEL = '#ffd166';
 
-// Events: 'pick' (detail: a part's index, or -1), 'draft' (detail: values of the part while they change), 'done'.
-export class EditorChart extends EventTarget {
+export class EditorChart {
   frame = new ChartFrame();
-  parts = [];
-  selected = -1;
-  /** @type {Record<string, any>} */
-  changes = {}; // of the selected part, not yet sent
   #ground = new ChartGround(null, null, 0, []);
   #fieldsOf;
   /** @type {{ from: number[], corner: number, isPart: boolean, moved: number, start: Record<string, any> } | null} */
@@ -29,10 +24,13 @@ export class EditorChart extends EventTarget {
   /** @type {[number, number, number][]} */
   #labels = []; // places and half widths of the names
 
-  // fieldsOf(part): the fields of its kind.
-  constructor(fieldsOf) {
-    super();
+  /** fieldsOf(part): the fields of its kind.
+   * @param {import('./parts.js').EditedParts} parts
+   */
+  constructor(parts, fieldsOf) {
+    this.parts = parts;
     this.#fieldsOf = fieldsOf;
+    parts.addEventListener('change', () => this.draw());
     this.canvas = el('canvas', {
       className: 'editor-canvas',
       tabIndex: 0,
@@ -53,15 +51,9 @@ export class EditorChart extends EventTarget {
     this.draw();
   }
 
-  show(parts, selected) {
-    [this.parts, this.selected] = [parts, selected];
-    this.draw();
-  }
-
-  // The part at an index, with the changes that are not yet sent.
-  at(index) {
-    const part = this.parts[index];
-    return index === this.selected ? { ...part, values: { ...part.values, ...this.changes } } : part;
+  // The place at which a part is added, if none is marked.
+  get middle() {
+    return this.frame.middle;
   }
 
   fit() {
@@ -80,7 +72,7 @@ export class EditorChart extends EventTarget {
 
   // Bring the selected part into view; one aboard, at a scale at which it can be seen.
   reveal() {
-    const part = this.parts[this.selected];
+    const part = this.parts.list[this.parts.selected];
     const place = part && placeOf(part, this.#fieldsOf(part));
     if (!place) return;
     const [x, y] = this.frame.at(place);
@@ -89,6 +81,7 @@ export class EditorChart extends EventTarget {
     if (isAboard && this.frame.scale < 4 * PARTS_PX_M) this.frame.scale = 8 * PARTS_PX_M;
     else if (x > 20 && y > 20 && x < width - 20 && y < height - 20) return;
     this.frame.middle = place;
+    this.draw();
   }
 
   #listen() {
@@ -97,17 +90,19 @@ export class EditorChart extends EventTarget {
       const at = [event.offsetX, event.offsetY];
       canvas.setPointerCapture(event.pointerId);
       const corner = this.#cornerAt(at);
-      const hit = corner >= 0 ? this.selected : this.#partAt(at);
-      if (hit !== this.selected) this.dispatchEvent(new CustomEvent('pick', { detail: hit }));
-      this.#drag = { from: at, corner, isPart: hit >= 0, moved: 0, start: this.at(hit) };
+      const hit = corner >= 0 ? this.parts.selected : this.#partAt(at);
+      this.parts.pick(hit);
+      this.#drag = { from: at, corner, isPart: hit >= 0, moved: 0, start: this.parts.at(hit) };
     });
     canvas.addEventListener('pointermove', (event) => {
       if (this.#drag) this.#move([event.offsetX, event.offsetY]);
     });
     canvas.addEventListener('pointerup', () => {
-      const isMoved = this.#drag?.isPart && this.#drag.moved > CLICK_PX;
+      const drag = this.#drag;
       this.#drag = null;
-      if (isMoved) this.dispatchEvent(new Event('done'));
+      const isMoved = drag && drag.moved > CLICK_PX;
+      if (drag?.isPart && isMoved) this.parts.done();
+      else if (drag && !isMoved) this.parts.markAt(drag.isPart ? null : this.frame.place(drag.from));
     });
     canvas.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
   }
@@ -122,7 +117,7 @@ export class EditorChart extends EventTarget {
     } else if (drag.moved > CLICK_PX) {
       const by = /** @type {[number, number]} */ ([dx / this.frame.scale, -dy / this.frame.scale]);
       const part = /** @type {any} */ (drag.start);
-      this.change(moved(part, this.#fieldsOf(part), by, drag.corner));
+      this.parts.change(moved(part, this.#fieldsOf(part), by, drag.corner));
     }
     this.draw();
   }
@@ -130,31 +125,25 @@ export class EditorChart extends EventTarget {
   #wheel(event) {
     event.preventDefault();
     const at = [event.offsetX, event.offsetY];
-    const part = this.selected >= 0 && this.#partAt(at) === this.selected ? this.at(this.selected) : null;
+    const { parts } = this;
+    const part = parts.selected >= 0 && this.#partAt(at) === parts.selected ? parts.at(parts.selected) : null;
     const way = event.deltaY < 0 || event.deltaX < 0 ? 1 : -1; // shift turns the wheel aside
     if (part) {
-      this.change(turned(part, this.#fieldsOf(part), way * (event.shiftKey ? 1 : NOTCH_DEG)));
-      this.dispatchEvent(new Event('done'));
+      parts.change(turned(part, this.#fieldsOf(part), way * (event.shiftKey ? 1 : NOTCH_DEG)));
+      parts.done();
     } else this.frame.zoom(way > 0 ? 1.2 : 1 / 1.2, at);
     this.draw();
   }
 
-  // Change values of the selected part, before they are sent.
-  change(values) {
-    this.changes = { ...this.changes, ...values };
-    this.dispatchEvent(new CustomEvent('draft', { detail: values }));
-    this.draw();
-  }
-
   #isShown(index) {
-    const { section } = this.parts[index];
-    const isAboard = this.parts[index].vehicle !== null && section !== 'starts';
-    return !isAboard || index === this.selected || this.frame.scale >= PARTS_PX_M;
+    const { section } = this.parts.list[index];
+    const isAboard = this.parts.list[index].vehicle !== null && section !== 'starts';
+    return !isAboard || index === this.parts.selected || this.frame.scale >= PARTS_PX_M;
   }
 
   #cornerAt(at) {
-    if (this.selected < 0) return -1;
-    const part = this.at(this.selected);
+    if (this.parts.selected < 0) return -1;
+    const part = this.parts.at(this.parts.selected);
     const near = (corner) => {
       const [x, y] = this.frame.at(corner);
       return Math.hypot(x - at[0], y - at[1]) < NEAR_PX;
@@ -165,27 +154,30 @@ export class EditorChart extends EventTarget {
   // The part at a pixel: first the selected one, then the one whose position is nearest, then one that contains it.
   #partAt(at) {
     const point = this.frame.place(at);
-    const shown = this.parts.map((_, k) => k).filter((k) => this.#isShown(k));
+    const shown = this.parts.list.map((_, k) => k).filter((k) => this.#isShown(k));
     const away = (k) => {
-      const part = this.at(k);
+      const part = this.parts.at(k);
       const place = placeOf(part, this.#fieldsOf(part));
       if (!place) return Infinity;
       const [x, y] = this.frame.at(place);
       return Math.hypot(x - at[0], y - at[1]);
     };
     const inside = (k) => contains(this.#outline(k), point);
-    if (this.selected >= 0 && (away(this.selected) < NEAR_PX || inside(this.selected))) return this.selected;
+    if (this.parts.selected >= 0 && (away(this.parts.selected) < NEAR_PX || inside(this.parts.selected)))
+      return this.parts.selected;
     const near = shown.filter((k) => away(k) < NEAR_PX).toSorted((a, b) => away(a) - away(b));
-    return near[0] ?? shown.find((k) => this.parts[k].section === 'obstacles' && inside(k)) ?? shown.find(inside) ?? -1;
+    return (
+      near[0] ?? shown.find((k) => this.parts.list[k].section === 'obstacles' && inside(k)) ?? shown.find(inside) ?? -1
+    );
   }
 
   // An obstacle's outline, moved and turned with changes that are not yet sent; of another part, its corners.
   #outline(index) {
-    const [old, part] = [this.parts[index], this.at(index)];
+    const [old, part] = [this.parts.list[index], this.parts.at(index)];
     const fields = this.#fieldsOf(part);
     if (!old.outline_m.length) return cornersOf(part, fields);
     if (cornersOf(part, fields).length)
-      return index === this.selected && Object.keys(this.changes).length ? [] : old.outline_m;
+      return index === this.parts.selected && Object.keys(this.parts.changes).length ? [] : old.outline_m;
     const [from, to] = [placeOf(old, fields), placeOf(part, fields)];
     if (!from || !to) return old.outline_m;
     const turn = (((yawOf(part, fields) ?? 0) - (yawOf(old, fields) ?? 0)) * Math.PI) / 180;
@@ -216,17 +208,18 @@ export class EditorChart extends EventTarget {
     this.#ground.draw(c, frame, ratio, true);
     c.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     this.#labels = [];
-    if (this.parts[this.selected]) this.#drawPart(c, this.selected); // its name comes first ...
-    this.parts.forEach((_, k) => k !== this.selected && this.#isShown(k) && this.#drawPart(c, k));
-    if (this.parts[this.selected]) this.#drawPart(c, this.selected); // ... and it lies on top
+    if (this.parts.list[this.parts.selected]) this.#drawPart(c, this.parts.selected); // its name comes first ...
+    this.parts.list.forEach((_, k) => k !== this.parts.selected && this.#isShown(k) && this.#drawPart(c, k));
+    if (this.parts.list[this.parts.selected]) this.#drawPart(c, this.parts.selected); // ... and it lies on top
+    if (this.parts.mark) this.#drawMark(c, frame.at(this.parts.mark));
     drawScale(c, frame, this.#ground.colours, STRINGS.chart.north);
   }
 
   #drawPart(c, index) {
-    const part = this.at(index);
+    const part = this.parts.at(index);
     const fields = this.#fieldsOf(part);
     const { colours } = this.#ground;
-    const isSelected = index === this.selected;
+    const isSelected = index === this.parts.selected;
     const colour = isSelected ? colours.flown : part.section === 'survey' ? colours.ink : colours.obstacle;
     const outline = this.#outline(index);
     c.strokeStyle = c.fillStyle = colour;
@@ -271,6 +264,21 @@ export class EditorChart extends EventTarget {
       const [x, y] = this.frame.at(corner);
       c.fillRect(x - 5, y - 5, 10, 10);
     }
+  }
+
+  // Where a part is added.
+  #drawMark(c, [x, y]) {
+    c.strokeStyle = this.#ground.colours.ink;
+    c.lineWidth = 2;
+    c.beginPath();
+    for (const [dx, dy] of [
+      [9, 0],
+      [0, 9],
+    ]) {
+      c.moveTo(x - dx, y - dy);
+      c.lineTo(x + dx, y + dy);
+    }
+    c.stroke();
   }
 
   // A dot, and a line in the part's direction.

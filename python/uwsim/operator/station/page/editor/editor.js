@@ -1,4 +1,4 @@
-// The scene editor: a chart, a table and a form of one scenario, which the server holds, checks and writes.
+// The scene editor: a chart, a 3D view, a table and a form of one scenario, which the server holds, checks and writes.
 import { openDialog } from '../dialogs/dialog.js';
 import { byId, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
@@ -7,55 +7,69 @@ import { EditorBar } from './bar.js';
 import { EditorChart } from './chart.js';
 import { PartForm } from './form.js';
 import { chartKey, editorKey } from './keys.js';
+import { EditedParts } from './parts.js';
+import { EditorScene } from './scene.js';
 import { PartTable } from './table.js';
 
 const WORDS = STRINGS.editor;
 const SEND_MS = 250; // after the last key or notch of the wheel
 const CHECK_MS = 800; // after the last change
+const AGAIN_MS = 2000; // between attempts to continue after a lost connection
 
 /** @typedef {import('../wire/messages.js').EditState} EditState */
 
 export class SceneEditor {
   /** @type {EditState | null} */
   state = null;
-  selected = -1;
+  /** @type {EditorScene | null} */
+  scene = null; // made when it is first shown
+  #client = ''; // this page's identity when it opened the scenario
   savedName = ''; // under which it was saved since it was opened
   #timers = { send: 0, check: 0 };
   /** @type {Promise<any>} */
   #queue = Promise.resolve();
   #bed = '';
+  /** @type {Float32Array | null} */
+  #heights = null;
+  #isOfRunning = false; // whether the simulator's scenario was opened
   /** @type {(name: string) => void} */
   #onClose = () => {};
 
-  // load(path): fetches from the server.
-  constructor(station, load) {
+  constructor(station) {
     this.station = station;
-    this.load = load;
     const fieldsOf = (part) => this.fieldsOf(part);
     this.acts = {
       add: () => this.#add(),
       remove: () => this.#remove(),
       undo: () => this.#act({ action: 'undo' }),
       redo: () => this.#act({ action: 'redo' }),
-      fit: () => this.chart.fit(),
+      revert: () => this.#act({ action: 'revert' }),
+      fit: () => this.view.fit(),
+      turn: () => this.#turn(),
       save: () => this.#save(),
       apply: () => this.#apply(),
     };
     this.bar = new EditorBar(this.acts);
-    this.chart = new EditorChart(fieldsOf);
+    this.parts = new EditedParts();
+    this.chart = new EditorChart(this.parts, fieldsOf);
     this.form = new PartForm((values) => this.#set(values, true));
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
     this.source = el('pre', { className: 'editor-source', tabIndex: 0 });
-    this.chart.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
-    this.chart.addEventListener('draft', (event) => this.form.update(/** @type {CustomEvent} */ (event).detail));
-    this.chart.addEventListener('done', () => this.#sendLater());
-    this.chart.canvas.addEventListener('keydown', (event) => chartKey(event, this, this.acts));
+    this.parts.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
+    this.parts.addEventListener('draft', (event) => this.form.update(/** @type {CustomEvent} */ (event).detail));
+    this.parts.addEventListener('done', () => this.#sendLater());
+    this.ground = el(
+      'div',
+      { className: 'editor-ground', onkeydown: (event) => chartKey(event, this, this.acts) },
+      this.chart.canvas,
+    );
+    station.addEventListener('state', () => this.#goOn());
     this.element = el(
       'div',
       { className: 'editor', onkeydown: (event) => editorKey(event, this.acts) },
       this.bar.element,
-      this.chart.canvas,
+      this.ground,
       el(
         'div',
         { className: 'editor-side' },
@@ -67,8 +81,8 @@ export class SceneEditor {
     );
   }
 
-  /** Open a scenario, '' for that of the running simulator; what was not saved yet is still there. onClose(name): called
-   * with the name under which it was saved, or ''.
+  /** Open a scenario, '' for that of the running simulator; the server still has what was not saved. onClose(name):
+   * called with the name under which it was saved, or ''.
    * @param {string} scenario
    * @param {(name: string) => void} onClose
    */
@@ -81,26 +95,44 @@ export class SceneEditor {
         if (!found.success) throw new Error(found.message);
         this.bar.sections = found.sections;
       }
-      const kept = await edit(bridge, { action: 'report' });
-      const isKept =
-        this.state &&
-        kept.success &&
-        kept.by === this.station.name &&
-        !kept.is_saved &&
-        (scenario || kept.name) === kept.name;
-      const isMine = isKept && kept.is_of_running === (scenario === '');
-      const state = isMine ? kept : await edit(bridge, { action: 'open', ...(scenario ? { scenario } : {}) });
+      const state = await edit(bridge, { action: 'open', ...(scenario ? { scenario } : {}) });
       if (!state.success) throw new Error(state.message);
-      [this.selected, this.savedName, this.#onClose, this.#bed] = [-1, '', onClose, ''];
+      [this.savedName, this.#onClose, this.#bed, this.#isOfRunning] = ['', onClose, '', scenario === ''];
+      [this.parts.selected, this.parts.changes, this.parts.mark, this.#client] = [-1, {}, null, this.station.id];
       const dialog = byId('editor-dialog');
       openDialog(dialog, WORDS.title(state.name), this.element);
       dialog.addEventListener('close', () => this.#left(), { once: true });
       this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
+      this.#say(state.message);
       await this.#show(state);
-      this.chart.canvas.focus();
+      this.view.canvas.focus();
     } catch (error) {
       toast(error.message, 'error');
     }
+  }
+
+  // After a lost connection, under a new identity, continue with what the server kept.
+  #goOn() {
+    const { id, bridge } = this.station;
+    if (!byId('editor-dialog').open || !this.element.isConnected || !id || id === this.#client) return;
+    this.#client = id;
+    const { name, text } = this.state ?? {};
+    const reopen = async () => {
+      try {
+        const state = await edit(bridge, { action: 'open', ...(this.#isOfRunning ? {} : { scenario: name }) });
+        if (!state.success) throw new Error(state.message);
+        this.#say(state.text === text ? state.message : WORDS.notKept, state.text === text ? '' : 'error');
+        await this.#show(state);
+      } catch (error) {
+        this.#say(error.message, 'error');
+        setTimeout(() => {
+          this.#client = '';
+          this.#goOn();
+        }, AGAIN_MS);
+      }
+    };
+    this.#queue = this.#queue.then(reopen);
+    this.#flush();
   }
 
   // Send what is left, and let others edit if nothing is unsaved.
@@ -121,31 +153,63 @@ export class SceneEditor {
     );
   }
 
+  get selected() {
+    return this.parts.selected;
+  }
+
   get part() {
     return this.state?.parts?.[this.selected];
   }
 
+  // The chart or the 3D view, whichever is shown.
+  get view() {
+    return this.scene?.canvas.isConnected ? this.scene : this.chart;
+  }
+
+  // Show the 3D view in place of the chart, or the chart again.
+  #turn() {
+    this.scene ??= new EditorScene(
+      this.parts,
+      (part) => this.fieldsOf(part),
+      (path) => this.station.load(path),
+    );
+    const isScene = this.view === this.chart;
+    this.ground.replaceChildren(...(isScene ? this.scene.element : [this.chart.canvas]));
+    this.bar.showScene(isScene);
+    if (isScene) this.#showScene(true);
+    this.view.reveal();
+    this.view.canvas.focus();
+  }
+
+  #showScene(isNewBed) {
+    if (!this.state?.grid || !this.#heights || this.view === this.chart) return;
+    if (isNewBed) this.scene?.showBed(this.#heights, this.state.grid);
+    this.scene?.showSolids(this.state);
+  }
+
   pick(index, isOnChart = false) {
     this.#flush();
-    this.selected = index;
+    this.parts.selected = index;
     this.#showParts();
-    if (!isOnChart) this.chart.reveal();
-    this.chart.draw();
+    if (!isOnChart) this.view.reveal();
   }
 
   async #show(state) {
     const isNew = state.text !== this.state?.text;
     this.state = state;
     const { grid, parts } = state;
-    if (this.selected >= parts.length) this.selected = -1;
+    if (this.selected >= parts.length) this.parts.selected = -1;
     this.bar.show(state);
     this.source.textContent = state.text;
     this.#showParts();
     const bed = JSON.stringify(grid);
-    if (bed !== this.#bed) {
+    const isNewBed = bed !== this.#bed;
+    if (isNewBed) {
       this.#bed = bed;
-      this.chart.showBed(new Float32Array(await (await this.load('/edit/terrain.f32')).arrayBuffer()), grid);
+      this.#heights = new Float32Array(await (await this.station.load('/edit/terrain.f32')).arrayBuffer());
+      this.chart.showBed(this.#heights, grid);
     }
+    this.#showScene(isNewBed);
     if (isNew) {
       clearTimeout(this.#timers.check);
       this.#timers.check = setTimeout(() => this.#check(), CHECK_MS);
@@ -154,7 +218,7 @@ export class SceneEditor {
 
   #showParts() {
     const parts = this.state?.parts ?? [];
-    this.chart.show(parts, this.selected);
+    this.parts.show(parts, this.selected);
     this.table.show(parts, this.selected);
     this.form.show(this.part, this.part ? this.fieldsOf(this.part) : []);
     this.bar.remove.disabled = !this.part || this.part.section === 'starts';
@@ -165,12 +229,12 @@ export class SceneEditor {
     const sent = this.#queue.then(async () => {
       try {
         const state = await edit(this.station.bridge, request);
-        this.chart.changes = {};
+        this.parts.changes = {};
         if (!state.success) throw new Error(state.message);
         if (request.action === 'save') this.savedName = state.name ?? '';
         const added = JSON.stringify(state.added?.length ? state.added : null);
         const at = state.parts?.findIndex(({ place }) => JSON.stringify(place) === added) ?? -1;
-        if (at >= 0) this.selected = at;
+        if (at >= 0) [this.parts.selected, this.parts.mark] = [at, null];
         this.form.refuse('', '');
         this.#say(state.message);
         await this.#show(state);
@@ -200,30 +264,27 @@ export class SceneEditor {
   // Send the changes made on the chart.
   #flush() {
     clearTimeout(this.#timers.send);
-    const { changes } = this.chart;
+    const { changes } = this.parts;
     if (Object.keys(changes).length) this.#set(changes);
   }
 
-  // Change values of the selected part on the chart, and send them a little later.
+  // Change values of the selected part, and send them a little later.
   change(values) {
-    this.chart.change(values);
+    this.parts.change(values);
     this.#sendLater();
   }
 
   async #add() {
     this.#flush();
-    const { bar, chart } = this;
-    const at_m = chart.frame.middle.map((value) => Math.round(value * 10) / 10);
-    await this.#act({ action: 'add', ...bar.chosen, at_m });
-    chart.reveal();
-    chart.draw();
+    const at_m = this.parts.mark ?? this.view.middle.map((value) => Math.round(value * 10) / 10);
+    await this.#act({ action: 'add', ...this.bar.chosen, at_m });
+    this.view.reveal();
   }
 
   #remove() {
     const { part } = this;
     if (!part || this.bar.remove.disabled) return;
-    this.chart.changes = {};
-    this.selected = -1;
+    [this.parts.changes, this.parts.selected] = [{}, -1];
     this.#act({ action: 'remove', section: part.section, place: part.place });
   }
 

@@ -26,7 +26,7 @@ export function editorKey(event, acts) {
   event.preventDefault();
 }
 
-// The keys of the chart, most of them on the selected part. editor: the SceneEditor.
+// The keys of the chart and the 3D view, most of them on the selected part. editor: the SceneEditor.
 export function chartKey(event, editor, acts) {
   if (event.ctrlKey || event.metaKey) return;
   const act = actOf(event, editor, acts);
@@ -37,16 +37,22 @@ export function chartKey(event, editor, acts) {
 }
 
 function actOf({ key, shiftKey, altKey }, editor, acts) {
-  const { chart, part } = editor;
-  const count = chart.parts.length;
-  const views = { '+': () => chart.zoom(1.2), '-': () => chart.zoom(1 / 1.2), f: acts.fit, a: acts.add };
+  const { parts, part, view } = editor;
+  const count = parts.list.length;
+  const views = {
+    '+': () => view.zoom(1.2),
+    '-': () => view.zoom(1 / 1.2),
+    f: acts.fit,
+    a: acts.add,
+    v: acts.turn,
+  };
   if (views[key]) return views[key];
   if (PICKS[key] && count) {
     const from = editor.selected < 0 && PICKS[key] < 0 ? 0 : editor.selected;
     return () => editor.pick((from + PICKS[key] + count) % count);
   }
   if (!part) return null;
-  const [shown, fields] = [chart.at(editor.selected), editor.fieldsOf(part)];
+  const [shown, fields] = [parts.at(editor.selected), editor.fieldsOf(part)];
   const step = shiftKey ? STEPS_M.shift : altKey ? STEPS_M.alt : STEPS_M.plain;
   const raise = { PageUp: RAISE, PageDown: -RAISE }[key];
   const values = MOVES[key]
@@ -56,5 +62,6 @@ function actOf({ key, shiftKey, altKey }, editor, acts) {
       : raise && raised(shown, fields, raise * step);
   if (values) return () => editor.change(values);
   if (key === 'Delete') return acts.remove;
+  if (key === 'F2') return () => first(editor.form.element, '[data-field=name] input')?.focus();
   return key === 'Enter' ? () => first(editor.form.element, 'input, select')?.focus() : null;
 }

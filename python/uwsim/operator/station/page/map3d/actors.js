@@ -12,6 +12,7 @@ import {
   MeshLambertMaterial,
   Vector3,
 } from '../vendor/three.js';
+import { faceted } from './terrain.js';
 
 const TRACK_MOST = 16384; // points; beyond it every second one is dropped
 const TRACK_STEP_M = 0.3;
@@ -101,7 +102,9 @@ export class Vessel {
 
   setHull(hull) {
     hull.traverse((node) => {
-      if (node.isMesh) node.material = this.material;
+      if (!node.isMesh) return;
+      faceted(node);
+      node.material = this.material;
     });
     this.group.add(hull);
   }

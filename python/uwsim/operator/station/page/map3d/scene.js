@@ -4,7 +4,7 @@ import { el } from '../dom.js';
 import { Marks, Vessel } from './actors.js';
 import { crosses } from './sight.js';
 import { Stage } from './stage.js';
-import { makeSurface, makeTerrain } from './terrain.js';
+import { faceted, makeSurface, makeTerrain } from './terrain.js';
 import { sceneTools } from './tools.js';
 import { STRINGS } from '../strings.js';
 
@@ -169,14 +169,16 @@ export class SceneView extends Stage {
 }
 
 // A fixed mesh in its material's colour (albedo, linear), or else in that of its kind.
-function dressed(node, label, albedo) {
+export function dressed(node, label, albedo) {
   const colour = albedo
     ? new Color().fromArray(albedo)
     : new Color(
         /pipe/.test(label) ? 0xb9a27a : /station/.test(label) ? 0xc8ced2 : /gate/.test(label) ? 0xd98c5f : 0x94a3ad,
       );
   node.traverse((part) => {
-    if (part instanceof Mesh) part.material = new MeshLambertMaterial({ color: colour });
+    if (!(part instanceof Mesh)) return;
+    faceted(part);
+    part.material = new MeshLambertMaterial({ color: colour });
   });
   return node;
 }

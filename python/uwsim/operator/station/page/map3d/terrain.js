@@ -71,6 +71,13 @@ function grid(positions, colours, wide, tall, at) {
   return geometry;
 }
 
+// Give a mesh's faces normals of their own, without which they would be black.
+export function faceted(mesh) {
+  const plain = mesh.geometry.index ? mesh.geometry.toNonIndexed() : mesh.geometry;
+  plain.computeVertexNormals();
+  mesh.geometry = plain;
+}
+
 // The water's surface as a grid of lines 50 m apart, which shows the scale.
 export function makeSurface({ rows, columns, west_m, south_m, spacing_m: [dx, dy] }, height_m) {
   const [east, north] = [west_m + (columns - 1) * dx, south_m + (rows - 1) * dy];

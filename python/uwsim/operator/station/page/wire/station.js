@@ -180,6 +180,13 @@ export class Station extends EventTarget {
     return `${base}${path}${token ? `?token=${encodeURIComponent(token)}` : ''}`;
   }
 
+  // Fetch a path from the server of this page's simulator.
+  async load(path) {
+    const answer = await fetch(this.href(path));
+    if (!answer.ok) throw new Error(`${path}: ${answer.status} ${answer.statusText}`);
+    return answer;
+  }
+
   async #joined() {
     this.dispatchEvent(new Event('open'));
     try {
