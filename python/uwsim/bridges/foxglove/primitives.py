@@ -49,11 +49,18 @@ def mesh(
     color: Color | None = None,
     *,
     frame_locked: bool = False,
+    pose: Pose | None = None,
+    time_ns: int | None = None,
 ) -> SceneEntity:
-    """Return a surface from vertices (n, 3) and triangles (m, 3), coloured by height unless a colour is given."""
+    """Return a surface from vertices (n, 3) and triangles (m, 3), coloured by height unless a colour is given.
+
+    pose: of the surface's own axes in the frame.
+    """
     shade = {"colors": by_height(np.asarray(vertices_m)[:, 2])} if color is None else {"color": color}
-    surface = TriangleListPrimitive(points=points(vertices_m), indices=np.asarray(triangles).ravel().tolist(), **shade)
-    return SceneEntity(id=name, frame_id=frame_id, frame_locked=frame_locked, triangles=[surface])
+    corners, indices = points(vertices_m), np.asarray(triangles).ravel().tolist()
+    surface = TriangleListPrimitive(pose=pose, points=corners, indices=indices, **shade)
+    stamp = None if time_ns is None else timestamp(time_ns)
+    return SceneEntity(timestamp=stamp, id=name, frame_id=frame_id, frame_locked=frame_locked, triangles=[surface])
 
 
 def line(

@@ -1,26 +1,41 @@
-"""Scenes for Foxglove's 3D panel: the lake, the hulls and their tracks, and the growing map."""
+"""Scenes for Foxglove's 3D panel: the lake, the hulls and their tracks, loose bodies, and the growing map."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from foxglove.messages import Color, SceneEntity, SceneEntityDeletion, SceneEntityDeletionType, SceneUpdate
+from foxglove.messages import (
+    Color,
+    Pose,
+    Quaternion,
+    SceneEntity,
+    SceneEntityDeletion,
+    SceneEntityDeletionType,
+    SceneUpdate,
+    Vector3,
+)
 from numpy.typing import NDArray
 
 from uwsim.bridges.foxglove.primitives import by_height, cubes, line, mesh
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.families.map_changes import EDGE, OCCUPIED
 from uwsim.scenario import Scenario, vehicle_hull
+from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
+from uwsim.scenario.spec.loose_body import LooseBody
 
 GRID_MAX = 160  # maximum number of heights along an edge of the displayed bed
 STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
 HULL, PATH = Color(r=0.95, g=0.75, b=0.1, a=1.0), Color(r=0.95, g=0.4, b=0.1, a=1.0)
 SEGMENT = 200  # positions per entity of a track: only the last entity is resent as the track grows
 TRACK_STEP_M = 0.2
+TRIANGLES_MAX = 2000  # of a loose body, whose surface is sent again as it moves
+MOVED_M, MOVED_RAD = 0.01, 0.01
+BODY = Color(r=0.8, g=0.45, b=0.25, a=1.0)
+Surface = tuple[NDArray[np.floating], NDArray[np.integer]]
 Position = tuple[float, float, float]
 Positions = dict[str, Position]
 """Positions by vehicle."""
@@ -60,6 +75,52 @@ def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
             for entry in scenario.vehicles
         ]
     )
+
+
+class Bodies:
+    """The loose bodies at their poses, in the world frame. A body is sent again only when it has moved.
+
+    A surface of more than TRIANGLES_MAX triangles is drawn as its convex hull, with which it collides.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._surfaces: dict[str, Surface] = {}
+        self._poses: dict[str, NDArray[np.float64]] = {}
+
+    def moved(self, now: dict[str, NDArray[np.float64]], time_ns: int) -> SceneUpdate | None:
+        """Take poses by name, each x, y, z [m] and a quaternion x, y, z, w; return the bodies that have moved."""
+        changed = [name for name, pose in now.items() if name not in self._poses or _has_moved(self._poses[name], pose)]
+        self._poses |= {name: now[name] for name in changed}
+        return SceneUpdate(entities=[self._entity(name, time_ns) for name in changed]) if changed else None
+
+    def whole(self, time_ns: int) -> SceneUpdate | None:
+        """Return all bodies, for a new client; None before the first poses."""
+        entities = [self._entity(name, time_ns) for name in self._poses]
+        return SceneUpdate(entities=entities) if entities else None
+
+    def _entity(self, name: str, time_ns: int) -> SceneEntity:
+        if not self._surfaces:
+            self._surfaces = {body.name: _surface(self._scenario, body) for body in self._scenario.objects}
+        x, y, z, *turn = self._poses[name].tolist()
+        pose = Pose(position=Vector3(x=x, y=y, z=z), orientation=Quaternion(**dict(zip("xyzw", turn, strict=True))))
+        return mesh(name, "world", *self._surfaces[name], BODY, pose=pose, time_ns=time_ns)
+
+
+def _surface(scenario: Scenario, body: LooseBody) -> Surface:
+    vertices, triangles = object_mesh(scenario, body)
+    if len(triangles) <= TRIANGLES_MAX:
+        return vertices, triangles
+    import trimesh
+
+    hull = trimesh.convex.convex_hull(vertices)
+    return np.asarray(hull.vertices), np.asarray(hull.faces)
+
+
+def _has_moved(before: NDArray[np.float64], now: NDArray[np.float64]) -> bool:
+    """Return True if a pose differs by at least MOVED_M or MOVED_RAD."""
+    turned_rad = 2.0 * np.arccos(min(abs(float(before[3:] @ now[3:])), 1.0))
+    return bool(np.linalg.norm(now[:3] - before[:3]) >= MOVED_M or turned_rad >= MOVED_RAD)
 
 
 class Tracks:

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
+import numpy as np
 from foxglove.messages import SceneUpdate
 
 from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, received_places, true_places
-from uwsim.bridges.foxglove.scenes import MapBlocks, Positions, Tracks, hulls, lake
+from uwsim.bridges.foxglove.scenes import Bodies, MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
 
+BODIES_S = 0.2  # between two looks for loose bodies that have moved, in simulated time
 WAITING = 64  # updates per queue; none should be dropped, since each builds on the previous ones
 
 
@@ -106,6 +109,40 @@ class TrackShow(Show):
         self._offer(lambda: self._tracks.grown(now, time_ns), time_ns)
 
 
+class BodyShow(Show):
+    """The loose bodies at their true poses."""
+
+    def __init__(self, outgoing: Outgoing, send: SendAll, live: LiveSimulator) -> None:
+        super().__init__("scene/objects", outgoing, send)
+        self._live = live
+        self._bodies = Bodies(live.simulator.scenario)
+        self._leave: Leave | None = None
+
+    def begin(self, newcomer: Send) -> None:
+        """Send all bodies now, and later those that have moved."""
+        time_ns = self._live.simulator.time_ns
+        self._offer(lambda: self._bodies.whole(time_ns), time_ns, newcomer)
+        if self._leave is None:
+            self._leave = self._live.every(BODIES_S, _poses, lambda found: self._move(*found)).cancel
+
+    def end(self) -> None:
+        """Stop reading poses."""
+        if self._leave is not None:
+            self._leave()
+            self._leave = None
+
+    def _move(self, now: dict[str, Vector], time_ns: int) -> None:
+        self._offer(lambda: self._bodies.moved(now, time_ns), time_ns)
+
+
+def _poses(sim: Simulator) -> tuple[dict[str, Vector], int]:
+    found = {
+        body.name: np.concatenate([body.pose.position_world_m, body.pose.orientation_xyzw])
+        for body in sim.objects.values()
+    }
+    return found, sim.time_ns
+
+
 class MapShow(Show):
     """A vehicle's map, block by block."""
 
@@ -172,6 +209,7 @@ def _shows_of_world(
         StillShow("scene/lake", outgoing, send, live, lambda: lake(scenario)),
         StillShow("scene/vehicles", outgoing, send, live, lambda: hulls(scenario, frames)),
         TrackShow(outgoing, send, live, places),
+        *([BodyShow(outgoing, send, live)] if scenario.objects and not has_link else []),
     ]
 
 

@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from uwsim.operator.station.scene import thinned
 from uwsim.scenario import Scenario, load
+from uwsim.scenario.build.loose_bodies import object_start
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import dock_position
 from uwsim.scenario.build.terrain import Terrain, build_terrain
@@ -36,6 +37,8 @@ def draw(scenario: Scenario) -> bytes:
     for obstacle in scenario.obstacles:
         vertices, triangles, _ = obstacle_solid(obstacle, full)
         plan.solid(np.asarray(vertices), np.asarray(triangles))
+    for body in scenario.objects:
+        plan.solid(*object_start(body, full))
     if scenario.survey is not None:
         plan.area(np.asarray(scenario.survey.area_m, float))
     station = scenario.station

@@ -25,6 +25,8 @@ from uwsim.operator.station.arrivals import Arrivals
 from uwsim.operator.station.flights import FlightRecording
 from uwsim.operator.station.inspection import Inspection
 from uwsim.operator.station.judged import Judged
+from uwsim.operator.station.loose_objects import TOPIC as OBJECTS
+from uwsim.operator.station.loose_objects import LooseObjects
 from uwsim.operator.station.pilot import Pilot
 from uwsim.operator.station.plan import PlanFlight
 from uwsim.operator.station.prepared import load_navigation
@@ -93,6 +95,9 @@ class Running:
             table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
         self.pilot = Pilot(self.far, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
+        self.objects: LooseObjects | None = None  # without the truth, a pilot does not know where they are
+        if truth:
+            self.objects = LooseObjects(live, node, table.sources[0].origin_m)
         self.views = Views(live, self.table, node, wake, over_link=has_carrier, truth=truth)
         self.arrivals: Arrivals | None = None
         if self.carrier is not None:
@@ -140,6 +145,8 @@ class Running:
             if not offered:
                 rate_hz = self.table.pings[name].rate_hz
                 self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
+        if self.objects is not None:
+            self.objects.start()
         if self.judged is not None:
             self.judged.start()
         if self.flight is not None:
@@ -216,6 +223,7 @@ class Running:
             "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
             "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
+            "objects": f"/{OBJECTS}" if self.objects is not None and self.objects.topics() else None,
             "commands": self.commands(),
             "is_supervised": self.is_supervised,
             "is_recorded": self.flight is not None,
@@ -239,7 +247,8 @@ class Running:
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""
-        return [*self.views.topics(), *(self.arrivals.topics() if self.arrivals is not None else [])]
+        guests = [each for each in (self.views, self.arrivals, self.objects) if each is not None]
+        return [topic for each in guests for topic in each.topics()]
 
     def _camera_view(self, view: View) -> Values:
         described = view.described()

@@ -33,6 +33,7 @@ from uwsim.operator.station.token_page import token_page
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
+SOLID = re.compile(r"/edit/(\d{1,9})/(\d{1,5})\.glb")
 
 
 class Site:
@@ -87,6 +88,9 @@ class Site:
             return File(self._sessions.preview(asked[1]), TYPES[".png"])
         if path == "/edit/terrain.f32":
             return File(self._sessions.editor.draft.plan.heights(), "application/octet-stream")
+        solid = SOLID.fullmatch(path)
+        if solid is not None:
+            return File(self._sessions.editor.draft.plan.solid(int(solid[1]), int(solid[2])), TYPES[".glb"])
         running = self._sessions.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)
@@ -103,7 +107,8 @@ def _named(running: Running, vehicle: str, suffix: str) -> str:
 
 
 ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
-    (r"/scene/scene\.json", lambda running: (json.dumps(running.scene.described()).encode(), "")),
+    (r"/scene/scene\.json", lambda running: (_scene(running), "")),
+    (r"/scene/object/(\d{1,5})\.glb", lambda running, number: (_object(running, int(number)), "")),
     (r"/scene/terrain\.f32", lambda running: (running.scene.heights(), "")),
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
@@ -121,6 +126,17 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/notes/notes\.(csv|geojson)", lambda running, suffix: (running.inspection.file(suffix), f"notes.{suffix}")),
     (r"/notes/(.+\.png)", lambda running, name: (running.inspection.picture(name), "")),
 ]
+
+
+def _scene(running: Running) -> bytes:
+    objects = [] if running.objects is None else running.objects.described()
+    return json.dumps({**running.scene.described(), "objects": objects}).encode()
+
+
+def _object(running: Running, number: int) -> bytes:
+    if running.objects is None:
+        raise ValueError("where loose bodies are, is not shown")
+    return running.objects.surface(number)
 
 
 def _asking(request: Request) -> Response:

@@ -292,6 +292,7 @@ class Description(Message):
     vehicles: list[VehicleDescription]
     views: list[ViewDescription]
     scene: str
+    objects: str | None
     commands: list[str]
     has_exercise: bool
     is_supervised: bool

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
-def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
-    shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
+from uwsim.scenario.build.applied_wrench import applied_wrench
+from uwsim.scenario.build.body_paths import body_path, points_on
 from uwsim.scenario.build.obstacles import grounded
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import surface_density_kg_m3
@@ -66,15 +66,14 @@ def object_mesh(scenario: Scenario, body: LooseBody) -> tuple[Vertices, Triangle
     return shape.vertices, shape.triangles
 
 
-def object_position(body: LooseBody, terrain: Bed) -> Floats:
-    """Return where the middle of a body starts, (3,). Raises ScenarioError."""
-    return _placed(body.shape, terrain).position_m
+def object_start(body: LooseBody, terrain: Bed) -> tuple[Vertices, Triangles]:
+    """Return a body's surface in the world at its start: vertices (n, 3) [m] and triangles (m, 3)."""
+    shape = _placed(body.shape, terrain)
+    return shape.position_m + turned(shape.orientation_xyzw, shape.vertices), shape.triangles
 
 
 def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
-def _spec(body: LooseBody, terrain: Bed, water_kg_m3: float) -> _core.ObjectSpec:
-    shape = _placed(body.shape, terrain)
     volume_m3 = shape.solid.volume_m3
     if body.path is not None:
         return _on_path(body, body.path, shape, water_kg_m3)

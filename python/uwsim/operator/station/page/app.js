@@ -21,6 +21,7 @@ import { Recorder } from './recorder.js';
 import { Flights } from './replay/flights.js';
 import { showRecording } from './replay/rec_lamp.js';
 import { Timeline } from './replay/timeline.js';
+import { LooseObjects } from './map3d/loose_objects.js';
 import { SceneView } from './map3d/scene.js';
 import { StartScreen } from './start.js';
 import { Telemetry } from './telemetry.js';
@@ -61,6 +62,7 @@ inspection.addEventListener('notes', () => showNotes());
 const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
+const objects = new LooseObjects(scene, chart);
 const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
 showRecording(station);
@@ -152,7 +154,12 @@ function begin() {
     .then(showNotes)
     .catch((error) => toast(WORDS.noScene(error.message), 'error'));
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
+  objects.begin(load, description).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
+  if (description.objects)
+    ends.push(
+      station.bridge.subscribe(description.objects, 'tf2_msgs/TFMessage', (message) => objects.show(message), SCAN),
+    );
   panel.showMap(scene.store);
   timeline.begin(description);
 }
@@ -293,4 +300,5 @@ globalThis.station = {
   inspection,
   timeline,
   editor,
+  objects,
 }; // for the browser's console and tests

@@ -28,7 +28,7 @@ export class ChartView {
   vehicle = '';
   points = []; // waypoints [x, y, z], in odom
   flown = []; // [x, y]
-  layers = []; // additional drawing functions (context, frame)
+  layers = []; // additional drawing functions (context, frame, isLarge, colours)
   #notes = []; // with position_m
   #isLarge = false;
   /** @type {[number, number] | null} */
@@ -252,7 +252,7 @@ export class ChartView {
     drawWaypoints(c, frame, this.points, this.state?.reached ?? 0, this.#isLarge, colours);
     for (const note of this.#notes) drawNote(c, frame, note, this.#isLarge, colours);
     this.#drawRuler(c, colours.ink);
-    for (const layer of this.layers) layer(c, frame);
+    for (const layer of this.layers) layer(c, frame, this.#isLarge, colours);
     if (this.#message && Number.isFinite(this.#message.position[0]))
       drawVehicle(
         c,

@@ -282,6 +282,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {VehicleDescription[]} vehicles
  * @property {ViewDescription[]} views
  * @property {string} scene
+ * @property {string | null} objects
  * @property {string[]} commands
  * @property {boolean} has_exercise
  * @property {boolean} is_supervised
@@ -667,7 +668,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FormSection[]} sections
  */
 
-/** A request to the editor. action: open, report, set, add, remove, undo, redo, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set; null removes one. name: under which it is saved.
+/** A request to the editor. action: open, report, set, add, remove, undo, redo, revert, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set; null removes one. name: under which it is saved.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
@@ -689,7 +690,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[]} spacing_m
  */
 
-/** A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it. is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m] and yaw [deg] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an obstacle.
+/** A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it. is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an obstacle.
  * @typedef {object} EditedPart
  * @property {string} section
  * @property {any[]} place
@@ -702,7 +703,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[][]} outline_m
  */
 
-/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. added: the place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
  * @typedef {object} EditState
  * @property {true} success
  * @property {string} message
@@ -715,6 +716,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean | null} [is_saved]
  * @property {boolean | null} [is_of_running]
  * @property {BedGrid | null} [grid]
+ * @property {number | null} [plan]
  * @property {string[] | null} [vehicles]
  * @property {EditedPart[] | null} [parts]
  * @property {string | null} [text]
