@@ -22,7 +22,7 @@ class EditService:
     """Handles the requests to edit a scenario.
 
     On the start screen, a member may open one if no other member edits; while a simulator runs, the pilot alone or, if
-    there is one, the instructor. Whoever opens the scenario in which unsaved changes were left continues with them.
+    there is one, the instructor. The next to open a scenario in which unsaved changes were left continues with them.
     """
 
     def __init__(self, sessions: Sessions, lease: Lease, instructor: Instructor | None) -> None:

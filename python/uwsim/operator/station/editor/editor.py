@@ -31,7 +31,7 @@ PLACE_MAX = 6
 class Editor:
     """One scenario being edited by one client at a time. folder: where it is saved. threads: of simulators.
 
-    What a client leaves unsaved, for example as its page reloads, is there for whoever next opens the same scenario.
+    What a client leaves unsaved, for example as its page reloads, is there for the next who opens the same scenario.
     saved: the paths of the scenarios that were saved here, by their names on the start screen. Methods may be called on
     any thread.
     """

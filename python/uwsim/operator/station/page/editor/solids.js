@@ -1,4 +1,4 @@
-// What the editor's 3D view shows of each part: its solid, its corners, or a mark in its direction.
+// The nodes by which the editor's 3D view shows each part: its solid, its corners, or a mark in its direction.
 import {
   BufferAttribute,
   BufferGeometry,
