@@ -129,8 +129,6 @@ DIVES = {
     "wreck-dive": (into_the_wreck, over_the_wreck),
     "cable": (along_the_cable, beside_the_cable),
     "tether": (back_along_the_tether, back_by_the_shortest_way),
-
-
     "reef-pipeline": (along_the_damaged_pipe, past_the_pipe),
     "reef-diver": (beside_the_diver, to_the_sinker),
     "kelp-seal": (for_the_seal, away_from_the_seal),

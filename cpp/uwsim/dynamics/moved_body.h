@@ -29,7 +29,7 @@ struct BodySpec {
   double restitution = 0.1;
   std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
   std::vector<ArmLink> arm = {};
-  std::shared_ptr<const BodyPath> path = nullptr;         ///< that it follows, whatever it hits; null: forces move it
+  std::shared_ptr<const BodyPath> path = nullptr;  ///< that it follows, whatever it hits; null: forces move it
 
   /// Throws InvalidValue naming the field.
   void check() const;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <memory>

@@ -49,7 +49,8 @@ void Simulation::apply_wrench(std::size_t index, const Vector6d& wrench, bool in
 void Simulation::apply_object_wrench(std::size_t object, const Vector6d& wrench, bool in_world_axes,
                                      double duration_s) {
   const std::string name = "object '" + body_name(body_of(object)) + "'";
-  require(!bodies_.spec(body_of(object)).path, name + " wrench", wrench.transpose(), "must not be for a body on a path");
+  require(!bodies_.spec(body_of(object)).path, name + " wrench", wrench.transpose(),
+          "must not be for a body on a path");
   object_pushes_.at(object).command(name, wrench, in_world_axes, tick_, duration_s, spec_.step_s);
 }
 

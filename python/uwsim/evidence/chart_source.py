@@ -30,6 +30,4 @@ def _make(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:
     return Made(made.path, [f"{size}, {high:.1f} to {low:.1f} m deep; uwsim survey {made.path}"])
 
 
-CHART = ScenarioSource(
-    f"a chart ({', '.join(SUFFIXES)})", _accepts, _make, ("size", "centre", "water_level")
-)
+CHART = ScenarioSource(f"a chart ({', '.join(SUFFIXES)})", _accepts, _make, ("size", "centre", "water_level"))

@@ -32,7 +32,7 @@ class SoundSpeeds:
 
 @dataclass(frozen=True, eq=False)
 class SurveyHead:
-    """What holds for a whole survey.
+    """Values that hold for a whole survey.
 
     sonar: name of the echo sounder. offset_m (3,): the transducer from the vehicle's reference point, and mount_rad
     (3,): its roll, pitch and heading, both in the vehicle's axes. comment: one line about the source.

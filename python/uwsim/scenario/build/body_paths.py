@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 SAMPLES = 64
-"""Of each piece of the curve, between two points."""
+"""Samples of each piece of the curve, between two points."""
 RAMP_S = 2.0
 """How long an open path at a speed takes to reach it, at most, and to stop."""
 FASTEST_M_S = 30.0

@@ -8,7 +8,7 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """Return the names by label: those from `build_world` (World.label_names), then vehicles, objects, life and tethers.
+    """Return the names by label: those from `build_world` (World.label_names), vehicles, objects, life, then tethers.
 
     A tether has a label for each of its elements, all with the name `<vehicle> tether`.
     """
