@@ -8,7 +8,7 @@ import rasterio
 from affine import Affine
 from rasterio.shutil import copy
 
-from uwsim.evidence.cli.scenario_from import from_source
+from uwsim.evidence.cli.scenario_from import scenario_from
 from uwsim.scenario import build_world, load
 from uwsim.scenario.from_chart import _largest_squares, scenario_from_chart
 from uwsim.scenario.georeference import georeference
@@ -71,8 +71,8 @@ def test_land_and_other_files_are_refused_and_nothing_is_written(tmp_path):
     for source, rule in ((land, "must lie 1 m below it"), (tmp_path / "text.bag", "not a readable elevation raster")):
         with pytest.raises(ValueError, match=rule):
             scenario_from_chart(source, tmp_path / "out.yaml", size_m=100.0)
-    with pytest.raises(ValueError, match="needs a Unity project"):
-        from_source(land, scene="LawnTest")
+    with pytest.raises(ValueError, match="--scene: is not for a chart"):
+        scenario_from(land, scene="LawnTest")
     assert not (tmp_path / "out.yaml").exists()
     (tmp_path / "mine.yaml").write_text("mine")
     with pytest.raises(FileExistsError):
