@@ -2,8 +2,10 @@
 
 The mean thickness is that of NORSOK N-003 (2007), 6.6.1, which DNV-RP-C205 (2010), 6.7.4, repeats: from 2 m above the
 water to 40 m below, 100 mm between 56 and 59 degrees north and 60 mm between 59 and 72; deeper, 50 and 30 mm; growing
-linearly over two years. The table is for the Norwegian shelf and for design, so that it is thick rather than typical.
-Its steps are spread here, over 0.5 m at the top and over 10 m about 40 m, so that the surface has no ledge.
+linearly over two years. Neither document was available: the values are second-hand, and the 1995 report for an earlier
+edition (kvitrud.no, "Begroing av jacketkonstruksjoner i Nordsjoen") has 100 and 20 mm in the north. The table is for
+the Norwegian shelf and for design, so that it is thick rather than typical. Its steps are spread here, over 0.5 m at
+the top and over 10 m about 40 m, so that the surface has no ledge.
 """
 
 from __future__ import annotations
