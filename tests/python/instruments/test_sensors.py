@@ -57,7 +57,7 @@ def log(sim: Simulator, names: list[str], every: int, steps: int) -> list[list[f
 
 
 # The published vehicle carries only the published instruments.
-VEHICLES = sorted(path for path in (assets_folder() / "vehicles").glob("*.yaml") if path.stem != "paper")
+VEHICLES = sorted(path for path in (assets_folder() / "vehicles").glob("*.yaml") if not path.stem.startswith("paper"))
 
 
 @pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)

@@ -40,13 +40,13 @@ def scenario_from(
         typer.Option(help="A chart: the YAML file to write. Others: the folder. Default: the source's own name."),
     ] = None,
 ) -> None:  # fmt: skip
-    """Make a scenario from a chart, an SDF, URDF, Stonefish or HoloOcean file, or the published Unity project.
+    """Make a scenario from a chart or from another simulator.
 
     Of a chart (BAG, GeoTIFF, NetCDF, ...), the largest square without gaps becomes the bed, at its place on Earth, with
-    a vehicle and a survey in its middle; elevations are positive up. Of a robot's description, the scenario and its
-    vehicles are written, with hulls, mass, hydrodynamics, thrusters and sensors; files that it refers to are looked for
-    beside it. Of a Unity project, bed, station, gates, pipelines and vehicle are read. All that is left out or assumed
-    is printed.
+    a vehicle and a survey in its middle; elevations are positive up. Of a robot's description (SDF, URDF, Stonefish's
+    .scn, HoloOcean's JSON), the scenario and its vehicles are written, with hulls, mass, hydrodynamics, thrusters and
+    sensors; files that it refers to are looked for beside it. Of a Unity project, bed, station, gates, pipelines and
+    vehicle are read. All that is left out or assumed is printed.
     """
     from uwsim.base.options import OptionError
     from uwsim.evidence.scenario_source import source_of

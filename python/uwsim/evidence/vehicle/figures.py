@@ -74,7 +74,8 @@ def vehicle_figures(
     mass_kg, centre_m, _ = mass_with_ballast(model, body, weights)
     lever_m = body.centre_of_buoyancy_m - centre_m
     buoyancy_n = density_kg_m3 * body.volume_m3 * _core.Water().gravity_m_s2
-    nose_down_deg, roll_deg = rest_attitude_deg(lever_m)
+    # The file states the vehicle without its arm, whose weight decides how both rest.
+    nose_down_deg, roll_deg = rest_attitude_deg(lever_m) if model.arm is None else (None, None)
     vertices, _ = vehicle_hull(model)
     return VehicleFigures(
         size_m=_three(np.ptp(vertices, axis=0)),

@@ -58,7 +58,7 @@ class Hinge(Model):
     """A joint that turns about an axis through the link's origin, right-handed. Without a motor it swings freely.
 
     axis: along the link's axes. start_deg: where it is at first. limits_deg: its stops; by default none. viscous and
-    Coulomb friction: the latter is the same at any speed, and at most this at rest.
+    Coulomb friction: the latter is the same at any speed, and at most this at rest. motor: what drives it, if anything.
     """
 
     axis: Point3 = (0.0, 0.0, 1.0)
@@ -75,7 +75,10 @@ class Hinge(Model):
 
 
 class Slide(Model):
-    """A joint that moves along an axis. Without a motor it slides freely. Fields as for a hinge."""
+    """A joint that moves along an axis. Without a motor it slides freely. Fields as for a hinge.
+
+    motor: what drives it, if anything.
+    """
 
     axis: Point3 = (1.0, 0.0, 0.0)
     start_m: Travel = 0.0
@@ -94,7 +97,7 @@ class Link(Model):
     """A rigid link. Its frame's origin is on the joint's axis.
 
     on: the link that holds it; by default the vehicle. position_m, yaw_pitch_roll_deg: its frame in that of what holds
-    it, while the joint is at zero. hinge or slide: its joint; without either it is fixed. inertia_kg_m2: xx, yy, zz
+    it, while the joint is at zero. hinge, slide: its joint; without either it is fixed. inertia_kg_m2: xx, yy, zz
     about its centre of mass along its axes, and inertia_products_kg_m2: xy, xz, yz, as in URDF. volume_m3,
     centre_of_buoyancy_m: of the water that it displaces; by default none, at the centre of mass. added_mass,
     linear_drag, quadratic_drag: surge to yaw along its axes, at the centre of buoyancy; by default none.
