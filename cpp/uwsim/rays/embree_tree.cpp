@@ -1,6 +1,7 @@
 #include "uwsim/rays/embree_tree.h"
 
 #include <cmath>
+#include <new>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/instruction_set.h"
@@ -69,7 +70,9 @@ RayDevice make_ray_device() {
   if (chosen != InstructionSet::best) {
     settings += std::string(",isa=") + (chosen == InstructionSet::portable ? "sse2" : instruction_set_name(chosen));
   }
-  return RayDevice(rtcNewDevice(settings.c_str()));
+  RayDevice device(rtcNewDevice(settings.c_str()));
+  if (device == nullptr) throw std::bad_alloc();  // Embree 4 would read it; its settings are known to be valid
+  return device;
 }
 
 RayTree make_ray_tree(RTCDeviceTy* device, bool robust) {
