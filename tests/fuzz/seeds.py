@@ -285,6 +285,11 @@ def _commands() -> list[bytes]:
     return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
 
 
+def _moos() -> list[bytes]:
+    exchange = json.loads(ROBOTS.with_name("moos").joinpath("exchange.json").read_text())
+    return [bytes.fromhex(each["bytes"]) for each in exchange if each["from"] == "MOOSDB"]
+
+
 def _flight() -> list[bytes]:
     from uwsim.flight.request import FlightRequest
 
@@ -371,6 +376,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
     "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],
+    "moos": _moos,
     "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],
     "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],

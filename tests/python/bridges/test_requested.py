@@ -11,7 +11,10 @@ from uwsim.bridges.ardusub_options import ArduSubOptions
 from uwsim.bridges.requested import Bridges, PlayedBridges
 from uwsim.cli.autopilots import Autopilots
 
-NEED_LIVE = {"mavlink", "nmea", "nmea_rate", "video", "video_camera"}
+NEED_LIVE = {
+    "mavlink", "moos", "moos_control", "moos_elevator", "moos_name", "moos_nav", "moos_rate", "nmea", "nmea_rate",
+    "video", "video_camera",
+}  # fmt: skip
 
 
 def test_a_recording_is_offered_to_all_bridges_but_those_that_need_a_simulator() -> None:

@@ -168,23 +168,40 @@ class Steering:
 
     def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64], name: str = "cmd_vel") -> None:
         """Hold a velocity (6,) [m/s, rad/s] in body axes, for a topic. Raises ValueError while others steer."""
+
+        def loop(vehicle: Any) -> Callable[[], dict[str, float]]:
+            hold = VelocityHold(vehicle, CONTROL_S)
+            return lambda: hold.efforts(self._wanted)
+
         if self._is_cut_off(live):
             return
         with self.helm.lock:
             self.helm.require_at_door(name, Rank.CLIENT)
-            self._wanted, self.by_keys = velocity_body, False
+            self._wanted = velocity_body
+            self.control(live, name, loop)
+
+    def control(self, live: LiveSimulator, name: str, loop: Callable[[Any], Callable[[], dict[str, float]]]) -> None:
+        """Set efforts every CONTROL_S, for a topic, until another command replaces them. Raises ValueError.
+
+        loop: returns, for the vehicle, the function that returns the efforts; a loop of this name goes on.
+        """
+        if self._is_cut_off(live):
+            return
+        with self.helm.lock:
+            self.helm.require_at_door(name, Rank.CLIENT)
+            self.by_keys = False
             if self._loop is None or self._loop.cancelled or self._loop_name != name:
                 self.helm.take(Rank.CLIENT, self._source.topic(name), self._end_loop)
                 self._loop_name = name
-                hold = VelocityHold(live.simulator.vehicles[self._source.name], CONTROL_S)
-                self._loop = live.every(CONTROL_S, lambda sim: hold, lambda hold: self._steer(live, hold))
+                efforts = loop(live.simulator.vehicles[self._source.name])
+                self._loop = live.every(CONTROL_S, lambda sim: efforts, lambda efforts: self._steer(live, efforts))
 
-    def _steer(self, live: LiveSimulator, hold: VelocityHold) -> None:
+    def _steer(self, live: LiveSimulator, efforts: Callable[[], dict[str, float]]) -> None:
         """Set the efforts of one control period, on the simulator's thread."""
-        efforts = hold.efforts(self._wanted)
+        found = efforts()
         with self.helm.lock:
             if self._loop is not None and not self._loop.cancelled:  # unless another source has taken the helm
-                self._command(live, "set_effort", **efforts)
+                self._command(live, "set_effort", **found)
 
     def _end_loop(self, reason: Reason) -> None:
         if self._loop is not None:

@@ -1,0 +1,1 @@
+"""The simulator as an application of a MOOS community."""

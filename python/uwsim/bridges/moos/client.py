@@ -1,0 +1,217 @@
+"""A client of a MOOSDB: it connects, again if necessary, subscribes and publishes."""
+
+from __future__ import annotations
+
+import logging
+import re
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import NamedTuple, Self
+
+from uwsim.bridges.moos.wire import DATA, NOTIFY, POISON, PROTOCOL, REGISTER, TIMING, Message, MoosError, PacketReader
+from uwsim.bridges.moos.wire import encoded as packet_of
+from uwsim.bridges.rare_log import RareLog
+
+PORT = 9000
+"""Of a MOOSDB, unless its mission says otherwise."""
+CONNECT_S, AGAIN_S, TIMING_S, SILENT_S = 5.0, 1.0, 1.0, 10.0
+"""Time to connect, between attempts, between questions about the time, and of silence after which a peer is lost."""
+WAITING_MAX = 10_000
+"""Messages that wait to be sent; older ones are dropped."""
+READ_BYTES = 1 << 16
+
+logger = logging.getLogger("uwsim.moos")
+
+
+class Address(NamedTuple):
+    """Where a MOOSDB is, and the vehicle whose community it serves; "" for the first one."""
+
+    vehicle: str
+    host: str
+    port: int
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Parse "HOST:PORT", "HOST" or either after "VEHICLE=". Raises ValueError."""
+        vehicle, _, where = text.rpartition("=")
+        found = re.fullmatch(r"([^:=\s]+)(?::(\d{1,5}))?", where)
+        if found is None or ("=" in text and not vehicle):
+            raise ValueError(f"moos = '{text[:80]}': must be [VEHICLE=]HOST[:PORT], such as localhost:{PORT}")
+        port = int(found[2] or PORT)
+        if not 1 <= port <= 65535:
+            raise ValueError(f"moos = '{text[:80]}': the port must be in [1, 65535]")
+        return cls(vehicle, found[1], port)
+
+    def __str__(self) -> str:
+        return f"{self.host}:{self.port}"
+
+
+class MoosClient:
+    """A thread that keeps a connection to a MOOSDB.
+
+    name: of this application, which a community has once. names: the variables to subscribe to. received: called on
+    this thread with each packet's notifications. met: called on this thread with the community's name and its time
+    warp when a connection is ready. The warp is MOOS's clock, seconds since 1970 times the warp, over this machine's.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        name: str,
+        names: Iterable[str],
+        received: Callable[[list[Message]], object],
+        met: Callable[[str, float], object],
+    ) -> None:
+        self.address, self.name, self._names = address, name, tuple(names)
+        self._received, self._met = received, met
+        self.community = ""
+        self.warp: float | None = None
+        self._skew_s = 0.0
+        self._waiting: deque[Message] = deque(maxlen=WAITING_MAX)
+        self._wake, self._woken = socket.socketpair()
+        self._wake.setblocking(False)
+        self._rare = RareLog(logger)
+        self._is_closed = False
+        self._thread = threading.Thread(target=self._run, name=f"uwsim-moos-{name}", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        self._is_closed = True
+        with suppress(OSError):
+            self._wake.send(b"\0")
+        self._thread.join(CONNECT_S + AGAIN_S)
+        self._wake.close()
+        self._woken.close()
+
+    @property
+    def is_met(self) -> bool:
+        """True while connected, with a known warp."""
+        return self.warp is not None
+
+    @property
+    def time_s(self) -> float:
+        """MOOS time [s]; that of the wall clock until the community is met."""
+        return time.time() * (self.warp or 1.0) + self._skew_s
+
+    def publish(self, values: Iterable[tuple[str, float | str]]) -> None:
+        """Queue values by variable, all of the present time. Does not block; may be called on any thread.
+
+        Nothing is kept for a community that is not met.
+        """
+        if not self.is_met:
+            return
+        now_s = self.time_s
+        for name, value in values:
+            content = value.encode() if isinstance(value, str) else float(value)
+            self._waiting.append(Message(NOTIFY, name, content, now_s, self.name, self.community))
+        with suppress(OSError):  # it is awake, or closed
+            self._wake.send(b"\0")
+
+    def _run(self) -> None:
+        while not self._is_closed:
+            try:
+                with socket.create_connection((self.address.host, self.address.port), CONNECT_S) as connection:
+                    self._talk(connection)
+            except MoosError as error:
+                self._rare.warning(f"MOOSDB at {self.address}: {error}")
+            except OSError as error:
+                self._rare.warning(f"MOOSDB at {self.address}: {error.strerror or error}; trying again")
+            except Exception:  # of the callbacks
+                logger.exception("MOOSDB at %s: a message could not be handled", self.address)
+            self.warp, self.community = None, ""
+            self._waiting.clear()
+            until_s = time.monotonic() + AGAIN_S
+            while not self._is_closed and time.monotonic() < until_s:
+                time.sleep(0.05)
+
+    def _talk(self, connection: socket.socket) -> None:
+        """Introduce this client and exchange messages until the connection ends. Raises OSError or MoosError."""
+        connection.settimeout(CONNECT_S)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        hello = Message(DATA, "asynchronous", self.name.encode(), time.time())
+        connection.sendall(PROTOCOL + packet_of([hello]))
+        reader, heard_s, asked_s = PacketReader(), time.monotonic(), 0.0
+        first = self._first(connection, reader)
+        self.community = first[0].community
+        self._take(first[1:])
+        now_s = time.time()
+        registrations = [Message(REGISTER, name, 0.0, now_s, self.name, self.community) for name in self._names]
+        connection.sendall(packet_of(registrations))
+        connection.settimeout(0.0)
+        unsent = bytearray()
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._woken, selectors.EVENT_READ)
+            selector.register(connection, selectors.EVENT_READ)
+            while not self._is_closed:
+                now_s = time.monotonic()
+                if now_s - heard_s > SILENT_S:
+                    raise OSError("silent")
+                messages = [self._waiting.popleft() for _ in range(len(self._waiting))]
+                if now_s - asked_s > TIMING_S:
+                    messages.insert(0, Message(TIMING, "_async_timing", 0.0, self.time_s, self.name))
+                    asked_s = now_s
+                if messages:
+                    unsent += packet_of(messages)
+                if len(unsent) > READ_BYTES * 16:
+                    raise OSError("does not read what it is sent")
+                with suppress(BlockingIOError):
+                    while unsent:
+                        del unsent[: connection.send(unsent)]
+                events = selectors.EVENT_READ | (selectors.EVENT_WRITE if unsent else 0)
+                selector.modify(connection, events)
+                for key, _ in selector.select(TIMING_S / 4):
+                    if key.fileobj is self._woken:
+                        self._woken.recv(READ_BYTES)
+                with suppress(BlockingIOError):
+                    data = connection.recv(READ_BYTES)
+                    if not data:
+                        raise OSError("has closed the connection")
+                    heard_s = time.monotonic()
+                    self._take(list(reader.read(data)))
+
+    def _first(self, connection: socket.socket, reader: PacketReader) -> list[Message]:
+        """Return the messages that begin with the welcome. Raises MoosError or OSError."""
+        while True:
+            data = connection.recv(READ_BYTES)
+            if not data:
+                raise MoosError("has closed the connection: is it a MOOSDB?")
+            found = list(reader.read(data))
+            if not found:
+                continue
+            if found[0].kind == POISON:
+                reason = found[0].value
+                shown = reason.decode("latin-1") if isinstance(reason, bytes) else ""
+                raise MoosError(f"refuses '{self.name}': {shown[:200]}")
+            return found
+
+    def _take(self, messages: list[Message]) -> None:
+        for each in messages:
+            if each.kind == TIMING and isinstance(each.value, float):
+                self._learn_time(each.value)
+        notified = [each for each in messages if each.kind == NOTIFY]
+        if notified and self.is_met:
+            self._received(notified)
+
+    def _learn_time(self, moos_s: float) -> None:
+        """Find the warp, to 0.1 %: clocks that differ by a year would change it by 2 %, ones by an hour by 2e-6."""
+        now_s = time.time()
+        warp = round(moos_s / now_s, 3)
+        if not 0.1 <= warp <= 1000:
+            raise MoosError(f"a time of {moos_s:g} s: the clocks of MOOS and of this machine do not agree")
+        is_new = warp != self.warp
+        if is_new or abs(moos_s - now_s * warp - self._skew_s) > warp:
+            # A client of the same machine shares the clock; what is left is the delay of this answer.
+            skew_s = moos_s - now_s * warp
+            self._skew_s = skew_s if abs(skew_s) > warp else 0.0
+        self.warp = warp
+        if is_new:
+            self._met(self.community, warp)
