@@ -111,6 +111,17 @@ def test_a_box_reports_its_closed_forms(tmp_path: Path) -> None:
     assert report.allocation.driven == ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
+def test_a_slow_hull_reaches_its_speed(tmp_path: Path) -> None:
+    """K v^2 = F, approached like tanh(t / tau), tau = (m + A) v / F = 65 s."""
+    check = checked(
+        tmp_path, max_force_n=[10, 10, 10], linear_damping=[0.01, 0.01, 0.01, 60, 80, 30],
+        quadratic_damping=[20, 20, 20, 13, 30, 30],
+    )  # fmt: skip
+    assert check.vehicle is not None
+    speeds = vehicle_report(simulator(check), check.vehicle).terminal[:3]
+    np.testing.assert_allclose(speeds, np.sqrt(10.0 / 20.0), rtol=1e-3)
+
+
 def test_a_thrust_above_the_centre_pitches_a_straight_run_down(tmp_path: Path) -> None:
     """T h = W GM sin(pitch), with T = K v^2 + D v, since this box has no Munk moment; it dives along its own axis."""
     height_m, lever_m = 0.25, 0.01

@@ -19,8 +19,8 @@ from uwsim.simulator.simulator import Simulator
 Floats = NDArray[np.float64]
 TOWED_M, FREE_M = -100.0, -500.0
 """Depths of the trials; a hull in free flight may climb or dive far."""
-HOLD_S, LONGEST_S, SETTLED = 0.02, 90.0, 1e-3
-"""A towed vehicle is straightened every HOLD_S. A trial ends when no speed has changed by SETTLED in a second."""
+HOLD_S, LONGEST_S, SETTLED = 0.02, 600.0, 3e-4
+"""A towed vehicle is straightened every HOLD_S. A trial ends when no speed will change by more than SETTLED."""
 CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
 RUN_S, RUN_LAST_S = 30.0, 10.0
 TILT_DEG = 15.0
@@ -127,7 +127,7 @@ def terminal_speeds(scenario: Scenario) -> Floats:
     batch.place(place)
     steps = max(1, round(HOLD_S / scenario.step_s))
     second = round(1.0 / (steps * scenario.step_s))
-    before = np.full(12, np.inf)
+    before, gains = np.zeros(12), np.full(12, np.inf)
     for k in range(round(LONGEST_S / (steps * scenario.step_s))):
         batch.step(steps, efforts)
         motion = batch.observe()
@@ -136,12 +136,24 @@ def terminal_speeds(scenario: Scenario) -> Floats:
         batch.place(place, velocity_body=velocity)
         if k % second == 0:
             speeds = np.abs(velocity).sum(axis=1)
-            if k > 3 * second and np.all(np.abs(speeds - before) <= SETTLED * np.maximum(speeds, 1e-3)):
+            to_come = _to_come(speeds - before, gains)
+            if k > 3 * second and np.all(to_come <= SETTLED * np.maximum(speeds, 1e-3)):
                 break
-            before = speeds
+            before, gains = speeds, speeds - before
     speeds = np.abs(velocity).sum(axis=1).reshape(2, 6).T
     speeds[full == 0.0] = np.nan
     return np.asarray(speeds)
+
+
+def _to_come(gained: Floats, before: Floats) -> Floats:
+    """Return how much is still to come of what was gained in the last two seconds, if the ratio stays as it is.
+
+    Speeds under quadratic drag approach their limit like tanh(t / tau), in the end by a constant ratio a second.
+    """
+    ratio = np.abs(gained) / np.maximum(np.abs(before), 1e-300)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        to_come = np.abs(gained) * ratio / (1 - ratio)
+    return np.where(np.abs(gained) < 1e-9, 0.0, np.where(ratio < 1, to_come, np.inf))
 
 
 def turning_circles(scenario: Scenario, surges: tuple[float, ...] = (0.5, 1.0)) -> tuple[TurningCircle, ...]:
