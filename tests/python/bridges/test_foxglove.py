@@ -9,7 +9,7 @@ import pytest
 from foxglove_client import FoxgloveClient
 from ros2_tools import until
 from uwsim.bridges.foxglove import FoxgloveServer
-from uwsim.bridges.foxglove.places import received_places
+from uwsim.bridges.foxglove.places import received_places, true_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, _grid
 from uwsim.channels import Table, channels
 from uwsim.channels.delivery.feed import Feed
@@ -67,7 +67,12 @@ def test_the_scenes_come_to_each_client(server):
     for _ in range(2):
         with FoxgloveClient(server.url) as client:
             assert client.channels["/scene/lake"]["schemaName"] == "foxglove.SceneUpdate"
-            for topic, word in (("/scene/lake", b"bed"), ("/scene/vehicles", b"base_link"), ("/scene/track", b"rov 0")):
+            for topic, word in (
+                ("/scene/lake", b"bed"),
+                ("/scene/vehicles", b"base_link"),
+                ("/scene/track", b"rov 0"),
+                ("/scene/true_track", b"rov 0"),
+            ):
                 client.subscribe(topic)
                 assert word in client.next(topic)[1]
             client.subscribe("/scene/map")
@@ -130,6 +135,29 @@ def test_a_track_is_sent_in_segments_that_join():
     assert [tracks._positions["rov"][199]] == tracks._positions["rov"][199:200]
     whole = tracks.whole(0).encode()
     assert all(f"rov {number}".encode() in whole for number in range(3)) and b"rov 3" not in whole
+
+
+def test_a_track_is_the_vehicle_s_own_and_the_true_one_is_a_topic_where_the_truth_is_published():
+    with LiveSimulator(Simulator("lake"), paused=True) as live:
+        own, true, table = [], [], Table(live.simulator)
+        leaves = [
+            received_places(live, table.channels, Feed(live))(lambda now, time_ns: own.append((now["rov"], time_ns))),
+            true_places(live)(lambda now, time_ns: true.append((now["rov"], time_ns))),
+        ]
+        live.step(2000)
+        for leave in leaves:
+            leave()
+        rov = live.simulator.rov
+        assert own[-1][0] == pytest.approx(rov.estimate.pose.position_world_m, abs=0.05)
+        (pose, time_ns), measured = true[-1], {time_ns: place for place, time_ns in own}
+        assert pose == pytest.approx(rov.pose.position_world_m, abs=0.05)
+        assert 1e-4 < np.linalg.norm(np.subtract(pose, measured[time_ns])) < 1.0
+    with LiveSimulator(Simulator("lake"), paused=True) as live:
+        for truth in (True, False):
+            offered = Table(live.simulator, truth=truth).channels
+            with FoxgloveServer(live, offered, port=0) as server, FoxgloveClient(server.url) as client:
+                assert "/scene/track" in client.channels
+                assert ("/scene/true_track" in client.channels) is truth
 
 
 def test_over_a_link_a_track_is_what_the_vehicle_told():

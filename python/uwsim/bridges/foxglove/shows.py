@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from foxglove.messages import SceneUpdate
 
-from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, received_places, true_places
+from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, publish_truth, received_places, true_places
 from uwsim.bridges.foxglove.scenes import Bodies, MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading, Readings
@@ -84,9 +84,9 @@ class TrackShow(Show):
     """The vehicle tracks since the first subscription."""
 
     def __init__(
-        self, outgoing: Outgoing, send: SendAll, live: LiveSimulator, listen: Callable[[Follow], Leave]
+        self, topic: str, outgoing: Outgoing, send: SendAll, live: LiveSimulator, listen: Callable[[Follow], Leave]
     ) -> None:
-        super().__init__("scene/track", outgoing, send)
+        super().__init__(topic, outgoing, send)
         self._live = live
         self._listen = listen
         self._tracks = Tracks()
@@ -203,12 +203,13 @@ def _shows_of_world(
 ) -> list[Show]:
     scenario, has_link = live.simulator.scenario, live.simulator.link is not None
     alone = len(scenario.vehicles) == 1
-    places = received_places(live, channels, feed, origin_m) if has_link else true_places(live)
+    has_truth = not has_link and publish_truth(channels)
     frames = {entry.name: _body_frame("" if alone else f"{entry.name}/", channels) for entry in scenario.vehicles}
     return [
         StillShow("scene/lake", outgoing, send, live, lambda: lake(scenario)),
         StillShow("scene/vehicles", outgoing, send, live, lambda: hulls(scenario, frames)),
-        TrackShow(outgoing, send, live, places),
+        TrackShow("scene/track", outgoing, send, live, received_places(live, channels, feed, origin_m)),
+        *([TrackShow("scene/true_track", outgoing, send, live, true_places(live))] if has_truth else []),
         *([BodyShow(outgoing, send, live)] if scenario.objects and not has_link else []),
     ]
 
