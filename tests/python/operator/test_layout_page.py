@@ -12,6 +12,7 @@ PICTURE = """() => {
   const canvas = document.querySelector('.view.is-large canvas');
   const { width, height } = canvas.getBoundingClientRect();
   const aspect = canvas.width / canvas.height;
+  if (getComputedStyle(canvas).objectFit === 'cover') return width * height / innerWidth / innerHeight;
   return Math.min(width, height * aspect) * Math.min(height, width / aspect) / innerWidth / innerHeight;
 }"""
 
@@ -89,15 +90,82 @@ def test_at_night_all_is_of_one_hue_and_all_stop_is_the_brightest(here, page):
     page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")
 
 
-def test_on_a_phone_the_picture_fills_the_screen_and_only_the_pilot_has_sticks(here, page):
-    phone = here.fly(viewport={"width": 844, "height": 390}, has_touch=True, is_mobile=True)
-    when(phone, "station.views.largeView.picture?.drawn > 0")
-    assert box(phone, ".view.is-large")["height"] >= 330
-    assert phone.is_visible("#all-stop") and not phone.is_visible("#dock") and not phone.is_visible(".stick.left")
-    page.evaluate("id => station.station.handOver(id)", phone.evaluate("station.station.id"))
-    phone.wait_for_selector(".stick.left")
-    assert phone.is_visible(".stick.right")
-    judge(phone, "phone")
-    phone.click("#unfold")
-    assert phone.is_visible("#dock") and phone.is_visible("#menu")
-    phone.context.close()
+STOP_IS_ON_TOP = """() => {
+  scrollTo(0, document.documentElement.scrollHeight);
+  for (const each of document.querySelectorAll('.panel, .views')) each.scrollTo(0, each.scrollHeight);
+  const stop = document.querySelector('#all-stop');
+  const { left, top, right, bottom } = stop.getBoundingClientRect();
+  const isInside = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+  return isInside && document.elementFromPoint((left + right) / 2, (top + bottom) / 2) === stop;
+}"""
+TOUCH = {"has_touch": True, "is_mobile": True}
+SCREENS = {
+    (390, 844): 0.5,
+    (844, 390): 0.99,
+    (1024, 768): 0.7,
+    (820, 1180): 0.7,
+}
+"""Hand-held screens, and the least part of each that the picture has."""
+
+
+@pytest.mark.parametrize(("size", "least"), SCREENS.items(), ids=lambda value: str(value))
+def test_on_hand_held_screens_the_picture_is_the_ground_and_only_the_pilot_has_sticks(here, page, size, least):
+    held = here.fly(viewport={"width": size[0], "height": size[1]}, **TOUCH)
+    when(held, "station.views.largeView.picture?.drawn > 0")
+    until(lambda: held.evaluate(PICTURE) >= least, "the picture")
+    assert held.is_visible("#all-stop") and not held.is_visible("#dock") and not held.is_visible(".stick.left")
+    page.evaluate("id => station.station.handOver(id)", held.evaluate("station.station.id"))
+    held.wait_for_selector(".stick.left")
+    assert held.is_visible(".stick.right") and held.evaluate(STOP_IS_ON_TOP)
+    assert nothing_overlaps(
+        held, "#all-stop", "#unfold", "#lease", ".stick.left", ".stick.right", ".view.is-large .name"
+    )
+    judge(held, "in hands")
+    held.click("#unfold")
+    assert held.is_visible("#dock") and held.is_visible("#menu") and not held.is_visible(".stick.left")
+    judge(held, "unfolded")
+    assert held.evaluate(STOP_IS_ON_TOP)
+    held.click(".view:not(.is-large) .swap >> nth=-1")
+    held.click("#inspect")
+    assert held.evaluate(STOP_IS_ON_TOP)
+    held.context.close()
+    until(
+        lambda: page.evaluate(
+            "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
+        ),
+        "the controls",
+    )
+
+
+def nothing_overlaps(page, *selectors: str) -> bool:
+    boxes = [box(page, each) for each in selectors]
+    return not any(
+        a["x"] < b["x"] + b["width"]
+        and b["x"] < a["x"] + a["width"]
+        and a["y"] < b["y"] + b["height"]
+        and b["y"] < a["y"] + a["height"]
+        for k, a in enumerate(boxes)
+        for b in boxes[:k]
+    )
+
+
+@pytest.mark.parametrize("size", [(360, 640), (520, 900), (700, 500), (900, 600), (1024, 400), (1280, 720)], ids=str)
+def test_all_stop_is_reachable_in_windows_of_any_size(page, size):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_timeout(100)
+    assert page.evaluate(STOP_IS_ON_TOP)
+    if page.is_visible("#unfold"):
+        page.click("#unfold")
+        assert page.evaluate(STOP_IS_ON_TOP)
+        page.click("#unfold")
+
+
+@pytest.mark.parametrize("theme", ["dark", "light", "night"])
+@pytest.mark.parametrize("locale", ["en", "de"])
+def test_every_contrast_over_pictures_is_computed(here, theme, locale):
+    look = here.fly(viewport={"width": 1280, "height": 720}, locale=locale)
+    look.evaluate(f"document.documentElement.dataset.theme = '{theme}', dispatchEvent(new Event('theme'))")
+    for view in ("front", "chart", "scene", "fan"):
+        look.evaluate(f"station.views.enlarge('{view}')")
+        judge(look, f"{view}, {theme}, {locale}")
+    look.context.close()

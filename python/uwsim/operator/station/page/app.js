@@ -1,6 +1,7 @@
 // The entry point: connects, shows the start screen or the station, and connects the parts.
 import './localize.js';
 import './theme.js';
+import './handheld.js';
 import { CameraAim } from './camera_aim.js';
 import { watchDialogs } from './dialogs/dialog.js';
 import { showGamepads } from './dialogs/gamepad.js';
@@ -87,8 +88,9 @@ byId('menu').addEventListener('click', () => openMenu());
 byId('layouts').addEventListener('click', () => showLayouts(views));
 byId('station').classList.toggle('is-alone', IS_ALONE);
 byId('unfold').addEventListener('click', () => {
-  const isUnfolded = byId('station').classList.toggle('is-unfolded'); // on a phone, where the bar is folded
+  const isUnfolded = byId('station').classList.toggle('is-unfolded'); // on a hand-held screen
   byId('unfold').setAttribute('aria-expanded', String(isUnfolded));
+  views.setUnfolded(isUnfolded);
 });
 addEventListener('keydown', (event) => {
   if (

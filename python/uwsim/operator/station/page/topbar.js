@@ -1,5 +1,6 @@
 // The top bar: vehicle, lights, tilt, gain, camera, time.
-import { all, attempt, byId, clockText, el, fixed, targetOf, write } from './dom.js';
+import { all, attempt, byId, capital, clockText, el, fixed, targetOf, write } from './dom.js';
+import { titled } from './said.js';
 import { STRINGS } from './strings.js';
 
 const WORDS = STRINGS.topbar;
@@ -63,18 +64,19 @@ export class TopBar {
       ...names.map((name) => el('option', { value: name, selected: name === vehicle.name }, name)),
     );
     write(byId('scenario-name'), description.scenario);
-    this.#lights = vehicle.lamps.map((name, k) =>
-      el(
+    this.#lights = vehicle.lamps.map((name, k) => {
+      const title = titled({ name, title: capital(name) });
+      return el(
         'button',
         {
           type: 'button',
           'aria-pressed': 'false',
-          'aria-label': WORDS.light(name),
+          'aria-label': WORDS.light(title.toLowerCase()),
           onclick: () => this.light(name, !this.#isLit(k)),
         },
-        name.replace(/^./, (letter) => letter.toUpperCase()),
-      ),
-    );
+        title,
+      );
+    });
     byId('lights').replaceChildren(
       el('span', { className: 'caption', 'aria-hidden': 'true' }, WORDS.lights),
       ...this.#lights,

@@ -1,5 +1,6 @@
 // The chart: bed colours by depth, obstacles by name, tracks, measuring, and waypoints that the server saves and flies.
 import { all, attempt, el, fixed, pen, toast, write } from '../dom.js';
+import { isHandheld } from '../handheld.js';
 import { STRINGS } from '../strings.js';
 import { inUnit, unitName } from '../units.js';
 import { PLAN_SPEEDS_M_S, plan as request } from '../wire/messages.js';
@@ -13,6 +14,7 @@ const TRACK_MAX = 5000;
 const TRACK_M = 0.1; // between points of a track
 const REPORT_MS = 500;
 const CLICK_PX = 5; // a press that moves less is a click
+const BAR_PX = 42; // of a hand-held screen's folded bar
 const VEHICLE = '#ffd166';
 
 const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
@@ -262,7 +264,7 @@ export class ChartView {
         VEHICLE,
         colours,
       );
-    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north);
+    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, isHandheld() ? BAR_PX : 0);
   }
 
   #drawLine(c, points, colour, dashes) {

@@ -7,6 +7,8 @@ import { label } from './chart_marks.js';
 const CELLS_MAX = 200; // along an axis, for contours
 const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]; // between contours, in the pilot's unit
 const CONTOURS = 8; // at most, between the surface and the deepest place
+const LINE_PX = 14; // of names, and how often one gives way by half of that
+const LINES = 8;
 const LABEL_PX = 150; // between two labels of contours
 
 /** @typedef {{ rows: number, columns: number, west_m: number, south_m: number, spacing_m: [number, number] }} Grid
@@ -74,7 +76,8 @@ export class ChartGround {
     c.fillRect(0, 0, width, height);
     c.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     if (this.grid) this.#paintBed(c, frame, this.grid, isLarge);
-    for (const { name, outline_m } of this.meshes) this.#paintObstacle(c, frame, name, outline_m, isLarge);
+    for (const { outline_m } of this.meshes) this.#paintObstacle(c, frame, outline_m);
+    if (isLarge) this.#paintNames(c, frame);
   }
 
   #paintBed(c, frame, { rows, columns, west_m, south_m, spacing_m }, isLarge) {
@@ -108,7 +111,7 @@ export class ChartGround {
       }
   }
 
-  #paintObstacle(c, frame, name, outline, isLarge) {
+  #paintObstacle(c, frame, outline) {
     c.beginPath();
     outline.forEach((point, k) => (k ? c.lineTo(...frame.at(point)) : c.moveTo(...frame.at(point))));
     c.closePath();
@@ -118,9 +121,23 @@ export class ChartGround {
     c.fill();
     c.globalAlpha = 1;
     c.stroke();
-    if (!isLarge) return;
-    const middle = [0, 1].map((axis) => outline.reduce((sum, point) => sum + point[axis], 0) / outline.length);
-    label(c, name.replaceAll('_', ' '), ...frame.at(middle), this.colours);
+  }
+
+  // The names of obstacles, each below those that it would hide.
+  #paintNames(c, frame) {
+    /** @type {[number, number, number][]} */
+    const taken = [];
+    for (const { name, outline_m: outline } of this.meshes) {
+      const text = name.replaceAll('_', ' ');
+      const middle = [0, 1].map((axis) => outline.reduce((sum, point) => sum + point[axis], 0) / outline.length);
+      const [x, top] = frame.at(middle);
+      const half = c.measureText(text).width / 2;
+      const hides = (y) => taken.some(([a, b, w]) => Math.abs(a - x) < half + w && Math.abs(b - y) < LINE_PX);
+      let y = top;
+      for (let k = 0; k < LINES && hides(y); k += 1) y += LINE_PX / 2;
+      taken.push([x, y, half]);
+      label(c, text, x, y, this.colours);
+    }
   }
 }
 

@@ -33,9 +33,9 @@ export class Hud {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  // axis: see cameraAxis; null if the camera's angles are unknown. focal: in pixels per picture width. contact: see
-  // Telemetry.
-  draw(message, { isStale, axis, focal, aspect, proximity_m, contact }) {
+  // axis: see cameraAxis; null if the camera's angles are unknown. focal: in pixels per picture width. isFilled: whether
+  // the picture fills the canvas and is cut, or is shown whole. covered: see handheld.js. contact: see Telemetry.
+  draw(message, { isStale, axis, focal, aspect, isFilled, covered, proximity_m, contact }) {
     this.shown = { axis, contact, tapes: {} };
     const { canvas, context: c } = this;
     const ratio = Math.min(devicePixelRatio || 1, 2);
@@ -46,27 +46,30 @@ export class Hud {
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.clearRect(0, 0, width, height);
     if (!message || width < 240) return;
-    const top = Math.max(0, (height - width / aspect) / 2); // top of the picture, which is shown whole
-    const left = Math.max(0, (width - height * aspect) / 2);
-    const rem = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
-    const scale = rem * Math.max(0.72, Math.min(1.15, height / 560));
+    const wide = (isFilled ? Math.max : Math.min)(width, height * aspect); // of the picture
+    const left = Math.max(0, (width - wide) / 2);
+    const rem_px = parseFloat(getComputedStyle(document.documentElement).fontSize);
+    const letterbox = Math.max(0, (height - wide / aspect) / 2);
+    const top = letterbox + covered.head * rem_px;
+    const foot = height - letterbox - covered.foot * rem_px;
+    const scale = (rem_px / 16) * Math.max(0.72, Math.min(1.15, height / 560));
     this.ink = isStale ? STALE : INK;
     this.soft = isStale ? STALE : SOFT;
     c.textBaseline = 'middle';
     const angles = attitude(message.orientation);
-    const wide = width - 2 * left;
     if (axis && Math.abs(axis.up_deg) < STEEPEST) this.#ladder(width / 2, height / 2, scale, axis, focal * wide);
-    this.#note(width / 2, height - top - 30 * scale, scale, axis ? WORDS.cam(axisText(axis)) : WORDS.camUnknown);
+    this.#note(width / 2, foot - 30 * scale, scale, axis ? WORDS.cam(axisText(axis)) : WORDS.camUnknown);
     if (contact && !isStale) this.#contact(width / 2, height * 0.66, scale, contact);
     const holds = shownHolds(message);
     const target = (name) => holds.find((hold) => hold.name === name)?.target ?? null;
     const inTarget = (name) => (target(name) === null ? null : inUnit(target(name)));
     const yaw_rad = target('heading');
-    this.#heading(width / 2, top + 10, Math.min(440, width * 0.46), scale, angles.heading_deg, {
+    const broad = Math.min(440, width * 0.46, width - 2 * covered.shoulders * rem_px);
+    this.#heading(width / 2, top + 10, broad, scale, angles.heading_deg, {
       target_deg: yaw_rad === null ? null : 90 - (yaw_rad * 180) / Math.PI,
     });
-    this.#chips(width / 2, height - top - 58 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''));
-    const tall = Math.min(300, height * 0.56);
+    this.#chips(width / 2, foot - 58 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''));
+    const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px);
     const side = left + Math.max(12, width * 0.02);
     this.#tape(side, height / 2, tall, scale, {
       name: WORDS.depth,

@@ -1,12 +1,13 @@
 // The views: one large, the others small, swapped by click or number key. Each camera or sonar is a stream of pictures.
 import { el, write } from '../dom.js';
-import { has, TASKS } from './arrangement.js';
+import { covered, isHandheld } from '../handheld.js';
+import { has, smallOnes, unchosen } from './arrangement.js';
 import { cameraAxis, focalPixels } from './camera_axis.js';
 import { Hud } from './hud.js';
 import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 import { SonarScreen } from './sonar_screen.js';
-import { strip } from './strip.js';
+import { folded, isFilled, strip, unfolded } from './strip.js';
 import { titled } from '../said.js';
 import { STRINGS } from '../strings.js';
 import { SONAR_KINDS } from '../wire/messages.js';
@@ -36,8 +37,10 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = new URLSearchParams(location.search).get('view') ?? ''; // as uwsim.view asks for the scene
-  /** @type {import('./arrangement.js').Arrangement} */
-  arrangement = TASKS.inspection;
+  /** @type {import('./arrangement.js').Arrangement | null} */
+  #chosen = null;
+  #isFilled = false; // the large picture has no bars
+  #isUnfolded = false; // on a hand-held screen: all views are shown, to choose one
   #isAboard = false; // whether views show the vehicle's own pictures, not those carried by the link
   #cameras = new Previews();
   #sonars = new Previews();
@@ -52,6 +55,7 @@ export class Views extends EventTarget {
     this.drawn = drawn;
     telemetry.addEventListener('change', () => this.#drawHud());
     document.addEventListener('visibilitychange', () => this.#choosePictures());
+    addEventListener('screen', () => this.#arrangeAgain());
     new ResizeObserver(() => {
       this.#fit();
       this.#drawHud();
@@ -107,19 +111,31 @@ export class Views extends EventTarget {
 
   // Show the views of an arrangement, of those that there are.
   arrange(arrangement) {
-    this.arrangement = arrangement;
-    this.container.parentElement?.classList.toggle('has-no-panel', !arrangement.panel);
+    this.#chosen = arrangement;
+    this.#arrangeAgain();
     const large = [...this.#views.values()].find(({ view }) => has([arrangement.large], view));
     this.enlarge(large?.view.name ?? this.#large);
+  }
+
+  get arrangement() {
+    return this.#chosen ?? unchosen();
+  }
+
+  // Show all views as small ones, or those of the arrangement; see the button that unfolds the bar.
+  setUnfolded(isUnfolded) {
+    this.#isUnfolded = isUnfolded;
+    this.enlarge(this.#large);
+  }
+
+  #arrangeAgain() {
+    this.container.parentElement?.classList.toggle('has-no-panel', !this.arrangement.panel && !isHandheld());
+    this.enlarge(this.#large);
   }
 
   enlarge(name) {
     if (!this.#views.has(name)) return;
     this.#large = name;
-    for (const [other, { element, view }] of this.#views) {
-      element.classList.toggle('is-large', other === name);
-      element.hidden = other !== name && !has(this.arrangement.small, view);
-    }
+    for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
     this.#fit();
     for (const own of this.drawn) own.setLarge(name === own.name);
     for (const [other, { sonar }] of this.#views) sonar?.setLarge(other === name);
@@ -144,8 +160,21 @@ export class Views extends EventTarget {
 
   #fit() {
     const { clientWidth, clientHeight, style, parentElement } = this.container;
-    const count = [...this.#views.values()].filter(({ element }) => !element.hidden).length - 1;
-    const { columns, rows, row_px } = strip(clientWidth, clientHeight, Math.max(count, 0));
+    const all = [...this.#views.values()].map(({ view }) => view);
+    const isFolded = isHandheld() && !this.#isUnfolded;
+    const arrangement = isHandheld() && this.#isUnfolded ? { ...this.arrangement, small: null } : this.arrangement;
+    const small = smallOnes(arrangement, all, this.#large);
+    const divided = isFolded ? folded : isHandheld() ? unfolded : strip;
+    const { columns, rows, row_px } = divided(clientWidth, clientHeight, small.length);
+    let isChanged = false;
+    for (const [name, { element }] of this.#views) {
+      const isHidden = name !== this.#large && !(rows > 0 && small.includes(name));
+      isChanged ||= element.hidden !== isHidden;
+      element.hidden = isHidden;
+    }
+    if (isChanged) this.#choosePictures();
+    this.#isFilled = isHandheld() || isFilled(clientWidth, clientHeight - rows * row_px);
+    this.container.classList.toggle('is-filled', this.#isFilled);
     style.setProperty('--columns', String(columns));
     style.setProperty('--row', `${row_px}px`);
     parentElement?.style.setProperty('--strip', `${rows * row_px}px`);
@@ -154,10 +183,19 @@ export class Views extends EventTarget {
   #frame(title, ...contents) {
     const number = el('b');
     const swap = el('button', { type: 'button', className: 'swap' });
-    const lost = el('p', { className: 'lost' }, WORDS.noPicture);
+    const lost = el('span', {}, WORDS.noPicture);
     const name = el('p', { className: 'name' }, number, title);
     const over = el('p', { className: 'over', hidden: true });
-    const element = el('section', { className: 'view', 'aria-label': title }, ...contents, lost, over, name, swap);
+    const element = el(
+      'section',
+      { className: 'view', 'aria-label': title },
+      ...contents,
+      el('i', { className: 'tint' }),
+      el('p', { className: 'lost' }, lost),
+      over,
+      name,
+      swap,
+    );
     return { element, number, swap, lost, over, title };
   }
 
@@ -233,6 +271,8 @@ export class Views extends EventTarget {
         focal: view.optics ? focalPixels(1, view.optics) : NaN,
         contact: this.telemetry.contact,
         aspect: picture.canvas.width / picture.canvas.height,
+        isFilled: this.#isFilled,
+        covered: covered(this.station.isPilot, this.#isUnfolded),
         proximity_m: this.station.description?.warnings?.proximity_m ?? 0,
       });
     }
