@@ -10,7 +10,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kTextureRepeat_m = 256;  // an integer number of ripple tiles: 40 of 6.4 m
 // Fraction of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees
 // and still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
 constexpr double kScatteredAway = 0.2;
@@ -37,7 +36,23 @@ float highest_ray(const camera::View& view) {
   return std::min(1.0f, highest + view.pixel_rad + 3 * view.wobble_rad);  // at most 2.2 wobble_rad along both axes
 }
 
-float wrapped(double x) { return static_cast<float>(x - kTextureRepeat_m * std::floor(x / kTextureRepeat_m)); }
+/// One coordinate of the camera in the patterns of materials, which begin one repeat before the world's origin.
+struct PatternPlace {
+  float texture_m;            // in the frame of textures
+  double first_m;             // that frame's origin
+  std::uint32_t whole, cell;  // the same, modulo 2^32, and its cell of large patches
+  float patch;                // its place in that cell
+
+  explicit PatternPlace(double x) {
+    const double repeats = std::floor(x / camera::kTextureRepeat_m);
+    texture_m = static_cast<float>(x - camera::kTextureRepeat_m * repeats);
+    first_m = camera::kTextureRepeat_m * (repeats + 1);
+    const double patches = first_m * static_cast<double>(camera::kPatch_per_m), cells = std::floor(patches);
+    const auto modulo = [](double n) { return static_cast<std::uint32_t>(static_cast<std::int64_t>(n)); };
+    whole = modulo(first_m), cell = modulo(cells);
+    patch = static_cast<float>(patches - cells);
+  }
+};
 
 }  // namespace
 
@@ -52,8 +67,7 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.surface_z =
       static_cast<float>(scene.world().water.surface_height_at(anchor_world_m.x(), anchor_world_m.y(), request.time_s));
   set_wobble(camera, optics, request);
-  view.texture_x = wrapped(anchor_world_m.x());
-  view.texture_y = wrapped(anchor_world_m.y());
+  set_patterns();
   view.camera_in_water = has_water && view.camera_z < view.surface_z;
   set_rays(camera, request);
   set_shutter(camera, request);
@@ -75,6 +89,18 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.materials = scene.materials().data();
   view.steep_material = 1;
   view.land_material = 2;
+}
+
+/// Places the patterns of materials in the world, so that they do not depend on where the camera is.
+void PreparedView::set_patterns() {
+  const PatternPlace x(anchor_world_m.x()), y(anchor_world_m.y());
+  view.texture_x = x.texture_m, view.texture_y = y.texture_m;
+  view.texture_first_x = x.whole, view.texture_first_y = y.whole;
+  view.patch_cell_x = x.cell, view.patch_cell_y = y.cell;
+  view.patch_x = x.patch, view.patch_y = y.patch;
+  const double first_m =
+      static_cast<double>(camera::kRippleX) * x.first_m + static_cast<double>(camera::kRippleY) * y.first_m;
+  view.ripple_first_m = static_cast<float>(first_m);
 }
 
 void PreparedView::set_rays(const Camera& camera, const PictureRequest& request) {

@@ -23,6 +23,7 @@ class PreparedView {
   Eigen::Vector3d anchor_world_m;  ///< the origin of View's positions: the camera
 
  private:
+  void set_patterns();
   void set_rays(const Camera& camera, const PictureRequest& request);
   void set_shutter(const Camera& camera, const PictureRequest& request);
   void set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request);

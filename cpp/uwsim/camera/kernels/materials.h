@@ -6,16 +6,14 @@
 namespace uwsim::camera {
 namespace {
 
-constexpr float kPatch_per_m = 0.7f;
-
-/// Value noise in [0, 1]: hashed values at integer points, interpolated smoothly. Repeats every 256 m at integer
-/// frequencies.
-UWSIM_LANES Float value_noise(Vector p, std::uint32_t salt) {
+/// Value noise in [0, 1]: hashed values at integer points, interpolated smoothly. `first_x`, `first_y`: the cell of
+/// p = 0, so that p is small and therefore exact anywhere in the world.
+UWSIM_LANES Float value_noise(Vector p, std::uint32_t salt, Unsigned first_x, Unsigned first_y) {
   const Int i = floor_int(p.x), j = floor_int(p.y), k = floor_int(p.z);
   const Float u = p.x - to_float(i), v = p.y - to_float(j), w = p.z - to_float(k);
   const Float su = u * u * (3 - 2 * u), sv = v * v * (3 - 2 * v), sw = w * w * (3 - 2 * w);
-  const Unsigned x0 = bits_as<std::uint32_t>(i) * 0x8da6b343u, x1 = x0 + 0x8da6b343u;
-  const Unsigned y0 = bits_as<std::uint32_t>(j) * 0xd8163841u, y1 = y0 + 0xd8163841u;
+  const Unsigned x0 = (bits_as<std::uint32_t>(i) + first_x) * 0x8da6b343u, x1 = x0 + 0x8da6b343u;
+  const Unsigned y0 = (bits_as<std::uint32_t>(j) + first_y) * 0xd8163841u, y1 = y0 + 0xd8163841u;
   const Unsigned z0 = bits_as<std::uint32_t>(k) * 0xcb1ab31fu + salt, z1 = z0 + 0xcb1ab31fu;
   const auto row = [&](Unsigned y, Unsigned z) { return mix(hash_unit(x0 ^ y ^ z), hash_unit(x1 ^ y ^ z), su); };
   return mix(mix(row(y0, z0), row(y1, z0), sv), mix(row(y0, z1), row(y1, z1), sv), sw);
@@ -52,7 +50,8 @@ void apply_material(const View& view, Block& block) {
   normal = select(dot(normal, direction) > 0, normal * splat(-1), normal);
   const Vector at = {point.x + view.texture_x, point.y + view.texture_y, point.z + view.camera_z};
   const Float pixel_m = square_root(dot(point, point)) * view.pixel_rad;
-  const Float large = value_noise(at * splat(kPatch_per_m), 17u);
+  const Vector patch = {at.x * kPatch_per_m + view.patch_x, at.y * kPatch_per_m + view.patch_y, at.z * kPatch_per_m};
+  const Float large = value_noise(patch, 17u, Unsigned(view.patch_cell_x), Unsigned(view.patch_cell_y));
   Int material = load(block.material.at);
   const Int on_terrain = material == 0;
   const Int on_land = on_terrain & (at.z > 0.2f + 1.5f * large),
@@ -62,20 +61,26 @@ void apply_material(const View& view, Block& block) {
   const Float fine_near = clamp(1.5f - 1.5f * pixel_m * look.fine_per_m, 0, 1);
   const Float grain_near = clamp(1.5f - 13.0f * pixel_m * look.fine_per_m, 0, 1);
   const Int lit = load(block.lit.at);
+  const Unsigned per_m = bits_as<std::uint32_t>(floor_int(look.fine_per_m));  // whole, in all materials
+  const Unsigned cell_x = per_m * view.texture_first_x, cell_y = per_m * view.texture_first_y;
   Float fine{}, grain{};
-  if (any(lit & (fine_near > 0))) fine = value_noise(at * look.fine_per_m, 91u) - 0.5f;
-  if (any(lit & (grain_near > 0))) grain = value_noise(at * (look.fine_per_m * 9.0f), 53u) - 0.5f;
+  if (any(lit & (fine_near > 0))) fine = value_noise(at * look.fine_per_m, 91u, cell_x, cell_y) - 0.5f;
+  if (any(lit & (grain_near > 0))) {
+    grain = value_noise(at * (look.fine_per_m * 9.0f), 53u, cell_x * 9u, cell_y * 9u) - 0.5f;
+  }
   const Float patches = (large - 0.5f) * 0.9f + fine * fine_near * 0.7f + grain * grain_near * 0.9f;
   const Float share = clamp(0.5f + look.contrast * patches, 0, 1);
   Vector albedo = {mix(look.base.x, look.other.x, share), mix(look.base.y, look.other.y, share),
                    mix(look.base.z, look.other.z, share)};
   albedo = select(load(block.has_texture.at), load(block.texture_albedo), albedo);
   const Float ripple_near = clamp(1.5f - 4.0f * pixel_m / max(look.ripple_m, splat(1e-3f)), 0, 1);
-  const Float crest = (at.x * 0.83f + at.y * 0.56f + 0.35f * large) * (2 * kPi) / max(look.ripple_m, splat(0.02f));
+  const Float crest_m = max(look.ripple_m, splat(0.02f)), crests = view.ripple_first_m / crest_m;
+  const Float begun_m = view.ripple_first_m - crest_m * to_float(floor_int(crests));
+  const Float crest = (at.x * kRippleX + at.y * kRippleY + 0.35f * large + begun_m) * (2 * kPi) / crest_m;
   const Float ripple =
       select(look.ripple_m > 0, look.ripple_tilt * ripple_near * cosine(crest) * (0.4f + large), Float{});
-  const Vector tilted = {normal.x - ripple * 0.83f + look.bump * fine_near * fine,
-                         normal.y - ripple * 0.56f + look.bump * grain_near * grain, normal.z};
+  const Vector tilted = {normal.x - ripple * kRippleX + look.bump * fine_near * fine,
+                         normal.y - ripple * kRippleY + look.bump * grain_near * grain, normal.z};
   store(block.normal, unit(tilted));
   store(block.albedo, albedo);
 }

@@ -7,12 +7,15 @@ namespace uwsim::camera {
 
 inline constexpr int kRippleCells = 128, kCausticLevels = 6;
 inline constexpr float kRippleTile_m = 6.4f, kFirstCausticLevel_m = 0.5f;
+inline constexpr double kTextureRepeat_m = 256;             // an integer number of ripple tiles: 40
+inline constexpr float kPatch_per_m = 0.7f;                 ///< number of large patches of materials per metre
+inline constexpr float kRippleX = 0.83f, kRippleY = 0.56f;  ///< the normal of crests of sand ripples
 
 /// A procedural material: two colours mixed in patches of two sizes, and relief.
 struct Material {
   float base[3], other[3];  ///< albedo
   float contrast;           ///< of the patches; 0 for none
-  float fine_per_m;         ///< number of small patches per metre; the large ones measure 1.4 m in all materials
+  float fine_per_m;         ///< number of small patches per metre, whole; the large ones measure 1.4 m in all materials
   float bump;               ///< tilt of the normal by the small patches [rad]
   float ripple_m;           ///< length of sand ripples; 0 for none
   float ripple_tilt;        ///< steepest slope of the ripples
@@ -54,8 +57,12 @@ struct View {
   float velocity[3], spin_axis[3], spin_turns_per_s, row_s, part_s;
   float pixel_rad;  ///< angle across one pixel, approximately
   float wobble_rad, wobble_phase;
-  float camera_z, surface_z;    ///< world z of the camera, and of the surface above or below it
-  float texture_x, texture_y;   ///< position of the camera in the frame of textures and ripples, which repeat
+  float camera_z, surface_z;   ///< world z of the camera, and of the surface above or below it
+  float texture_x, texture_y;  ///< position of the camera in the frame of textures and ripples, below kTextureRepeat_m
+  /// That frame's origin in the patterns of materials, which do not repeat: in metres, whole and modulo 2^32; and in
+  /// their large patches: the cell, and the place in it.
+  std::uint32_t texture_first_x, texture_first_y, patch_cell_x, patch_cell_y;
+  float patch_x, patch_y, ripple_first_m;
   double terrain_x, terrain_y;  ///< first node relative to the camera
   double terrain_spacing, anchor_z;
   const float* heights;  ///< null if there is no terrain
