@@ -15,6 +15,7 @@ from uwsim.scenario.obstacles.pipeline import Pipeline
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.growth import GROWTHS, Growth
 from uwsim.scenario.spec.obstacle import Solid
+from uwsim.scenario.spec.part import places_by_kind
 
 SITE = {
     "name": "site",
@@ -98,8 +99,8 @@ def test_a_pipe_has_joints_anodes_and_features_where_they_were_put() -> None:
     assert top(6.1) == pytest.approx(top_m + 0.12 * 0.3, abs=5e-3), "an anode"
     assert top(20.0) == pytest.approx(top_m - 0.12 * 0.3, abs=5e-3), "damage"
     assert top(40.0) == pytest.approx(top_m + 0.5, abs=0.01), "a span"
-    marks = pipe.marks(build_terrain(sim.scenario.terrain))
-    assert {kind: len(places) for kind, places in marks.items()} == {"damage": 1, "span": 1, "anode": 3}
+    marks = places_by_kind(pipe.parts(build_terrain(sim.scenario.terrain)))
+    assert {kind: len(places) for kind, places in marks.items()} == {"damage": 1, "span": 1, "anode": 3, "joint": 4}
     assert marks["damage"][0] == pytest.approx(np.array([-30, 0, top_m]) + 20 * ahead, abs=0.01)
     solid = pipe.solid(build_terrain(sim.scenario.terrain))
     assert trimesh.Trimesh(solid.vertices, solid.triangles, process=False).is_watertight
@@ -111,7 +112,8 @@ def test_a_seed_draws_features_that_do_not_overlap() -> None:
     def pipe(seed: int) -> list[list[float]]:
         condition = {"damages": 4, "spans": 2, "burials": 1, "seed": seed}
         terrain = site().scenario.terrain
-        return validated(Pipeline, PIPE | {"condition": condition}).marks(build_terrain(terrain))["damage"].tolist()
+        parts = validated(Pipeline, PIPE | {"condition": condition}).parts(build_terrain(terrain))
+        return places_by_kind(parts)["damage"].tolist()
 
     assert pipe(1) == pipe(1) != pipe(2)
     assert len(pipe(1)) == 4

@@ -31,7 +31,7 @@ def closed(solid: Any) -> trimesh.Trimesh:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_net_has_its_holes_and_no_other(seed: int) -> None:
     net = Net(**NET, holes=3, hole_m=1.2, seed=seed)
-    marks = net.marks_m()
+    marks = net.holes_m()
     assert np.hypot(*(marks - net.position_m)[:, :2].T) == pytest.approx(3.0)
     assert (np.abs(marks[:, 2] + 3.0) <= 2.0 - 1.2).all()
     torn, whole = closed(net.solid(build_terrain(load("pool").terrain))), closed(Net(**NET).solid(None))  # type: ignore[arg-type]
@@ -39,7 +39,7 @@ def test_a_net_has_its_holes_and_no_other(seed: int) -> None:
     assert (away > 0.6 - 0.2 - 0.02).all()
     lost = len(whole.faces) - len(torn.faces)
     assert lost == 8 * round(lost / 8) > 0
-    assert not np.array_equal(marks, Net(**NET, holes=3, hole_m=1.2, seed=seed + 2).marks_m())
+    assert not np.array_equal(marks, Net(**NET, holes=3, hole_m=1.2, seed=seed + 2).holes_m())
 
 
 def test_a_rope_hangs_and_a_chain_has_links_along_it() -> None:
@@ -84,7 +84,7 @@ def test_scour_is_a_hole_with_a_floor_and_an_even_slope() -> None:
 def test_rays_pass_a_hole_and_meet_a_strand() -> None:
     net = {**NET, "position_m": (0.0, 0.0, -0.2), "strand_m": 0.1, "holes": 1, "hole_m": 1.4}
     with Simulator(validated(Scenario, {**load("pool").given(), "obstacles": [net]})) as sim:
-        (mark,) = Net(**net).marks_m()
+        (mark,) = Net(**net).holes_m()
         out = mark * [1, 1, 0] / 3.0
         strand = np.array([3.0 * out[1], -3.0 * out[0], -2.2])  # a row of knots at mid-depth, a quarter around
         eyes, ways = np.array([mark + 0.5 * out, 1.2 * strand * [1, 1, 1 / 1.2]]), np.array([-out, -strand * [1, 1, 0]])

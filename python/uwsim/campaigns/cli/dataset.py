@@ -78,8 +78,8 @@ def dataset(
     write: Annotated[
         str,
         typer.Option(
-            help="Outputs, comma-separated: rgb, depth, normals, instances, classes, boxes, yolo, arrays, "
-            "sonar, multibeam."
+            help="Outputs, comma-separated: rgb, depth, normals, instances, classes, parts, boxes, yolo, "
+            "arrays, sonar, multibeam."
         ),
     ] = "rgb,depth,normals,instances,classes,boxes",
     pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",

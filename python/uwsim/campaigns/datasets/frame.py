@@ -13,6 +13,7 @@ from uwsim.campaigns.datasets.formats.coco import annotations_of
 from uwsim.campaigns.datasets.formats.npz import archive
 from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels, png
 from uwsim.campaigns.datasets.formats.yolo import yolo_lines
+from uwsim.campaigns.datasets.parts import drawn
 from uwsim.campaigns.datasets.poses import Viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.studio import Studio, studio_of
@@ -108,6 +109,8 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
         files["instances"] = png(labels)
     if spec.writes("classes"):
         files["classes"] = png(np.asarray(studio.class_of_label, np.uint8)[labels])
+    if spec.writes("parts"):
+        files["parts"] = png(drawn(studio.part_masks(frame), labels.shape))
     if spec.writes("arrays"):
         files["arrays"] = archive(
             rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.campaigns.datasets.formats.coco import annotations_of
+from uwsim.campaigns.datasets.parts import Parts
 from uwsim.campaigns.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.targets import TERRAIN, Targets
@@ -56,7 +57,9 @@ class Studio:
         if spec.writes("multibeam"):
             _ = self.vehicle.sonar  # raises ValueError if there is none
         small = self.camera.resized(8, 8).capture(geometry_only=True)
-        self.label_names, self.class_names = list(small.label_names), list(small.class_names)
+        self.label_names = list(small.label_names)
+        self.parts = Parts(self.sim, list(small.class_names))
+        self.class_names = self.parts.class_names
         self.class_of_label = small.class_of_label
         self._drawing: tuple[Targets, Targets | None, Eye] | None = None
 
@@ -163,7 +166,14 @@ class Studio:
         """Return COCO's annotations of the objects that have as many pixels within the range of labels."""
         pieces = frame.pieces if len(frame.pieces) else None
         labels, distances_m = self.labels(frame), self.distances_m(frame)
-        return annotations_of(labels, self.class_of_label, self.label_names, distances_m, least_pixels, pieces)
+        found = annotations_of(labels, self.class_of_label, self.label_names, distances_m, least_pixels, pieces)
+        return found + self.parts.annotations(self.part_masks(frame), distances_m, self.label_names, least_pixels)
+
+    def part_masks(self, frame: Frame) -> dict[int, NDArray[np.bool_]]:
+        """Return the masks (H, W) of the obstacles' parts within the range of labels, by number."""
+        if not len(self.parts):
+            return {}
+        return self.parts.masks(frame, self.rays, self.distances_m(frame), self.label_range_m)
 
     def labels(self, frame: Frame) -> NDArray[np.uint16]:
         """Return the label of each pixel, (H, W); 0 beyond the range of labels."""
@@ -194,7 +204,7 @@ class Studio:
     def _targets(self, look_at: Sequence[str] | None) -> Targets:
         classes = [self.class_names[k] for k in self.class_of_label]
         by_name = dict(zip(self.label_names, classes, strict=True))
-        return Targets(self.sim, self.vehicle.name, by_name, look_at)
+        return Targets(self.sim, self.vehicle.name, by_name, look_at, self.parts.all)
 
     def _eye(self) -> Eye:
         mount = self.camera.mount

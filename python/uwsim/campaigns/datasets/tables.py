@@ -31,6 +31,7 @@ CONVENTIONS = {
     "sonar": "row 0 is the farthest range, column 0 port; black and white at sonar_limits_db; sonar_arrays have the "
     "nearest range first, and starboard",
 }
+OF_PARTS = {"parts": "value = number of one of `parts`, 0 for none; where parts overlap, the larger number"}
 
 
 def write_tables(
@@ -82,7 +83,8 @@ def _about(studio: Studio, plan: Mapping[str, Any], splits: Sequence[str]) -> di
         "label_names": studio.label_names,
         "class_names": studio.class_names,
         "class_of_label": [int(number) for number in studio.class_of_label],
-        "conventions": CONVENTIONS,
+        **({"parts": studio.parts.described()} if len(studio.parts) else {}),
+        "conventions": CONVENTIONS | (OF_PARTS if studio.spec.writes("parts") else {}),
     }
     if studio.spec.writes(*OF_CAMERA):
         info = studio.info

@@ -9,26 +9,36 @@ from numpy.typing import NDArray
 
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.spec.part import Part, places_by_kind
 from uwsim.simulator.simulator import Simulator
 
 Floats = NDArray[np.float64]
 TERRAIN = "terrain"
+PLACE_M = 1e-3
+"""Size of the triangle at a part's place."""
 
 
 class Targets:
     """Surfaces by name. All are chosen equally often, regardless of size."""
 
-    def __init__(self, sim: Simulator, carrier: str, classes: dict[str, str], look_at: Sequence[str] | None) -> None:
+    def __init__(
+        self, sim: Simulator, carrier: str, classes: dict[str, str], look_at: Sequence[str] | None,
+        parts: Sequence[tuple[str, Part]] = (),
+    ) -> None:  # fmt: skip
         """Collect the surfaces to look at; carrier is the camera's vehicle, which is not a target.
 
         classes: the class of each surface, by name. look_at: names and classes of surfaces. Raises ValueError for an
-        unknown name or if nothing is left.
+        unknown name or if nothing is left. parts: those of obstacles, which are targets only if look_at has their kind.
         """
         self._world = sim.world
         surfaces = {**_solids(sim), **_vehicles(sim, carrier)}
         if sim.world.highest_m > -np.inf:
             surfaces[TERRAIN] = np.empty((0, 3, 3))
-        known = {*surfaces, *(classes[name] for name in surfaces)}
+        wanted_parts = {part.kind for _, part in parts} & set(look_at or ())
+        for kind, places in places_by_kind(part for _, part in parts if part.kind in wanted_parts).items():
+            surfaces[kind] = places[:, None] + PLACE_M * np.eye(3)
+        classes = {**{kind: kind for kind in wanted_parts}, **classes}
+        known = {*surfaces, *(classes[name] for name in surfaces), *(part.kind for _, part in parts)}
         for name in look_at or ():
             if name not in known:
                 hint = did_you_mean(name, known)

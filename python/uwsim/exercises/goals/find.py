@@ -11,20 +11,22 @@ from pydantic import Field
 from uwsim.exercises.goal import Progress
 from uwsim.exercises.goals.look_at import Sight
 from uwsim.exercises.moment import Moment
-from uwsim.scenario.build.obstacles import grounded
+from uwsim.scenario.build.obstacles import obstacle_parts
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.spec.fields import Name
+from uwsim.scenario.spec.part import places_by_kind
 from uwsim.simulator.simulator import Simulator
 
-ORDINARY = ("anode",)
+ORDINARY = ("anode", "joint")
 """Kinds of marks that are no defects."""
 
 
 class Find(Sight):
     """Find what there is to be found on an obstacle, such as the holes in a net, with the vehicle's cameras.
 
-    obstacle: its name. marks: kinds of what is to be found there: hole of a net; damage, span and anode of a pipeline;
-    by default all but anodes. The share is that of the places that a camera has seen, each for_s without interruption.
+    obstacle: its name. marks: kinds of what is to be found there: hole of a net; damage, span, burial, debris, anode
+    and joint of a pipeline; by default all but anodes and joints. The share is that of the places that a camera has
+    seen, each for_s without interruption.
     """
 
     kind: Literal["find"]
@@ -75,5 +77,5 @@ class _Finding(Progress):
 def marks(sim: Simulator, name: str) -> Mapping[str, np.ndarray]:
     """Return the places (n, 3) to be found on an obstacle, by kind."""
     terrain = build_terrain(sim.scenario.terrain)
-    found = [grounded(one, terrain).marks(terrain) for one in sim.scenario.obstacles if one.name == name]
-    return found[0] if found else {}
+    found = (obstacle_parts(one, terrain) for one in sim.scenario.obstacles if one.name == name)
+    return places_by_kind(next(found, []))

@@ -19,6 +19,7 @@ STEP_M = 0.5
 COVER_M = 0.1
 """Height of the bed above the top of a buried pipe."""
 COATING, JOINT, ANODE, RUST = (0.30, 0.29, 0.27), (0.10, 0.10, 0.11), (0.55, 0.55, 0.57), (0.22, 0.07, 0.02)
+DEBRIS = (0.16, 0.15, 0.13)
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +47,8 @@ def all_features(condition: PipeCondition, length_m: float) -> list[PipeFeature]
             raise ValueError(f"a feature is at {one.at_m:g} m: must be at most {length_m:.4g} m, the pipe's length")
     random = np.random.default_rng([condition.seed, 0x70697065])
     wanted: list[FeatureKind] = []
-    for name, count in (("span", condition.spans), ("burial", condition.burials), ("damage", condition.damages)):
+    counts = {"span": condition.spans, "burial": condition.burials, "damage": condition.damages}
+    for name, count in {**counts, "debris": condition.debris or 0}.items():
         wanted += [cast("FeatureKind", name)] * count
     for kind in wanted:
         for _ in range(500):
@@ -66,7 +68,7 @@ def all_features(condition: PipeCondition, length_m: float) -> list[PipeFeature]
 def pipe_rings(condition: PipeCondition, length_m: float, corners_m: Floats, radius_m: float, buried_m: float) -> Rings:
     """Return a pipe's rings. corners_m (k,): distances of the line's corners. buried_m: how deep it lies in the bed."""
     features = all_features(condition, length_m)
-    joints = np.arange(condition.joint_m, length_m, condition.joint_m)
+    joints = joints_m(condition, length_m)
     anodes = anodes_m(condition, length_m)
     bands = [(at - JOINT_M / 2, at + JOINT_M / 2) for at in joints] + [
         (at - ANODE_M / 2, at + ANODE_M / 2) for at in anodes
@@ -92,11 +94,17 @@ def pipe_rings(condition: PipeCondition, length_m: float, corners_m: Floats, rad
             sides = np.abs(np.angle(np.exp(1j * (side_angles() - clock_angle(one.clock_h))))) < DAMAGE_HALF_RAD
             radius[np.ix_(on, sides)] = radius_m * (1 - DAMAGE_DEEP)
             albedo[np.ix_(on, sides)] = RUST
+        if one.kind in ("damage", "debris"):
             continue
         swell = np.sin(np.pi * (along - start) / (end - start)) ** 2
         deep_m = 2 * radius_m - buried_m + COVER_M
         lift += np.where(on, swell * (one.height_m if one.kind == "span" else -deep_m), 0.0)
     return Rings(along, lift, radius, albedo)
+
+
+def joints_m(condition: PipeCondition, length_m: float) -> Floats:
+    """Return the distances of the field joints along a pipe."""
+    return np.arange(condition.joint_m, length_m, condition.joint_m)
 
 
 def anodes_m(condition: PipeCondition, length_m: float) -> Floats:

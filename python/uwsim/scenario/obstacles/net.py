@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from uwsim.scenario.read.mesh_file import joined
 from uwsim.scenario.spec.fields import InRange, Name, Size, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
+from uwsim.scenario.spec.part import Mask, Part, Seen
 
 MAX_KNOTS = 100_000
 COLLAR_M, SINKER_M = 0.2, 0.08
@@ -51,10 +51,10 @@ class Net(Placed):
             raise broken("must be below half of mesh_m", at=("strand_m",), value=self.strand_m, unit="m")
         if self.holes and 2 * self.hole_m >= self.depth_m:
             raise broken("must be below half of depth_m", at=("hole_m",), value=self.hole_m, unit="m")
-        self.marks_m()
+        self.holes_m()
         return self
 
-    def marks_m(self) -> Floats:
+    def holes_m(self) -> Floats:
         """Return the middles of the holes (n, 3), at least two diameters apart."""
         random = np.random.default_rng([self.seed, 0x6E6574])
         found: list[Floats] = []
@@ -69,9 +69,23 @@ class Net(Placed):
             raise broken("too many holes for this wall", at=("holes",), value=self.holes)
         return np.array(found).reshape(-1, 3) + self.position_m
 
-    def marks(self, terrain: Bed) -> Mapping[str, Floats]:
+    def parts(self, terrain: Bed) -> list[Part]:
         """See ObstacleModel."""
-        return {"hole": self.marks_m()} if self.holes else {}
+        return [self._hole(place) for place in self.holes_m()]
+
+    def _hole(self, place_m: Floats) -> Part:
+        """Return a hole: the rays through its disc that no strand stops."""
+        out = (place_m - self.position_m) * [1, 1, 0] / self.radius_m
+
+        def shows(seen: Seen) -> Mask:
+            ways = seen.points_m - seen.eye_m
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = (place_m - seen.eye_m) @ out / (ways @ out)
+                off = np.linalg.norm(share[:, None] * ways + seen.eye_m - place_m, axis=1)
+            before_m = (1 - share) * np.linalg.norm(ways, axis=1)
+            return np.asarray((off <= 0.5 * self.hole_m) & (share > 0) & (before_m > 2 * self.strand_m))
+
+        return Part("hole", place_m, 0.6 * self.hole_m, shows)
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""
@@ -89,7 +103,7 @@ class Net(Placed):
         start, end = np.concatenate(starts), np.concatenate(ends)
         middle = 0.5 * (start + end)
         whole = np.ones(len(middle), np.bool_)
-        for hole in self.marks_m() - self.position_m:
+        for hole in self.holes_m() - self.position_m:
             whole &= np.linalg.norm(middle - hole, axis=1) > 0.5 * self.hole_m
         parts = [_strands(start[whole], end[whole], 0.5 * self.strand_m)]
         for radius_m, z in ((COLLAR_M, 0.0), (SINKER_M, -self.depth_m)):

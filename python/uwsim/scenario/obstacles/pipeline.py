@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, ClassVar, Literal
 
@@ -12,12 +11,15 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from uwsim import _core
-from uwsim.scenario.build.pipe_shape import Rings, all_features, anodes_m, clock_angle, pipe_rings, triangle_albedos
+from uwsim.scenario.build.pipe_parts import Course, pipe_debris, pipe_parts
+from uwsim.scenario.build.pipe_shape import DEBRIS, Rings, all_features, pipe_rings, triangle_albedos
 from uwsim.scenario.build.solids import SIDES, Mesh, bed_below
+from uwsim.scenario.read.mesh_file import joined
 from uwsim.scenario.read.textures import Texture, palette_texture
 from uwsim.scenario.spec.fields import InRange, Name, Point2, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import Bed, OnBed, Solid
+from uwsim.scenario.spec.part import Part
 from uwsim.scenario.spec.pipe_condition import PipeCondition
 
 MAX_BEND_DEG = 120.0
@@ -67,7 +69,10 @@ class Pipeline(OnBed):
         lift = self.radius_m * (1 - 2 * self.buried_fraction)
         if self.condition is not None:
             made = self._rings(self.condition)
-            return Solid(*swept_tube(self._axis(made, terrain), made.radius_m), [])
+            course = self._course(made, terrain)
+            pipe = swept_tube(course.axis_m, made.radius_m)
+            vertices, triangles = joined([pipe, *pipe_debris(self.condition, course, self._length_m)])
+            return Solid(vertices, triangles.astype(np.uint32), [])
         axis = np.column_stack([xy, bed_below(terrain, xy, self.name) + lift])
         shapes = _core.RoundShape.pipe(axis, self.radius_m)
         return Solid(*swept_tube(axis, self.radius_m), shapes)
@@ -76,30 +81,16 @@ class Pipeline(OnBed):
         """Return the colours of coating, joints, anodes and rust, unless the material has its own."""
         if self.condition is None or self.material.colour is not None:
             return None
-        return palette_texture(triangle_albedos(self._rings(self.condition).albedo))
-
-    def marks(self, terrain: Bed) -> Mapping[str, NDArray[np.float64]]:
-        """Return the places of damage, anodes and spans; see ObstacleModel."""
-        if self.condition is None:
-            return {}
         made = self._rings(self.condition)
-        axis = self._axis(made, terrain)
-        found: dict[str, list[NDArray[np.float64]]] = {}
+        level = Course(made.along_m, np.column_stack([made.along_m, np.zeros((len(made.along_m), 2))]), self.radius_m)
+        lying = sum(len(triangles) for _, triangles in pipe_debris(self.condition, level, self._length_m))
+        return palette_texture(np.vstack([triangle_albedos(made.albedo), np.tile(DEBRIS, (lying, 1))]))
 
-        def add(kind: str, at_m: float, angle: float) -> None:
-            middle = np.array([np.interp(at_m, made.along_m, axis[:, k]) for k in range(3)])
-            k = min(int(np.searchsorted(made.along_m, at_m)), len(axis) - 1)
-            ahead = axis[k] - axis[k - 1]
-            left = np.array([-ahead[1], ahead[0], 0.0]) / np.hypot(ahead[0], ahead[1])
-            out = np.cos(angle) * left + np.sin(angle) * np.array([0.0, 0.0, 1.0])
-            found.setdefault(kind, []).append(middle + self.radius_m * out)
-
-        for one in all_features(self.condition, self._length_m):
-            if one.kind != "burial":
-                add(one.kind, one.at_m, clock_angle(one.clock_h if one.kind == "damage" else 12.0))
-        for at_m in anodes_m(self.condition, self._length_m):
-            add("anode", float(at_m), clock_angle(12.0))
-        return {kind: np.array(places) for kind, places in found.items()}
+    def parts(self, terrain: Bed) -> list[Part]:
+        """See ObstacleModel."""
+        if self.condition is None:
+            return []
+        return pipe_parts(self.condition, self._course(self._rings(self.condition), terrain), self._length_m)
 
     @property
     def _length_m(self) -> float:
@@ -114,12 +105,13 @@ class Pipeline(OnBed):
         buried_m = 2 * self.radius_m * self.buried_fraction
         return pipe_rings(condition, self._length_m, self._corners_m(), self.radius_m, buried_m)
 
-    def _axis(self, made: Rings, terrain: Bed) -> NDArray[np.float64]:
-        """Return the axis (n, 3): straight between corners on the chart, and as high above the bed as it lies."""
+    def _course(self, made: Rings, terrain: Bed) -> Course:
+        """Return where it lies: straight between corners on the chart, and as high above the bed as the rings are."""
         corners, points = self._corners_m(), np.asarray(self.points_m, np.float64)
         xy = np.column_stack([np.interp(made.along_m, corners, points[:, k]) for k in range(2)])
         lies_m = self.radius_m * (1 - 2 * self.buried_fraction)
-        return np.column_stack([xy, bed_below(terrain, xy, self.name) + lies_m + made.lift_m])
+        axis_m = np.column_stack([xy, bed_below(terrain, xy, self.name) + lies_m + made.lift_m])
+        return Course(made.along_m, axis_m, self.radius_m)
 
 
 def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64]:

@@ -21,6 +21,7 @@ from uwsim.scenario.spec.fields import Model, Point3
 from uwsim.scenario.spec.growth import Growth
 from uwsim.scenario.spec.kinds import Kinds
 from uwsim.scenario.spec.material import Material, MaterialSpec
+from uwsim.scenario.spec.part import Part
 
 LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -83,9 +84,9 @@ class ObstacleModel(Model):
         """Return the obstacle in the world frame. Raises ScenarioError."""
         raise NotImplementedError
 
-    def marks(self, terrain: Bed) -> Mapping[str, NDArray[np.float64]]:
-        """Return places (n, 3) in the world for an inspection to find, by kind. Raises ScenarioError."""
-        return {}
+    def parts(self, terrain: Bed) -> list[Part]:
+        """Return what an inspection looks for, in the world; where parts overlap, later ones count. May raise."""
+        return []
 
     def texture(self) -> Texture | None:
         """Return the colours of its triangles; None for those of its material."""

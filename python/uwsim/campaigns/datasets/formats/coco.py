@@ -33,22 +33,28 @@ def annotations_of(
         seen, counts = ([0], [min_pixels]) if pieces is None else np.unique(pieces[alike], return_counts=True)
         for piece in [int(number) for number, count in zip(seen, counts, strict=True) if count >= min_pixels]:
             mask = alike if pieces is None else alike & (pieces == piece)
-            area = int(mask.sum())
-            if area >= min_pixels:
-                found.append(
-                    {
-                        "category_id": class_of_label[label],
-                        "segmentation": run_lengths(mask),
-                        "area": area,
-                        "bbox": bounds(mask),
-                        "iscrowd": 0,
-                        "name": names[label],
-                        "instance": label,
-                        **({"piece": piece} if piece else {}),
-                        "distance_m": round(float(np.median(distances_m[mask])), 3),
-                    }
-                )
+            if int(mask.sum()) >= min_pixels:
+                extra = {"piece": piece} if piece else {}
+                found.append(annotation(mask, class_of_label[label], names[label], label, distances_m, extra))
     return found
+
+
+def annotation(
+    mask: NDArray[np.bool_], category: int, name: str, label: int, distances_m: NDArray[np.float32],
+    extra: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the annotation, without an id, of an object with this mask. extra: fields before the distance."""
+    return {
+        "category_id": category,
+        "segmentation": run_lengths(mask),
+        "area": int(mask.sum()),
+        "bbox": bounds(mask),
+        "iscrowd": 0,
+        "name": name,
+        "instance": label,
+        **(extra or {}),
+        "distance_m": round(float(np.median(distances_m[mask])), 3),
+    }
 
 
 def coco(

@@ -1,0 +1,141 @@
+"""Joints, anodes and features of a pipeline as parts that pictures show, and the debris that lies on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.scenario.build.cover_meshes import Mesh
+from uwsim.scenario.build.pipe_shape import (
+    ANODE_M,
+    COVER_M,
+    DAMAGE_HALF_RAD,
+    JOINT_M,
+    all_features,
+    anodes_m,
+    clock_angle,
+    joints_m,
+)
+from uwsim.scenario.covers.debris import lying_about
+from uwsim.scenario.spec.part import Mask, Part, Seen
+from uwsim.scenario.spec.pipe_condition import PipeCondition, PipeFeature
+
+Floats = NDArray[np.float64]
+TOP_H = 12.0
+DEBRIS_SUNK = 0.03
+"""How far debris has sunk into the coating, relative to its length."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Where a pipeline lies. along_m (n,), axis_m (n, 3): distances along it on the chart, and its axis there."""
+
+    along_m: Floats
+    axis_m: Floats
+    radius_m: float
+
+    def middle(self, at_m: float) -> Floats:
+        """Return the axis (3,) at a distance."""
+        return np.array([np.interp(at_m, self.along_m, self.axis_m[:, k]) for k in range(3)])
+
+    def frame(self, at_m: float) -> Floats:
+        """Return unit vectors ahead, left and up as rows (3, 3), at a distance; ahead is level."""
+        k = min(max(int(np.searchsorted(self.along_m, at_m)), 1), len(self.along_m) - 1)
+        ahead = self.axis_m[k] - self.axis_m[k - 1]
+        x, y = ahead[:2] / np.hypot(ahead[0], ahead[1])
+        return np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+
+    def surface(self, at_m: float, angle_rad: float) -> Floats:
+        """Return the point (3,) of the usual surface at a distance and an angle about the axis."""
+        _, left, up = self.frame(at_m)
+        return np.asarray(self.middle(at_m) + self.radius_m * (np.cos(angle_rad) * left + np.sin(angle_rad) * up))
+
+    def around(self, points_m: Floats, start_m: float, end_m: float) -> tuple[Floats, Floats, Floats]:
+        """Return how far points (n, 3) near a piece of the pipe are along it, left of its axis and above it, (n,)."""
+        first = max(int(np.searchsorted(self.along_m, start_m, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(self.along_m, end_m)), len(self.along_m) - 1)
+        best = np.full(len(points_m), np.inf)
+        along, aside, above = np.full(len(points_m), np.nan), np.zeros(len(points_m)), np.zeros(len(points_m))
+        for k, after in pairwise(range(first, last + 1)):
+            start, step = self.axis_m[k], self.axis_m[after] - self.axis_m[k]
+            length = np.hypot(step[0], step[1])
+            off = points_m - start
+            share = off[:, :2] @ step[:2] / length**2
+            left = (step[0] * off[:, 1] - step[1] * off[:, 0]) / length
+            beyond = np.maximum(np.maximum(-share, share - 1), 0) * length
+            nearer = np.hypot(left, beyond) < best
+            best[nearer] = np.hypot(left, beyond)[nearer]
+            along[nearer] = (self.along_m[k] + share * (self.along_m[after] - self.along_m[k]))[nearer]
+            aside[nearer], above[nearer] = left[nearer], (off[:, 2] - share * step[2])[nearer]
+        return along, aside, above
+
+
+def pipe_parts(condition: PipeCondition, course: Course, length_m: float) -> list[Part]:
+    """Return the parts of a pipeline: its features, then its anodes and joints."""
+    features = all_features(condition, length_m)
+    parts = [_band(one.kind, one.at_m, one.extent_m, course) for one in features if one.kind in ("burial", "span")]
+    parts += [_band("joint", float(at), JOINT_M, course) for at in joints_m(condition, length_m)]
+    parts += [_band("anode", float(at), ANODE_M, course) for at in anodes_m(condition, length_m)]
+    parts += [_damage(one, course) for one in features if one.kind == "damage"]
+    lying = [one for one in features if one.kind == "debris"]
+    meshes = pipe_debris(condition, course, length_m)
+    return parts + [_lump(mesh, one, course) for mesh, one in zip(meshes, lying, strict=True)]
+
+
+def pipe_debris(condition: PipeCondition, course: Course, length_m: float) -> list[Mesh]:
+    """Return the meshes, in the world, of the debris that lies across the pipe."""
+    lying = [one for one in all_features(condition, length_m) if one.kind == "debris"]
+    return [_dropped(one, course, [condition.seed, 0x64656272, k]) for k, one in enumerate(lying)]
+
+
+def _dropped(one: PipeFeature, course: Course, seed: Sequence[int]) -> Mesh:
+    random = np.random.default_rng(seed)
+    kinds = lying_about(random)
+    vertices, triangles = kinds[int(random.integers(len(kinds)))]
+    turn = random.uniform(0.2, 0.8) * np.pi  # across the pipe rather than along it
+    ahead, left, _ = course.frame(one.at_m)
+    level = np.array([np.cos(turn) * ahead + np.sin(turn) * left, np.cos(turn) * left - np.sin(turn) * ahead])
+    size_m = one.extent_m
+    up = size_m * (vertices[:, 2] - vertices[:, 2].min() - DEBRIS_SUNK)
+    at = course.surface(one.at_m, clock_angle(TOP_H))
+    return size_m * vertices[:, :2] @ level + up[:, None] * [0.0, 0.0, 1.0] + at, triangles
+
+
+def _lump(mesh: Mesh, one: PipeFeature, course: Course) -> Part:
+    vertices, _ = mesh
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) + 1e-3
+
+    def shows(seen: Seen) -> Mask:
+        _, aside, above = course.around(seen.points_m, one.at_m - one.extent_m, one.at_m + one.extent_m)
+        off_pipe = np.hypot(aside, above) > 1.02 * course.radius_m
+        return np.asarray(seen.is_on & off_pipe & (np.abs(seen.points_m - middle) <= half).all(axis=1))
+
+    return Part("debris", np.array([*middle[:2], high[2]]), float(np.linalg.norm(high - low)), shows)
+
+
+def _band(kind: str, at_m: float, extent_m: float, course: Course) -> Part:
+    """Return a part that goes all around the pipe."""
+
+    def shows(seen: Seen) -> Mask:
+        along, _, _ = course.around(seen.points_m, at_m - extent_m, at_m + extent_m)
+        return np.asarray(seen.is_on & (np.abs(along - at_m) <= extent_m / 2))
+
+    above_m = COVER_M if kind == "burial" else 0.0  # where it is buried, its place is on the bed
+    place = course.surface(at_m, clock_angle(TOP_H)) + np.array([0.0, 0.0, above_m])
+    return Part(kind, place, extent_m / 2 + 3 * course.radius_m + 1.0, shows)
+
+
+def _damage(one: PipeFeature, course: Course) -> Part:
+    hour = clock_angle(one.clock_h)
+
+    def shows(seen: Seen) -> Mask:
+        along, aside, above = course.around(seen.points_m, one.at_m - one.extent_m, one.at_m + one.extent_m)
+        off = np.abs(np.angle(np.exp(1j * (np.arctan2(above, aside) - hour))))
+        return np.asarray(seen.is_on & (np.abs(along - one.at_m) <= one.extent_m / 2) & (off <= DAMAGE_HALF_RAD))
+
+    return Part("damage", course.surface(one.at_m, hour), one.extent_m / 2 + 3 * course.radius_m, shows)
