@@ -9,6 +9,18 @@ from contextlib import contextmanager
 
 GRACE_S = 1.0
 """The longest wall time [s] from SIGTERM to a pause; a service manager kills the process soon after."""
+_kept = ""
+
+
+def note_kept(text: str) -> None:
+    """Set what the line of an interrupted command names as kept, with the option that continues it."""
+    global _kept
+    _kept = text
+
+
+def kept() -> str:
+    """Return what is kept if the command is interrupted now; empty for nothing."""
+    return _kept
 
 
 class Stoppable:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from uwsim.base.sockets import PLANNERS, load, registered
+from uwsim.base.stoppable import note_kept
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
@@ -167,6 +168,7 @@ def _fault(text: str) -> dict[str, Any]:
 
 
 def _print_row(row: Row) -> None:
+    note_kept("finished flights are kept: --resume flies the rest")
     ended = "" if row.ended_because == "the mission is complete" else f"; {row.ended_because}"
     typer.echo(
         f"{row.mission}, seed {row.seed}: {row.time_s:.0f} s, {row.seen_m2:.0f} m² seen, map coverage "

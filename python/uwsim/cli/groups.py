@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar
 
@@ -12,6 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 from uwsim.base.sockets import is_offered, load, load_all, registered
 from uwsim.cli.flags import expanded
 from uwsim.cli.options import SETTINGS
+from uwsim.cli.signals import exit_interrupted
 
 SOCKET = "uwsim.cli"
 """The group of entry points for commands: functions, as for `typer.Typer.command`, and `typer.Typer` for groups.
@@ -40,6 +42,13 @@ class Program(TyperGroup):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.commands = _Commands()  # type: ignore[assignment]  # read, never written
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command. Ctrl-C that it does not handle ends the process with a line; typer would not print one."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            exit_interrupted(signal.SIGINT, None)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands by heading, all aligned in the same columns.

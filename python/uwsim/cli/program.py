@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import mmap
 import os
 import re
 import resource
@@ -25,6 +26,9 @@ from uwsim.cli.signals import exit_interrupted
 
 COLLECT_EVERY = 200_000
 """Objects between garbage collections, instead of 700: imports and scenarios create many, nearly all of which stay."""
+
+LINEAR_ALGEBRA_BYTES = 250_000_000
+"""Address space that NumPy, SciPy and their OpenBLAS take, with one thread."""
 
 app = typer.Typer(
     name="uwsim",
@@ -65,7 +69,9 @@ def _program(
 
 def run_program() -> NoReturn:
     """Run the command. A user's mistake produces one line on stderr and a non-zero exit code, without a traceback."""
-    _spare_address_space()
+    is_scarce = resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
+    if is_scarce:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # it claims 33 MB of address space for each
     gc.set_threshold(COLLECT_EVERY)
     atexit.register(gc.freeze)  # otherwise the interpreter would search all objects for garbage before it ends
     for stream in (sys.stdout, sys.stderr):
@@ -78,8 +84,10 @@ def run_program() -> NoReturn:
         warnings.simplefilter("ignore")  # they would appear in the line that is being typed
     try:
         _require_no_empty_word(sys.argv[1:])
+        if is_scarce:
+            _load_linear_algebra()
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
-    except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C
+    except (KeyboardInterrupt, typer.Abort):  # before a command runs, or at a prompt
         exit_interrupted(signal.SIGINT, None)
     except (ValueError, OSError, MemoryError, ImportError) as error:  # ImportError: no memory for a library
         if os.environ.get("UWSIM_TRACEBACK"):
@@ -118,13 +126,21 @@ def _require_no_empty_word(words: list[str]) -> None:
             raise UsageError(f"{name} is empty: give it a value, or leave it out")
 
 
-def _spare_address_space() -> None:
-    """Limit OpenBLAS to one thread if the address space is limited.
+def _load_linear_algebra() -> None:
+    """Load NumPy's and SciPy's OpenBLAS, and their buffers, while there is room. Raises MemoryError if there is none.
 
-    When loaded, it claims 33 MB per thread; if that fails, it retries forever or aborts.
+    OpenBLAS asks for a buffer forever if it gets none, deaf to SIGTERM. Where the address space is limited, it must
+    therefore not be loaded, or first used, once a flight has taken the room.
     """
-    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    try:
+        mmap.mmap(-1, LINEAR_ALGEBRA_BYTES).close()
+    except OSError:
+        raise MemoryError("the libraries of linear algebra do not fit into the limit of address space") from None
+    import numpy as np
+    from scipy.linalg.blas import dgemm
+
+    square = np.ones((200, 200))  # larger than what is multiplied without a buffer
+    dgemm(1.0, square @ square, square)
 
 
 def _print_error(message: str) -> None:

@@ -28,5 +28,7 @@ def exit_interrupted(number: int, frame: object) -> NoReturn:
     ):
         if remove := getattr(sys.modules.get(module), function, None):  # None while the module is being imported
             remove()  # of all threads
-    os.write(2, b"uwsim: interrupted\n")
+    stoppable = sys.modules.get("uwsim.base.stoppable")
+    kept = getattr(stoppable, "kept", str)()
+    os.write(2, f"uwsim: interrupted{kept and '; '}{kept}\n".encode())
     os._exit(INTERRUPTED)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 
-from uwsim.base.stoppable import Stoppable, stop_on_signals
+from uwsim.base.stoppable import Stoppable, note_kept, stop_on_signals
 
 AUTOSAVE_S = 30.0
 MAX_SHARE_OF_TIME = 0.5  # largest share of wall time spent on saving, if a save takes longer than the interval
@@ -60,6 +60,8 @@ class FlightAutosave(Stoppable):
                 self._reported = True
         else:
             self.failure = None
+            if self._handles_signals:
+                note_kept("the flight is kept as last saved: --resume continues")
             if self._reported:
                 self._report("autosave works again")
                 self._reported = False

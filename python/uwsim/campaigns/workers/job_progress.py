@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from uwsim.base.stoppable import Stoppable
+from uwsim.base.stoppable import Stoppable, note_kept
 
 
 class JobProgress(Stoppable):
@@ -16,11 +16,10 @@ class JobProgress(Stoppable):
 
     def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
         self._bar, self._task, self._doing = bar, task, doing
-        self.has_begun = False
 
     def tell(self, finished: int, failed: int, count: int) -> None:
         """Show the number of finished and failed jobs."""
-        self.has_begun = True
+        note_kept("finished jobs are kept: --resume continues")
         note = f"[red]{failed:,} failed" if failed else ""
         self._bar.update(self._task, completed=finished, total=count, note=note, activity=self._doing)
 
@@ -62,10 +61,5 @@ def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
         disable=not console.is_terminal,
     )
     progress = JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
-    try:
-        with bar:
-            yield progress
-    except KeyboardInterrupt:
-        kept = "; finished jobs are kept: --resume continues" if progress.has_begun else ""
-        console.print(f"interrupted{kept}", highlight=False, soft_wrap=True)
-        raise
+    with bar:
+        yield progress
