@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,10 @@ def test_the_command_draws_delay_delivery_and_goodput(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert path.read_bytes().startswith(b"\x89PNG")
     assert "s2cm_hs in pool" in result.output
+    result = CliRunner().invoke(app, ["link", "pool", "--out", str(path), "--depth", "1", "--json"])
+    found = json.loads(result.output)
+    assert found["modem"] == "s2cm_hs" and len(found["legs"]) > 3
+    assert sum(leg["sent"] for leg in found["legs"]) > 0 and found["table"]
 
 
 def test_a_trial_s_delay_is_path_over_c_and_a_blackout_shows() -> None:

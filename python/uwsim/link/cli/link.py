@@ -9,7 +9,7 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.groups import under
-from uwsim.cli.options import ScenarioName, Seed
+from uwsim.cli.options import AsJson, ScenarioName, Seed, print_json
 from uwsim.cli.values import modems
 
 
@@ -26,6 +26,7 @@ def link(
     ] = None,
     depth: Annotated[float, typer.Option(help="Depth of the vehicle [m].", callback=within(0.5, 10_000, "m"))] = 10.0,
     seed: Seed = None,
+    as_json: AsJson = False,
 ) -> None:
     """Test a link with a vehicle that moves away from a station.
 
@@ -42,6 +43,11 @@ def link(
     loaded = load(scenario)
     trial = run_trial(loaded, modem or (None if loaded.link else "s2cm_hs"), seed=seed, depth_m=depth)
     draw_link_trial(trial, out)
+    if as_json:
+        values = {name: getattr(trial, name) for name in ("modem", "message_bytes", "legs", "open_water")}
+        traffic = [row._asdict() for row in trial.table]
+        print_json({"scenario": trial.scenario.name, **values, "table": traffic})
+        return
     typer.echo(text_table(trial.table))
     typer.echo(summary(trial))
     typer.echo(f"delay, delivery and goodput against range and time: {out}")

@@ -14,7 +14,7 @@ from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
 from uwsim.cli.groups import under
-from uwsim.cli.options import Record, Threads
+from uwsim.cli.options import AsJson, Record, Threads, print_json
 from uwsim.cli.values import exercises
 from uwsim.operator.cli.station import KEPT, InstructorToken, InstructorTokenFile, instructor_text, kept_flights
 
@@ -66,6 +66,7 @@ def exercise(
         ),
     ] = None,
     threads: Threads = None,
+    as_json: AsJson = False,
 ) -> None:
     """Fly an exercise with goals, limits and events.
 
@@ -76,9 +77,7 @@ def exercise(
     from uwsim.exercises.certified import checked_person
 
     if name is None:
-        for each in exercise_names():
-            found = load_exercise(each)
-            typer.echo(f"{each:14} {found.title} ({found.points:g} points, {found.time_s:g} s, {found.scenario})")
+        _list({each: load_exercise(each) for each in exercise_names()}, as_json)
         return
     if not serve:
         need("--serve", port=port, **tokens.given(), keep_flights=keep_flights)
@@ -90,6 +89,8 @@ def exercise(
     if serve:
         if record is not None:
             raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
+        if as_json:
+            raise WithoutEffectError("--json: has no effect with --serve; each attempt's score.json is in --out")
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
         secret_instructor = secret("--instructor-token", instructor_token, instructor_token_file, INSTRUCTOR_VARIABLE)
         shown = secret_instructor and (instructor_token or "TOKEN")
@@ -100,13 +101,27 @@ def exercise(
     from uwsim.flight.terminal import Terminal
 
     course, flown = fly_exercise(found, pilot, out, person=named, threads=threads, record=record, screen=Terminal())
-    for row in score_lines(course.sheet()):
-        typer.echo(row)
-    typer.echo(f"{out / 'score.json'}  {out / 'sheet.html'}")
+    if as_json:
+        print_json(course.sheet())
+    else:
+        for row in score_lines(course.sheet()):
+            typer.echo(row)
+        typer.echo(f"{out / 'score.json'}  {out / 'sheet.html'}")
     if flown.interrupted:
         raise typer.Exit(INTERRUPTED)
     if not course.has_passed:
         raise typer.Exit(INCOMPLETE)
+
+
+def _list(found: dict[str, Exercise], as_json: bool) -> None:
+    if as_json:
+        print_json([
+            {"name": name, "title": each.title, "points": each.points, "time_s": each.time_s, "scenario": each.scenario}
+            for name, each in found.items()
+        ])  # fmt: skip
+        return
+    for name, each in found.items():
+        typer.echo(f"{name:14} {each.title} ({each.points:g} points, {each.time_s:g} s, {each.scenario})")
 
 
 def _serve(

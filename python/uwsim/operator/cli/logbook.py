@@ -13,6 +13,7 @@ from uwsim.base.options import WithoutEffectError
 from uwsim.cli.bounds import readable
 from uwsim.cli.exit_codes import INCOMPLETE
 from uwsim.cli.groups import under
+from uwsim.cli.options import AsJson
 
 if TYPE_CHECKING:
     from uwsim.exercises.logbook import Entry
@@ -23,7 +24,7 @@ def logbook(
     person: Annotated[
         str | None, typer.Option(help="Print this person's attempts. Without it, the totals of all persons.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the attempts as JSON.")] = False,
+    json: AsJson = False,
     csv: Annotated[bool, typer.Option("--csv", help="Print the attempts as CSV.")] = False,
     check: Annotated[
         Path | None,
