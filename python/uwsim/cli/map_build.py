@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.base.sockets import registered
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.map import MAPS
 
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from uwsim import _core
     from uwsim.mapping.files.swath import SoundSpeeds, Swath
 
-FILES = [f".{name}" for name in registered("uwsim.kinds.survey_file")]
 SHARE = 0.01  # the default voxel, as a share of the first ping's median depth below its sonar
 PLACES = (1.0, 2.0, 5.0)
 RANGE_MAX_M = 15_000.0
@@ -27,7 +25,7 @@ def build(
     out: Annotated[Path, typer.Argument(help=f"The map to write, {' or '.join(MAPS)}.")],
     sources: Annotated[
         list[Path],
-        typer.Option("--from", help=f"A survey, {' or '.join(FILES)}; may be given several times.", callback=readable),
+        typer.Option("--from", help="A survey, such as FILE.gsf; may be given several times.", callback=readable),
     ],
     voxel: Annotated[
         float | None,

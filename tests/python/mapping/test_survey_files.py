@@ -8,41 +8,15 @@ import numpy as np
 import pytest
 
 import uwsim
+from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
 from uwsim import _core
 from uwsim.cli.map_build import build
 from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.survey import run_survey
-from uwsim.instruments.sonars.soundings import sound_speed_profile
-from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.swath import survey_format
 
 REAL = Path(__file__).parents[4] / "shared" / "reality"
-LATITUDE, LONGITUDE = 43.1, 5.9
-POOL = """
-name: sloped_water
-earth: {latitude_deg: 43.1, longitude_deg: 5.9}
-mission_time_s: 600
-water: {density_kg_m3: 1000, surface_temperature_deg_c: 25, bottom_temperature_deg_c: 6}
-terrain: {source: noise, size_m: [30, 30], spacing_m: 0.5, bed_depth_m: 9}
-station: {position_m: [-6, 0, 0], dock_m: [0, 0, -2]}
-vehicles:
-  - name: rov
-    model: rov
-    start: station
-    sonar: {model: 2, tilt_deg: 90SONAR}
-survey: {area_m: [[-3, -2], [0, -2], [0, 1], [-3, 1]], altitude_m: 5, line_spacing_m: 3, speed_m_s: 0.5, tilt_deg: 90}
-"""
-
-
-class Flown:
-    """A survey flown once: its raw file, its recording, and the soundings by our own chain, in the world."""
-
-    def __init__(self, folder: Path, sonar: str = ", mode: physics, bending: true") -> None:
-        self.folder, scenario = folder, folder / "scenario.yaml"
-        scenario.write_text(POOL.replace("SONAR", sonar))
-        self.raw, self.recording = folder / "survey.gsf", folder / "survey.mcap"
-        self.record = run_survey(scenario, folder / "out", raw=self.raw, record=self.recording, report="none")
 
 
 @pytest.fixture(scope="module")
@@ -53,36 +27,6 @@ def bent(tmp_path_factory):
 @pytest.fixture(scope="module")
 def straight(tmp_path_factory):
     return Flown(tmp_path_factory.mktemp("straight"), sonar="")
-
-
-def own_soundings(flown: Flown) -> np.ndarray:
-    from uwsim.recording.pings import mappable_pings
-    from uwsim.recording.reader import Recording
-    from uwsim.recording.replay import new_simulator
-
-    recording = Recording(flown.recording)
-    sim = new_simulator(recording)
-    profile, points = sound_speed_profile(sim.world.water), []
-    for taken, _ in mappable_pings(recording, "sonar_ping", sim.rov.sonar.chain):
-        pose, angles = taken.odom_from_sonar, taken.ping.angles_rad.astype(float)
-        axes = np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1) @ pose[:3, :3].T
-        times = 2.0 * taken.ping.ranges_m.astype(float) / profile.at(-pose[2, 3])
-        points.append(_core.soundings(axes, times, pose[:3, 3], profile))
-    found = np.concatenate(points)
-    return found[np.isfinite(found).all(axis=1)]
-
-
-def traced(start_depth_m, down, time_s, depths_m, speeds_m_s, dz_m=0.002):
-    """Return horizontal range and depth of each ray, by thin even layers; written for this test alone."""
-    z = np.arange(start_depth_m, depths_m[-1], dz_m)
-    c = np.interp(z + dz_m / 2, depths_m, speeds_m_s)
-    sine = np.sqrt(1.0 - down**2) / np.interp(start_depth_m, depths_m, speeds_m_s)
-    out = []
-    for p, t in zip(sine, time_s / 2, strict=True):
-        cosine = np.sqrt(np.maximum(1.0 - (p * c) ** 2, 1e-12))
-        times, ranges = np.cumsum(dz_m / (c * cosine)), np.cumsum(dz_m * p * c / cosine)
-        out.append((np.interp(t, times, ranges), np.interp(t, times, z + dz_m)))
-    return np.array(out)
 
 
 def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int, int]]:
@@ -136,20 +80,9 @@ def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int,
 def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
     stated, again, kinds = by_leidos(bent.raw, every=25)
     assert kinds[2] == kinds[12] == len(bent.record.path_world_m)
-    own = own_soundings(bent)
-    ours, theirs = depth_grid(own, 0.5), depth_grid(stated, 0.5)
-    low = np.array([[max(a, b) for a, b in zip(ours.extent_m[::2], theirs.extent_m[::2], strict=True)],
-                    [min(a, b) for a, b in zip(ours.extent_m[1::2], theirs.extent_m[1::2], strict=True)]])  # fmt: skip
-
-    def part(grid):
-        column, row = np.round((low[0] - [grid.west_m, grid.south_m]) / 0.5).astype(int)
-        columns, rows = np.round((low[1] - low[0]) / 0.5).astype(int)
-        return [each[row : row + rows, column : column + columns] for each in (grid.depth_m, grid.count)]
-
-    (ours_m, count), (theirs_m, others) = part(ours), part(theirs)
-    full = (count > 20) & (others > 20)
-    assert full.sum() > 100
-    assert np.abs(ours_m - theirs_m)[full].max() < 0.01
+    apart_m = grids_apart_m(own_soundings(bent), stated)
+    assert len(apart_m) > 100
+    assert apart_m.max() < 0.01
     assert len(again) > 5
     for ray, azimuth, depth, across, along in again:  # from travel times, by another tracer
         assert np.abs(ray[:, 1] - depth).max() < 0.006  # the head's depth is in whole centimetres

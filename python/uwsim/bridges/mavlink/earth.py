@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.mapping.files.georeference import metres_per_degree
+
 if TYPE_CHECKING:
     from uwsim.scenario import Scenario
 
 Vector = NDArray[np.float64]
 
-RADIUS_M, FLATTENING = 6378137.0, 1 / 298.257223563  # WGS 84
 NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 FRD = np.array([1.0, -1.0, -1.0])
 """Factors that convert body axes from forward, left, up to forward, right, down, or back."""
@@ -42,23 +43,14 @@ class Home(NamedTuple):
     lat_deg: float
     lon_deg: float
 
-    def _metres_per_degree(self) -> tuple[float, float]:
-        """Return metres per degree of latitude and longitude (radii of curvature of WGS 84), valid for a few km."""
-        sine = math.sin(math.radians(self.lat_deg))
-        squared = FLATTENING * (2 - FLATTENING)
-        w = math.sqrt(1 - squared * sine * sine)
-        north = RADIUS_M * (1 - squared) / w**3
-        east = RADIUS_M / w * math.cos(math.radians(self.lat_deg))
-        return math.radians(north), math.radians(east)
-
     def degrees(self, position_world_m: Vector) -> tuple[float, float]:
         """Return the latitude and longitude [deg] of a position (3,)."""
-        north, east = self._metres_per_degree()
+        north, east = metres_per_degree(self.lat_deg)
         return self.lat_deg + position_world_m[1] / north, self.lon_deg + position_world_m[0] / east
 
     def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float) -> Vector:
         """Return the position (3,) of a geographic location."""
-        north, east = self._metres_per_degree()
+        north, east = metres_per_degree(self.lat_deg)
         return np.array([(lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north, altitude_m])
 
 

@@ -15,6 +15,18 @@ if TYPE_CHECKING:  # rasterio takes half a second to import
 
 WGS84 = "EPSG:4326"
 SQUARED_ECCENTRICITY = 6.69437999014e-3  # of WGS 84
+RADIUS_M = 6378137.0  # of WGS 84, at the equator
+
+
+def metres_per_degree(latitude_deg: float) -> tuple[float, float]:
+    """Return metres per degree of latitude and of longitude on WGS 84, by its radii of curvature there.
+
+    Valid for distances of a few km. Of longitude, zero at a pole.
+    """
+    sine = math.sin(math.radians(latitude_deg))
+    w = math.sqrt(1.0 - SQUARED_ECCENTRICITY * sine * sine)
+    north = RADIUS_M * (1.0 - SQUARED_ECCENTRICITY) / w**3
+    return math.radians(north), math.radians(RADIUS_M / w * math.cos(math.radians(latitude_deg)))
 
 
 @dataclass(frozen=True)

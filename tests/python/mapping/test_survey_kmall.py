@@ -1,0 +1,132 @@
+"""Surveys in .kmall: pykmall and gsfu's converter read them, and grid them from the travel times to our own bed."""
+
+import contextlib
+import io
+import math
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
+from uwsim.mapping.files.gsf_read import read_gsf
+from uwsim.mapping.files.kmall import KmallWriter
+from uwsim.mapping.files.swath import SoundSpeeds, SurveyHead
+from uwsim.recording.cli.map_from import from_recording
+
+METRES = np.array([111_112.2, 81_401.2])  # per degree of latitude and longitude at 43.1 degrees north, GRS 80
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    return Flown(tmp_path_factory.mktemp("kmall"), raw="survey.kmall")
+
+
+@pytest.fixture(scope="module")
+def reader(flown):
+    kmall = pytest.importorskip("KMALL.kmall", reason="needs pykmall")
+    return kmall.kmall(str(flown.raw))
+
+
+def turned(roll_deg, pitch_deg, heading_deg):
+    """Return the rotation from forward, starboard, down of a body to north, east, down."""
+    (cr, sr), (cp, sp), (ch, sh) = (
+        (math.cos(each), math.sin(each)) for each in np.radians([roll_deg, pitch_deg, heading_deg])
+    )
+    return (
+        np.array([[ch, -sh, 0], [sh, ch, 0], [0, 0, 1]])
+        @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+        @ np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    )
+
+
+def datagrams(reader, kind, method):
+    reader.index_file()
+    for offset, name in zip(reader.msgoffset, reader.msgtype, strict=True):
+        if name == f"b'{kind}'":
+            reader.FID.seek(offset)
+            yield getattr(reader, method)()
+
+
+def test_pykmall_verifies_the_file(flown, reader):
+    command = [sys.executable, "-W", "ignore", "-m", "KMALL.kmall", "-f", str(flown.raw), "-V"]
+    verified = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    assert verified.stderr == ""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        (install,) = datagrams(reader, "#IIP", "read_EMdgmIIP")
+        (runtime,) = datagrams(reader, "#IOP", "read_EMdgmIOP")
+        stated = reader.translate_installation_parameters_todict(install["install_txt"])
+        reader.translate_runtime_parameters_todict(runtime["runtime_txt"])
+    text = verified.stdout + said.getvalue()
+    for complaint in ("warning", "error", "missing mrz", "unable", "not enough", "not interpreted", "traceback"):
+        assert complaint not in text.lower(), text
+    assert reader.check_ping_count()[2:] == (0, 0)
+    counts = {kind: sum(name == f"b'{kind}'" for name in reader.msgtype) for kind in ("#SPO", "#SKM", "#SDE", "#MRZ")}
+    assert set(counts.values()) == {len(flown.record.path_world_m)}
+    assert stated["sonar_model_number"] == "EM2040"
+    assert stated["active_position_system_number"] == "position_1"
+
+
+def test_travel_times_read_by_pykmall_grid_to_our_own_bed(flown, reader):
+    installed = next(datagrams(reader, "#IIP", "read_EMdgmIIP"))["install_txt"]
+    head = dict(pair.split("=") for pair in installed.split("TRAI_RX1:")[1].split(",")[0].split(";"))
+    offset = np.array([float(head[name]) for name in "XYZ"])
+    mount = turned(*(float(head[name]) for name in "RPH"))
+    profile = next(datagrams(reader, "#SVP", "read_EMdgmSVP"))["sensorData"]
+    profile = np.array(profile["depth_m"]), np.array(profile["soundVelocity_mPerSec"])
+    attitudes = {}
+    for each in datagrams(reader, "#SKM", "read_EMdgmSKM"):
+        sample = each["sample"]["KMdefault"]
+        attitudes[each["header"]["dgtime"]] = [sample[f"{name}_deg"][0] for name in ("roll", "pitch", "heading")]
+    found, misfits = [], []
+    for ping in datagrams(reader, "#MRZ", "read_EMdgmMRZ"):
+        info = ping["pingInfo"]
+        sounding = {name: np.array(values) for name, values in ping["sounding"].items()}
+        seen = sounding["detectionType"] == 0
+        across = np.radians(sounding["beamAngleReRx_deg"][seen])
+        level = turned(*attitudes[ping["header"]["dgtime"]])
+        rays = np.column_stack([0 * across, -np.sin(across), np.cos(across)]) @ (level @ mount).T
+        place = np.array([info["latitude_deg"] - LATITUDE, info["longitude_deg"] - LONGITUDE]) * METRES
+        start = level @ offset
+        depth = start[2] - info["z_waterLevelReRefPoint_m"]
+        assert depth == pytest.approx(info["txTransducerDepth_m"], abs=1e-4)
+        out, down = traced(depth, rays[:, 2], sounding["twoWayTravelTime_sec"][seen], *profile).T
+        azimuth = np.arctan2(rays[:, 1], rays[:, 0])
+        north, east = place[0] + start[0] + out * np.cos(azimuth), place[1] + start[1] + out * np.sin(azimuth)
+        found.append(np.column_stack([east, north, -down]))
+        stated = np.column_stack([
+            (info["longitude_deg"] - LONGITUDE + sounding["deltaLongitude_deg"]) * METRES[1],
+            (info["latitude_deg"] - LATITUDE + sounding["deltaLatitude_deg"]) * METRES[0],
+            info["z_waterLevelReRefPoint_m"] - sounding["z_reRefPoint_m"],
+        ])[seen]  # fmt: skip
+        misfits.append(np.abs(stated - found[-1]).max())
+    assert max(misfits) < 0.01
+    apart_m = grids_apart_m(own_soundings(flown), np.concatenate(found))
+    assert len(apart_m) > 100
+    assert apart_m.max() < 0.01
+
+
+def test_gsfus_converter_makes_a_gsf_of_the_same_beams(flown, tmp_path):
+    pytest.importorskip("KMALL.kmall", reason="needs pykmall")
+    from GSFU.kmall2gsf import convert
+
+    assert convert(str(flown.raw), str(tmp_path / "theirs.gsf")) == len(flown.record.path_world_m)
+    from_recording(flown.recording, tmp_path / "map.bt", None, None, None, tmp_path / "ours.gsf", None)
+    for ours, theirs in zip(read_gsf(tmp_path / "ours.gsf")[1], read_gsf(tmp_path / "theirs.gsf")[1], strict=True):
+        seen = ours.is_detected
+        np.testing.assert_allclose(theirs.travel_time_s[seen], ours.travel_time_s[seen], atol=6e-6)  # its step is 10 us
+        below = [0.0, 0.0, ours.reference_depth_m]  # their depths are those below the vehicle
+        np.testing.assert_allclose(theirs.sounding_m[seen] + below, ours.sounding_m[seen], atol=0.011)
+
+
+def test_more_beams_than_a_datagram_holds_are_refused(tmp_path):
+    levels = SoundSpeeds(np.array([0.0, 20.0]), np.array([1500.0, 1500.0]))
+    head = SurveyHead("rov", "wide", 4e5, 1025, 50.0, np.zeros(3), np.zeros(3), levels, "")
+    writer = KmallWriter(tmp_path / "wide.kmall", head)
+    with pytest.raises(ValueError, match=r"1025 beams: \.kmall holds up to 1024"):
+        writer.add(SimpleNamespace(travel_time_s=np.zeros(1025)))
+    writer.discard()
+    assert not list(tmp_path.iterdir())
