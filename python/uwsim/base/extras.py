@@ -24,6 +24,8 @@ EXTRA_OF = {
     "cbor2": "ros",
     "mcap": "recording",
     "GSFU": "survey",
+    "pyxtf": "survey",
+    "pygeomag": "survey",
     "coacd": "decompose",
     "cascadio": "step",
     "cyclonedds": "ros2",

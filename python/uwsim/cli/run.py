@@ -18,6 +18,7 @@ from uwsim.cli.flights import (
     Estimate,
     MapMemory,
     MinCoverage,
+    Offsets,
     Out,
     OutlierFilter,
     Raw,
@@ -113,6 +114,7 @@ def run(
         typer.Option(help="Channels to record, such as odom or 'camera/*'. Default: all but pictures and the map."),
     ] = None,
     raw: Raw = None,
+    offsets: Offsets = None,
     report: Report = "full",
     autosave: Autosave = None,
     resume: Resume = False,
@@ -144,6 +146,8 @@ def run(
     else:
         _refuse({"--autosave": autosave, "--resume": resume or None}, "--connect", UNSAVED)
         _refuse(simulated, "--connect", "the server has its own, or there is none")
+    if raw is None:
+        need("--raw", offsets=offsets)
     if not make_map and not resume:
         need("--map", **{name[2:].replace("-", "_"): value for name, value in of_map.items()})
     if close_loops:
@@ -180,7 +184,9 @@ def run(
         flown = resume_flight(out, mission=mission, scenario=scenario, **asked, **of_simulator, **of_flight)
     else:
         from uwsim.flight.fly import fly
+        from uwsim.flight.patch_errors import PatchErrors
 
+        errors = None if offsets is None else PatchErrors.parse(offsets)
         topics = tuple(record_topic or ()) or None
         scene: str | Path | Simulator = scenario or "lake"
         with ExitStack() as stack:
@@ -189,7 +195,7 @@ def run(
                 typer.echo(stack.enter_context(autopilot.flying(scene)))
             flown = fly(
                 mission, scene, out, close_loops=close_loops, record=record, record_topics=topics, raw=raw,
-                **asked, **of_simulator, **of_flight,
+                raw_errors=errors, **asked, **of_simulator, **of_flight,
             )  # fmt: skip
     exit_as(flown, min_coverage)
 

@@ -8,21 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.flight.attachment import Attachment, Departure
 from uwsim.flight.patch_errors import ErringPoses, PatchErrors
+from uwsim.flight.raw_places import Array, Motion, angles, place_of_survey
+from uwsim.flight.raw_side_scan import RawSideScan
 from uwsim.flight.record import FlightRecord
 from uwsim.instruments.sonars.soundings import beam_directions, sound_speed_profile
 from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, SwathWriter, survey_format
-from uwsim.scenario.georeference import georeference
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 PROFILE_STEP_M = 0.5
-STILL_M_S = 0.01  # below this speed, the course is the heading
 
 
 class RawSurvey:
@@ -38,19 +36,13 @@ class RawSurvey:
         self._sim, self._path = sim, path
         written = survey_format(path, option).write
         if written is None:
-            raise ValueError(f"{option} {path}: this format is only read")
-        self._place = georeference(sim.scenario)
-        if self._place.crs is None:
-            raise ValueError(f"{option} {path}: scenario '{sim.scenario.name}': has no place on Earth: add earth: "
-                             "{latitude_deg: ..., longitude_deg: ...}")  # fmt: skip
-        if self._place.units_per_m != 1.0:
-            raise ValueError(f"{option} {path}: scenario '{sim.scenario.name}': horizontal_scale must be 1, since a "
-                             "file for surveyors has no scale")  # fmt: skip
+            raise ValueError(f"{option} {path}: this format does not hold the pings of a multibeam")
+        self._place = place_of_survey(sim.scenario, path, option)
         self._errors = errors
         self._poses = None if errors is None else ErringPoses(errors)
         self._write = written
         self._file: SwathWriter | None = None
-        self._last: tuple[int, Array] | None = None
+        self._motion = Motion()
         self.count = 0
 
     @property
@@ -99,7 +91,7 @@ class RawSurvey:
         speeds = np.array([self._profile.at(depth) for depth in depths_m])
         # A head that looks straight down with its fan across the track is mounted without rotation.
         axes = body_from_sonar[:3, :3] @ np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]], np.float64)
-        roll, pitch, yaw = _angles(axes * np.array([1.0, -1.0, -1.0]))
+        roll, pitch, yaw = angles(axes * np.array([1.0, -1.0, -1.0]))
         rays = "bent by the profile" if self._bends else "straight: the profile is one speed"
         errors = f"; made with errors of installation: {self._errors}" if self._errors else ""
         return SurveyHead(
@@ -112,7 +104,7 @@ class RawSurvey:
     def _swath(self, ping: Any, body: Array, sonar: Array) -> Swath:
         position = body[:3, 3]
         latitude, longitude = self._place.degrees(position).tolist()
-        roll, pitch, yaw = _angles(body[:3, :3])
+        roll, pitch, yaw = angles(body[:3, :3])
         level = np.array([[math.cos(yaw), math.sin(yaw), 0], [math.sin(yaw), -math.cos(yaw), 0], [0, 0, -1]])
         north_rad = self._place.north_rad(position)
         ranges = np.asarray(ping.ranges_m, np.float64)
@@ -130,7 +122,7 @@ class RawSurvey:
         with np.errstate(invalid="ignore", divide="ignore"):
             quality = np.asarray(getattr(ping, "deviation_m", vertical), np.float64) / ranges
         kinds = getattr(ping, "detections", None)
-        speed_m_s, course = self._motion(ping.time_ns, position, math.pi / 2 - yaw)
+        speed_m_s, course = self._motion.since_last(ping.time_ns, position, math.pi / 2 - yaw)
         return Swath(
             time_ns=EPOCH_NS + ping.time_ns, latitude_deg=latitude, longitude_deg=longitude,
             reference_depth_m=-float(position[2]), heading_rad=(math.pi / 2 - yaw + north_rad) % math.tau,
@@ -142,21 +134,6 @@ class RawSurvey:
             horizontal_deviation_m=horizontal, quality=quality,
             is_phase=np.zeros(len(ranges), bool) if kinds is None else np.asarray(kinds) == int(_core.Detection.PHASE),
         )  # fmt: skip
-
-    def _motion(self, time_ns: int, position: Array, heading_rad: float) -> tuple[float, float]:
-        """Return speed over ground and course since the last ping; the heading while the vehicle is still."""
-        last, self._last = self._last, (time_ns, position.copy())
-        if last is None or time_ns <= last[0]:
-            return 0.0, heading_rad
-        east, north = (position - last[1])[:2] * 1e9 / (time_ns - last[0])
-        speed_m_s = math.hypot(east, north)
-        return speed_m_s, math.atan2(east, north) if speed_m_s > STILL_M_S else heading_rad
-
-
-def _angles(rotation: Array) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll)."""
-    pitch = math.asin(min(1.0, max(-1.0, -rotation[2, 0])))
-    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])
 
 
 def _deviations(ping: Any) -> tuple[Array, Array]:
@@ -173,7 +150,7 @@ def _deviations(ping: Any) -> tuple[Array, Array]:
 class RawFlight(Attachment):
     """Writes the raw survey of one flight."""
 
-    def __init__(self, survey: RawSurvey) -> None:
+    def __init__(self, survey: RawSurvey | RawSideScan) -> None:
         self._survey, self._has_ended = survey, False
         self.on_ping = survey.add
 
@@ -200,4 +177,9 @@ def attach(flight: Departure) -> RawFlight | None:
         return None
     if not flight.has_map:
         raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
-    return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors))
+    side_scan = survey_format(flight.raw, "--raw").side_scan
+    if side_scan is None:
+        return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors))
+    if flight.raw_errors is not None:
+        raise ValueError("--offsets: are those of a multibeam's installation, of which a side scan has none")
+    return RawFlight(RawSideScan(flight.sim, flight.raw, side_scan))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import uwsim
-from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
+from command_line import uwsim as uwsim_command
+from flown_survey import LATITUDE, LONGITUDE, POOL, Flown, grids_apart_m, own_soundings, traced
 from uwsim import _core
 from uwsim.cli.map_build import build
 from uwsim.flight.patch_errors import PatchErrors
@@ -130,6 +131,31 @@ def test_errors_of_installation_are_found_back(straight, tmp_path):
         before = np.interp(true[j].time_ns - 3e8, [each.time_ns for each in true], [each.latitude_deg for each in true])
         assert (found["late"][j].latitude_deg - before) * metres[0] == pytest.approx(0.0, abs=0.03)
         assert found["late"][j].heading_rad == pytest.approx(true[j].heading_rad, abs=2e-4)
+
+
+def test_a_mission_s_file_has_errors_of_installation_too(tmp_path):
+    (tmp_path / "scenario.yaml").write_text(POOL.replace("SONAR", ""))
+    (tmp_path / "mission.py").write_text(
+        "from uwsim.missions import wait\n\n\ndef mission(vehicle):\n    yield wait(0.5)\n"
+    )
+    asked = (
+        "run",
+        "mission.py",
+        "--scenario",
+        "scenario.yaml",
+        "--out",
+        "out",
+        "--report",
+        "none",
+        "--offsets",
+        "roll=0.5",
+    )
+    flown = uwsim_command(*asked, "--map", "--raw", "a.gsf", cwd=tmp_path)
+    assert flown.returncode == 0, flown.stderr
+    assert b"errors of installation: roll 0.5 deg" in (tmp_path / "a.gsf").read_bytes()
+    refused = uwsim_command(*asked, cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "--raw" in refused.stderr
 
 
 @pytest.mark.parametrize("text", ["roll", "yaw=1", "roll=1,roll=2", "roll=nan", "latency=-1", "pitch=11", ""])

@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sockets import load
+
+if TYPE_CHECKING:
+    from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanWriter
 
 GROUP = "uwsim.kinds.survey_file"
 EPOCH_NS = 1_577_836_800_000_000_000
@@ -108,12 +111,14 @@ class SurveyFormat:
 
     content: what a file holds. write(path, head): returns a writer; None if the format is only read. read(path):
     returns the head and the swaths in the order of the file; raises OSError, or ValueError with the file's name, the
-    offset and the rule; None if the format is only written.
+    offset and the rule; None if the format is only written. side_scan(path, head): returns a writer of side scan, if
+    the format holds that instead.
     """
 
     content: str
     write: Callable[[Path, SurveyHead], SwathWriter] | None = None
     read: Callable[[Path], tuple[SurveyHead, Iterator[Swath]]] | None = None
+    side_scan: Callable[[Path, SideScanHead], SideScanWriter] | None = None
 
 
 def survey_format(path: Path, option: str) -> SurveyFormat:
