@@ -6,24 +6,30 @@ import math
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
+from uwsim.scenario.build.magnetic_field import compass_field
+from uwsim.scenario.spec.earth import Earth
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 
+COMPASS = "compass"
 
-def sensor_spec(name: str, sensor: SensorMount) -> _core.SensorSpec:
-    """Return the sensor's spec, including the errors of each channel. Raises ValueError.
 
-    For a kind in Python, this is an exact sensor of its source.
+def sensor_spec(name: str, sensor: SensorMount, earth: Earth | None = None) -> _core.SensorSpec:
+    """Return the sensor's spec, including the errors of each channel. Raises ScenarioError or ValueError.
+
+    For a kind in Python, this is an exact sensor of its source. earth: place of the world, whose field compasses have.
     """
     overall = sensor.noise or Noise(std=sensor.noise_std or 0.0)
     kind = sensor_kind(sensor.kind)
     is_derived = isinstance(kind, DerivedKind)
+    source = kind.source if isinstance(kind, DerivedKind) else sensor.kind
+    given = {} if is_derived else {key: list(values) for key, values in sensor.parameters.items()}
     return _core.SensorSpec(
         name,
-        kind.source if isinstance(kind, DerivedKind) else sensor.kind,
+        source,
         sensor.position_m,
         of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg),
-        parameters={} if is_derived else {key: list(values) for key, values in sensor.parameters.items()},
+        parameters=(compass_field(earth) | given) if source == COMPASS else given,
         noise={
             channel: _noise_spec(sensor.channels.get(channel, overall))
             for channel in (() if is_derived else kind.channels)

@@ -55,7 +55,7 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec.set_start(position_m, about_z(yaw_rad))
     spec.docked = vehicle.start is None
     spec.wrenches = [applied_wrench(wrench, scenario.step_s) for wrench in vehicle.wrenches]
-    spec.sensors = [sensor_spec(name, sensor) for name, sensor in model.sensors.items()]
+    spec.sensors = [sensor_spec(name, sensor, scenario.earth) for name, sensor in model.sensors.items()]
     if model.arm is not None:
         spec.arm = link_specs(model.arm)
     if model.sonar is not None:
