@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 from uwsim.base.options import Options
 
 if TYPE_CHECKING:
-    from uwsim.bridges.actions import Action
+    from uwsim.bridges.actions import Offered
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.channels import Channel, Service
     from uwsim.channels.delivery.feed import Readings
@@ -47,7 +47,7 @@ class Context:
     feed: Readings
     live: LiveSimulator | None = None
     services: Sequence[Service] = ()
-    actions: Sequence[Action] = ()
+    actions: Sequence[Offered] = ()
     origin: str = "world"
     namespace: str = ""
     access: Mapping[str, Any] = field(default_factory=dict)

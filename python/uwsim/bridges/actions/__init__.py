@@ -1,7 +1,8 @@
-"""Actions: flights of a vehicle that a peer starts, follows and cancels."""
+"""Actions: flights of a vehicle, and motions of its arm, that a peer starts, follows and cancels."""
 
-from uwsim.bridges.actions.action import Action, actions_in
-from uwsim.bridges.actions.goal import ABORTED, ACCEPTED, CANCELED, CANCELING, EXECUTING, SUCCEEDED, Goal
+from uwsim.bridges.actions.action import Action, Offered, actions_in
+from uwsim.bridges.actions.goal import ABORTED, ACCEPTED, CANCELED, CANCELING, EXECUTING, SUCCEEDED, Goal, accepted
+from uwsim.bridges.actions.joints import JointAction, JointGoal
 from uwsim.bridges.actions.table import actions_of
 
 __all__ = [
@@ -13,6 +14,10 @@ __all__ = [
     "SUCCEEDED",
     "Action",
     "Goal",
+    "JointAction",
+    "JointGoal",
+    "Offered",
+    "accepted",
     "actions_in",
     "actions_of",
 ]

@@ -64,27 +64,33 @@ class Progress(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Action:
-    """An action of one vehicle.
-
-    name: without a leading slash. type: a key of ACTION_TYPES. uses_truth: whether flights use the true pose, like /tf,
-    instead of the estimate. route: converts a goal message to a plan; raises ValueError. feedback: builds the message
-    for a Progress. result: builds the message from the duration of the flight [s] and the reason for an early end (""
-    for none).
-    """
+class Offered:
+    """An action of one vehicle. name: without a leading slash. type: a key of ACTION_TYPES."""
 
     name: str
     type: str
     description: str
     source: Source
     steering: Steering
+
+
+@dataclass(frozen=True, eq=False)
+class Action(Offered):
+    """A flight.
+
+    uses_truth: whether flights use the true pose, like /tf,
+    instead of the estimate. route: converts a goal message to a plan; raises ValueError. feedback: builds the message
+    for a Progress. result: builds the message from the duration of the flight [s] and the reason for an early end (""
+    for none).
+    """
+
     uses_truth: bool
     route: Callable[[Any], Plan]
     feedback: Callable[[Progress], Any]
     result: Callable[[float, str], Any]
 
 
-def actions_in(namespace: str, actions: Iterable[Action]) -> list[Action]:
+def actions_in(namespace: str, actions: Iterable[Offered]) -> list[Offered]:
     """Return the actions with their names moved to a namespace; "" changes nothing. Raises ValueError."""
     plain = checked_namespace(namespace)
     return [replace(action, name=f"{plain}/{action.name}") if plain else action for action in actions]

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.commands import command_named
-from uwsim.bridges.actions.action import Action, Plan, Progress
+from uwsim.bridges.actions.action import Action, Offered, Plan, Progress
+from uwsim.bridges.actions.joints import JointAction, JointGoal
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
@@ -147,6 +148,18 @@ class Goal:
             pose=build.pose(pose.position_world_m + source.origin_m, quaternion),
         )
         self._fed(self.action.feedback(Progress(stamped, self._leg, remaining_m, elapsed_s)))
+
+
+def accepted(live: LiveSimulator, action: Offered, goal: Any, fed: Fed, ended: Ended) -> Goal | JointGoal:
+    """Return an accepted goal of any action. Raises ValueError; see Goal and JointGoal."""
+    if isinstance(action, Action):
+        return Goal(live, action, goal, fed, ended)
+    assert isinstance(action, JointAction)
+
+    def end(is_reached: bool, is_cancelled: bool, result: Any) -> object:
+        return ended(SUCCEEDED if is_reached else CANCELED if is_cancelled else ABORTED, result)
+
+    return JointGoal(live, action, goal, fed, end)
 
 
 class _FlownVehicle(LiveVehicle):

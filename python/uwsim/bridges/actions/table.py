@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.bridges.actions.action import Action, Progress, Route
+from uwsim.bridges.actions.action import Action, Offered, Progress, Route
+from uwsim.bridges.actions.joints import JointAction
 from uwsim.channels import Table
+from uwsim.channels.families.commands import CONTROLLER, joint_limits
 from uwsim.channels.families.estimate import has_estimate
 from uwsim.channels.ros import build
-from uwsim.channels.ros.action_types import FLY_PATH, NAVIGATE_TO_POSE, load_action_types
+from uwsim.channels.ros.action_types import FLY_PATH, FOLLOW_JOINTS, NAVIGATE_TO_POSE, load_action_types
 from uwsim.channels.source import Source
 from uwsim.simulator.simulator import Simulator
 
@@ -24,17 +26,29 @@ FAILED = 9000  # error_code of nav2_msgs/NavigateToPose since Kilted: UNKNOWN
 UNIT = 0.01  # tolerance of the norm of a quaternion
 
 
-def actions_of(sim: Simulator, table: Table) -> list[Action]:
+def actions_of(sim: Simulator, table: Table) -> list[Offered]:
     """Return the actions of all vehicles.
 
-    A vehicle has no actions if commands to it go over a modem, which an action would bypass, or if the truth is hidden
-    and it has no IMU with which to estimate its pose.
+    A vehicle has no actions if commands to it go over a modem, which an action would bypass, and no flights if the
+    truth is hidden and it has no IMU with which to estimate its pose.
     """
+    if sim.link is not None:
+        return []
     uses_truth = table.tf == "truth"
-    sources = [] if sim.link is not None else [one for one in table.sources if uses_truth or has_estimate(one)]
-    if sources:
-        load_action_types()
-    return [action for source in sources for action in _actions(source, table, uses_truth)]
+    load_action_types()
+    found: list[Offered] = []
+    for source in table.sources:
+        if uses_truth or has_estimate(source):
+            found += _actions(source, table, uses_truth)
+        arm = source.of(sim).arm
+        if arm is not None and arm.motors:
+            found.append(
+                JointAction(
+                    source.topic(f"{CONTROLLER}/follow_joint_trajectory"), FOLLOW_JOINTS, "move joints through points",
+                    source, table.steering[source.name], joint_limits(source, arm.motors),
+                )
+            )  # fmt: skip
+    return found
 
 
 def _actions(source: Source, table: Table, uses_truth: bool) -> list[Action]:
@@ -66,15 +80,10 @@ def _navigate_feedback(now: Progress) -> Any:
     return build.message(
         f"{NAVIGATE_TO_POSE}_Feedback",
         current_pose=now.pose,
-        navigation_time=_duration(now.elapsed_s),
-        estimated_time_remaining=_duration(now.remaining_m / SPEED_M_S),
+        navigation_time=build.duration(now.elapsed_s),
+        estimated_time_remaining=build.duration(now.remaining_m / SPEED_M_S),
         distance_remaining=now.remaining_m,
     )
-
-
-def _duration(duration_s: float) -> Any:
-    sec, nanosec = divmod(round(1e9 * duration_s), 1_000_000_000)
-    return build.message("builtin_interfaces/msg/Duration", sec=sec, nanosec=nanosec)
 
 
 def _route(source: Source, table: Table, poses: Sequence[Any], speed_m_s: float, frame_id: str = "") -> Route:

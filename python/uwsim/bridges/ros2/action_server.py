@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from uwsim.bridges.actions import ACCEPTED, CANCELING, EXECUTING, SUCCEEDED, Action, Goal
+from uwsim.bridges.actions import ACCEPTED, CANCELING, EXECUTING, SUCCEEDED, Goal, JointGoal, Offered, accepted
 from uwsim.bridges.ros2.transport import Call
 from uwsim.channels.ros import build
 from uwsim.channels.ros.cdr import Distro, encode
@@ -40,7 +40,7 @@ class _Kept:
 
     def __init__(self, identity: bytes, accepted_ns: int) -> None:
         self.identity, self.accepted_ns = identity, accepted_ns
-        self.goal: Goal | None = None
+        self.goal: Goal | JointGoal | None = None
         self.status = ACCEPTED
         self.result: Any = None
         self.waiting: list[Call] = []
@@ -62,7 +62,7 @@ class ActionServer:
     def __init__(
         self,
         live: LiveSimulator,
-        action: Action,
+        action: Offered,
         distro: Distro,
         publisher: Publisher,
         offer: Callable[[str, str, Callable[[Call], None]], None],
@@ -94,7 +94,7 @@ class ActionServer:
                 if kept.identity in self._goals:
                     raise ValueError("its identifier has been used before")
                 fed, ended = partial(self._fed, kept), partial(self._ended, kept)
-                kept.goal = Goal(self._live, self._action, request.goal, fed, ended)
+                kept.goal = accepted(self._live, self._action, request.goal, fed, ended)
                 self._goals[kept.identity] = kept
         except (ValueError, RuntimeError) as error:
             self._report(f"/{self._action.name}: goal rejected: {error}")

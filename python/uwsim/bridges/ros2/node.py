@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from uwsim.bridges.actions import Action
+from uwsim.bridges.actions import Offered
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros2.action_server import ActionServer
 from uwsim.bridges.ros2.graph import dds_name
@@ -74,7 +74,7 @@ class Ros2Node(Bridge):
         *,
         feed: Readings | None = None,
         namespace: str = "",
-        actions: Sequence[Action] = (),
+        actions: Sequence[Offered] = (),
     ) -> None:
         self.name = node_name(namespace)
         self.settings = settings or Ros2Settings()
@@ -158,7 +158,7 @@ class Ros2Node(Bridge):
         self._parameter_events = ParameterEvents(live, f"/{self.name}", publish)
         self._parameter_events.open()
 
-    def _act(self, live: LiveSimulator, actions: Sequence[Action]) -> None:
+    def _act(self, live: LiveSimulator, actions: Sequence[Offered]) -> None:
         """Offer the actions whose types exist in the distribution."""
         if actions:
             load_action_types(self.settings.distro)

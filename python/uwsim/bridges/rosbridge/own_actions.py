@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from uwsim.bridges.actions import SUCCEEDED, Action, Goal
+from uwsim.bridges.actions import SUCCEEDED, Goal, JointGoal, Offered, accepted
 from uwsim.bridges.rosbridge.graph import ActionGoal
 from uwsim.channels.ros.message_in import from_plain
 from uwsim.channels.ros.message_out import to_plain
@@ -16,14 +16,14 @@ from uwsim.live import LiveSimulator
 class OwnAction:
     """An ActionHandler. post: calls a function, with arguments, on the graph's thread."""
 
-    def __init__(self, live: LiveSimulator, action: Action, post: Callable[..., object]) -> None:
+    def __init__(self, live: LiveSimulator, action: Offered, post: Callable[..., object]) -> None:
         self._live, self._action, self._post = live, action, post
-        self._goals: dict[ActionGoal, Goal] = {}
+        self._goals: dict[ActionGoal, Goal | JointGoal] = {}
 
     def begin(self, goal: ActionGoal, arguments: Any) -> None:
         """Begin a flight. Raises ValueError if the goal is impossible or the vehicle cannot be commanded now."""
         message = from_plain(f"{self._action.type}_Goal", arguments, "args")
-        flight = Goal(self._live, self._action, message, partial(self._fed, goal), partial(self._ended, goal))
+        flight = accepted(self._live, self._action, message, partial(self._fed, goal), partial(self._ended, goal))
         self._goals[goal] = flight
         flight.start()
 

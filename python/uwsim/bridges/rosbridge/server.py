@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from uwsim.bridges.actions import Action, actions_of
+from uwsim.bridges.actions import Offered, actions_of
 from uwsim.bridges.connection import HeardConnection
 from uwsim.bridges.conversation import Rates, Share
 from uwsim.bridges.listener import STOP_S, Address, Listener, Site
@@ -74,7 +74,7 @@ class RosbridgeServer:
         origin: str | Sequence[float] | None = None,
         channels: Iterable[Channel] | None = None,
         services: Iterable[Service] = (),
-        actions: Iterable[Action] = (),
+        actions: Iterable[Offered] = (),
         feed: Readings | None = None,
         guests: Sequence[Guest] = (),
         site: Site | None = None,
@@ -106,7 +106,7 @@ class RosbridgeServer:
             actions = actions_of(live.simulator, table)
         self.channels: list[Channel] = list(channels or ())  # may be replaced before start
         self.services: list[Service] = list(services)
-        self.actions: list[Action] = list(actions)
+        self.actions: list[Offered] = list(actions)
         self._numbers = itertools.count(1)
         self._node: SimulatorNode | None = None
         self._pool: ThreadPoolExecutor | None = None
@@ -190,7 +190,7 @@ class RosbridgeServer:
         channels: Iterable[Channel],
         services: Iterable[Service],
         feed: Readings | None = None,
-        actions: Iterable[Action] = (),
+        actions: Iterable[Offered] = (),
     ) -> None:
         """Replace the simulator that clients see with another or none. Clients stay connected and subscribed.
 

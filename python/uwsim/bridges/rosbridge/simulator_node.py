@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
-from uwsim.bridges.actions import Action
+from uwsim.bridges.actions import Offered
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
@@ -42,7 +42,7 @@ class SimulatorNode(Bridge):
         feed: Readings | None,
         graph: Graph,
         loop: asyncio.AbstractEventLoop,
-        actions: Sequence[Action] = (),
+        actions: Sequence[Offered] = (),
     ) -> None:
         channels = with_earlier_names(channels)
         super().__init__("rosbridge", live, channels, services, feed)

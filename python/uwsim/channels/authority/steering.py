@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.channels.authority.joint_motion import JointMotion
 from uwsim.channels.authority.rights import Rights
 from uwsim.channels.channel import Channel
 from uwsim.channels.source import Source
@@ -52,6 +53,7 @@ class Steering:
         self._loop_name = ""
         self._wanted = np.zeros(6)
         self.by_keys = False
+        self._motion: JointMotion | None = None
 
     def apply(self, live: LiveSimulator, channel: Channel, message: Any, driver: str = "a client") -> None:
         """Apply a message that a client of this kind has published. May be called on any thread.
@@ -132,6 +134,15 @@ class Steering:
     def ask(self, live: LiveSimulator, name: str, /, **arguments: Any) -> Future[Any]:
         """Issue a command that does not steer. The command is silently lost if a fault has cut the vehicle's link."""
         return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
+
+    def move_joints(self, motion: JointMotion | None) -> None:
+        """Let joints follow a trajectory, which ends the one before it; None for another command of the joints."""
+        with self.shore.lock:
+            before, self._motion = self._motion, motion
+        if before is not None:
+            before.leave(Reason.REPLACED)
+        if motion is not None:
+            motion.start()
 
     def _is_cut_off(self, live: LiveSimulator) -> bool:
         return is_cut_off(live.simulator, self._source.name)

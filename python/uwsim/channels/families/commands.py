@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.commands import COMMANDS, Argument
+from uwsim.channels.authority.joint_motion import JointMotion, Limits, Trajectory, trajectory_of
 from uwsim.channels.authority.steering import Steering
 from uwsim.channels.channel import COMMAND, Authority, Channel, OverLink, ended_by
+from uwsim.channels.families.body_frames import body_frames
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator
@@ -21,6 +24,7 @@ FLOATS = "std_msgs/msg/Float64MultiArray"
 THRUSTER = COMMANDS["set_thrusters"].argument("commands")
 FIN = COMMANDS["set_fins"].argument("angles_rad")
 ELEVATION = COMMANDS["aim"].argument("elevation_rad")
+CONTROLLER = "arm_controller"  # that ros2_control's examples and MoveIt's have
 JOINT, JOINTS = COMMANDS["set_joints"].argument("positions"), "sensor_msgs/msg/JointState"
 
 
@@ -81,7 +85,15 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
         found.append(
             inbound(
                 "cmd_joints", JOINTS, f"positions, velocities or efforts of {', '.join(motors)}",
-                lambda live, message: steering.ask(live, "set_joints", **_joints(message, source, motors)),
+                lambda live, message: _command_joints(live, steering, _joints(message, source, motors)),
+            )
+        )  # fmt: skip
+        limits = joint_limits(source, motors)
+        found.append(
+            inbound(
+                f"{CONTROLLER}/joint_trajectory", "trajectory_msgs/msg/JointTrajectory",
+                f"points through which joints move: {', '.join(motors)}",
+                lambda live, message: _follow(live, steering, source, trajectory_of(message, source, limits)),
             )
         )  # fmt: skip
     return found
@@ -127,6 +139,21 @@ def _joints(message: Any, source: Source, motors: Sequence[str]) -> dict[str, di
             raise ValueError(f"cmd_joints: {name}: must be one of {', '.join(motors)}")
         JOINT.check_number(value, f"cmd_joints: {name}")
     return {to: dict(zip(names, map(float, values), strict=True))}
+
+
+def joint_limits(source: Source, motors: Sequence[str]) -> dict[str, Limits]:
+    """Return the limits of these joints of a vehicle."""
+    joints = {frame.joint.name: frame.joint for frame in body_frames(source.entry.model) if frame.joint is not None}
+    return {name: Limits(joints[name].low_rad, joints[name].high_rad, joints[name].rate_rad_s) for name in motors}
+
+
+def _command_joints(live: LiveSimulator, steering: Steering, arguments: dict[str, dict[str, float]]) -> None:
+    steering.move_joints(None)
+    steering.ask(live, "set_joints", **arguments)
+
+
+def _follow(live: LiveSimulator, steering: Steering, source: Source, trajectory: Trajectory) -> None:
+    steering.move_joints(JointMotion(live, source, trajectory, partial(steering.ask, live, "set_joints")))
 
 
 def _tilt(live: LiveSimulator, steering: Steering, tilt_rad: float) -> None:

@@ -56,6 +56,12 @@ def time(stamp_ns: int) -> Any:
     return message("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
 
 
+def duration(duration_s: float) -> Any:
+    """Return a duration."""
+    sec, nanosec = divmod(round(1e9 * duration_s), 1_000_000_000)
+    return message("builtin_interfaces/msg/Duration", sec=sec, nanosec=nanosec)
+
+
 def header(stamp_ns: int, frame_id: str) -> Any:
     """Return a std_msgs/Header."""
     return message("std_msgs/msg/Header", stamp=time(stamp_ns), frame_id=frame_id)

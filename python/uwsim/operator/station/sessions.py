@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
-from uwsim.bridges.actions import Action, actions_of
+from uwsim.bridges.actions import Offered, actions_of
 from uwsim.channels import Channel, Service
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
@@ -39,7 +39,7 @@ from uwsim.scenario import ScenarioError, load
 from uwsim.simulator.simulator import Simulator
 
 Phase = Literal["idle", "starting", "running"]
-Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None, list[Action]], None]
+Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None, list[Offered]], None]
 STATE = "station/state"
 
 
