@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import read_only
+from uwsim.base.quaternions import turned
 from uwsim.base.short_repr import ShortRepr
+from uwsim.simulator.push import six_numbers
 
 Floats = NDArray[np.float64]
 ByName = Mapping[str, float]
@@ -48,6 +50,7 @@ class Arm:
         self._simulation = simulation
         self._index = index
         self._command = command
+        self._specs = links
         self._moving = [k for k, link in enumerate(links) if link.joint != _core.JointKind.FIXED]
         self.names = tuple(links[k].name for k in self._moving)
         self.motors = tuple(links[k].name for k in self._moving if links[k].strongest > 0)
@@ -74,7 +77,59 @@ class Arm:
         """Command joints by name; see Vehicle.set_joints."""
         self._command(positions, speeds, torques)
 
+    def reach(
+        self,
+        point_m: Sequence[float] | Floats,
+        direction: Sequence[float] | Floats | None = None,
+        *,
+        axes: str = "world",
+        link: str | None = None,
+        tool_m: Sequence[float] | Floats = (0.0, 0.0, 0.0),
+        tool_axis: Sequence[float] | Floats = (1.0, 0.0, 0.0),
+    ) -> dict[str, float]:
+        """Return the joints' positions that bring a link to a point, for `set_joints(positions=...)`.
+
+        point_m: (3,), in the world or, with axes="body", in the vehicle's frame, and then so is `direction`, (3,), that
+        the tool's axis is to have; by default any. link: by default the last. tool_m, tool_axis: the tool's point and
+        direction in the link's frame. The vehicle is where it is now: one that floats moves while its arm does. Of
+        several ways that it finds, the one whose joints turn least. Raises ValueError for what is more than 1 mm or 1
+        degree out of reach, saying how near the arm comes.
+        """
+        from uwsim.simulator.arm_reach import Aim, OutOfReachError, Reach
+
+        name = self.links[-1] if link is None else link
+        if name not in self.links:
+            raise ValueError(f"link = {name!r}: must be one of {', '.join(self.links)}")
+        if axes not in ("world", "body"):
+            raise ValueError(f"axes = {axes!r}: must be world or body")
+        point, tool = np.array(six_numbers(point_m=(point_m, "m"), tool_m=(tool_m, "m"))).reshape(2, 3)
+        if not np.isfinite([point, tool]).all():
+            raise ValueError(f"point_m = {point.tolist()} m, tool_m = {tool.tolist()} m: must be finite")
+        wanted = None if direction is None else _unit(direction, "direction")
+        if axes == "world":
+            state = self._simulation.state(self._index)
+            inverse = np.asarray(state.orientation_xyzw) * [-1.0, -1.0, -1.0, 1.0]
+            point = turned(inverse, point - state.position_world_m)
+            wanted = None if wanted is None else turned(inverse, wanted)
+        reach = Reach(self._specs, self.links.index(name))
+        present = self._simulation.arm(self._index).positions[reach.chain]
+        try:
+            found = reach.positions(present, Aim(point, wanted, tool, _unit(tool_axis, "tool_axis")))
+        except OutOfReachError as error:
+            x, y, z = np.asarray(point_m, np.float64).tolist()
+            raise ValueError(f"point_m = ({x:.4g}, {y:.4g}, {z:.4g}) m: out of the arm's reach: {error}") from None
+        return {self.links[k]: float(at) for k, at in zip(reach.chain, found, strict=True)}
+
     def halt(self) -> None:
         """Stop every motor where it is, without a journal entry: for all stop."""
         if self.motors:
             self._simulation.command_joints(self._index, [], [(name, 0.0) for name in self.motors], [])
+
+
+def _unit(direction: Sequence[float] | Floats, name: str) -> Floats:
+    """Return a direction (3,) with length 1. Raises ValueError."""
+    values = np.array(six_numbers(**{name: (direction, "")}))
+    length = float(np.linalg.norm(values))
+    if not 1e-9 < length < np.inf:
+        raise ValueError(f"{name} = {values.tolist()}: must be finite and have a direction")
+    return values / length
