@@ -2,6 +2,7 @@
 
 SUITES = {
     "dynamics": "uwsim.evidence.validate.dynamics",
+    "tether": "uwsim.evidence.validate.tether",
     "sonar": "uwsim.evidence.validate.sonar",
     "imaging": "uwsim.evidence.validate.imaging",
     "camera": "uwsim.evidence.validate.camera",

@@ -1,7 +1,7 @@
 """The peers suite: the same quantities computed by third-party libraries, where installed.
 
-A peer is a module with `checks() -> list[Check]` and an entry in PEERS. The Python libraries can be installed with pip;
-uwsim does not depend on them.
+A peer is a module with `checks() -> list[Check]` and an entry in PEERS; `tethers` is in the suite `tether` instead. The
+Python libraries can be installed with pip; uwsim does not depend on them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ PEERS = {
     "wave_loads": ("uwsim", "uwsim"),
     "added_mass": ("uwsim", "uwsim"),
     "lamp_light": ("uwsim", "uwsim"),
-    "tethers": ("uwsim", "uwsim"),
     "sea_water": ("gsw", "gsw"),
     "rigid_body": ("mujoco", "mujoco"),
     "pinhole": ("cv2", "opencv-python-headless"),
