@@ -35,9 +35,14 @@ def _section(benchmark: Benchmark, submitted: list[dict[str, Any]]) -> str:
     first = benchmark.values[0]
     order = sorted(rows, key=lambda key: rows[key][0], reverse=MORE_IS_BETTER[first])
     lines = [
-        f"| {mission} | {' | '.join(f'{value:.3g}' for value in rows[mission, digest])} | {notes[mission, digest]} |"
+        f"| {mission} | {' | '.join(map(_short, rows[mission, digest]))} | {notes[mission, digest]} |"
         for mission, digest in order
     ]
     head = f"| mission | {' | '.join(f'`{value}`' for value in benchmark.values)} | seeds | uwsim, build |"
     rule = f"|{'---|' * (len(benchmark.values) + 3)}"
     return "\n".join([f"## {benchmark.name}\n\n{benchmark.task}\n", head, rule, *lines, ""])
+
+
+def _short(value: float) -> str:
+    """Return a value with three digits or, from 1000 on, all that are before the point."""
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
