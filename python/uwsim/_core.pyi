@@ -3560,6 +3560,10 @@ class ArmLink:
         """
         Set the link's frame in its parent's, at zero.
         """
+    def set_surface(self, vertices_m: typing.Any, triangles: typing.Any) -> None:
+        """
+        Set what light and sound meet: a closed mesh in the link's frame, (n, 3) and (m, 3).
+        """
     @property
     def added_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 6]"]:
         """
@@ -4018,6 +4022,11 @@ class Simulation:
     def link_sending_s(self) -> float:
         """
         Return the total time that nodes have been sending [s].
+        """
+    def link_surfaces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]:
+        """
+        Return where the links are that have a surface, of all vehicles in order: (n, 7), position [m] and
+        quaternion x, y, z, w in the world.
         """
     def link_topic(self, name: str) -> int:
         """

@@ -210,6 +210,14 @@ void bind_arm_link(py::module_& m) {
       .def_readwrite("added_mass", &ArmLink::added_mass, "(6, 6), at the link's origin")
       .def_readwrite("linear_drag", &ArmLink::linear_drag, "(6,), at the centre of buoyancy")
       .def_readwrite("quadratic_drag", &ArmLink::quadratic_drag, "(6,), at the centre of buoyancy")
+      .def(
+          "set_surface",
+          [](ArmLink& link, const py::object& vertices_m, const py::object& triangles) {
+            link.surface_m = std::make_shared<const TriangleMesh>(
+                TriangleMesh{as_points(vertices_m, "vertices_m"), as_triangles(triangles, "triangles")});
+          },
+          py::arg("vertices_m"), py::arg("triangles"),
+          "Set what light and sound meet: a closed mesh in the link's frame, (n, 3) and (m, 3).")
       .def_readwrite("start", &ArmLink::start)
       .def_readwrite("lowest", &ArmLink::lowest)
       .def_readwrite("highest", &ArmLink::highest)
@@ -239,6 +247,18 @@ void bind_arm(py::module_&, py::class_<OwnedSimulation>& simulation) {
             return o.with_briefly([&](Simulation& s) { return arm_reading(s.arm(v)); });
           },
           py::arg("vehicle"), "Return the arm's ArmReading. Raises ValueError if there is none.")
+      .def(
+          "link_surfaces",
+          [](OwnedSimulation& o) {
+            const std::vector<Pose> poses = o.with_briefly([&](Simulation& s) { return s.link_surfaces(); });
+            Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor> found(poses.size(), 7);
+            for (std::size_t k = 0; k < poses.size(); ++k)
+              found.row(static_cast<Eigen::Index>(k)) << poses[k].position_m.transpose(),
+                  poses[k].orientation.coeffs().transpose();
+            return found;
+          },
+          "Return where the links are that have a surface, of all vehicles in order: (n, 7), position [m] and\n"
+          "quaternion x, y, z, w in the world.")
       .def(
           "place_joint",
           [](OwnedSimulation& o, std::size_t v, std::size_t joint, double position, double speed) {

@@ -44,6 +44,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       textures_(like.textures_),
       has_textures_(like.has_textures_),
       vehicle_names_(like.vehicle_names_),
+      before_schools_(like.before_schools_),
       hulls_(like.hulls_) {
   world_.water = water;
 }
@@ -85,8 +86,13 @@ void CameraScene::set_ground(const camera::Material& bed, const camera::Material
 std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_body_m,
                                      const SurfaceAppearance& appearance) {
   require_fits(appearance.texture.get(), hull_body_m);
-  require(classes_.size() == world_.labels_end() + vehicles(), "vehicle", name, "must be added before schools");
+  const std::size_t labels = world_.labels_end() + vehicles();
+  const bool is_before = classes_.size() == labels;
+  require(is_before || classes_.size() == labels + world_.schools().size(), "vehicle", name,
+          "must be added before schools, or after all of them");
+  if (!is_before) hulls_.add_after_schools();
   hulls_.add(hull_body_m);
+  if (is_before) ++before_schools_;
   vehicle_names_.push_back(std::move(name));
   materials_.push_back(appearance.material);
   classes_.push_back(static_cast<std::uint8_t>(appearance.kind));
@@ -115,8 +121,10 @@ RayScene CameraScene::rays_among(std::span<const Pose> poses, std::optional<std:
 
 std::vector<std::string> CameraScene::label_names() const {
   std::vector<std::string> names = world_.label_names();
-  names.insert(names.end(), vehicle_names_.begin(), vehicle_names_.end());
+  const auto schools = vehicle_names_.begin() + static_cast<std::ptrdiff_t>(before_schools_);
+  names.insert(names.end(), vehicle_names_.begin(), schools);
   for (const auto& school : world_.schools()) names.push_back(school->spec().name);
+  names.insert(names.end(), schools, vehicle_names_.end());
   return names;
 }
 

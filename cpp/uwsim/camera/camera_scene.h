@@ -51,7 +51,8 @@ class CameraScene {
                             std::shared_ptr<const Texture> texture = nullptr);
   /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
-  /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft. Throws InvalidValue for a texture made for a
+  /// Adds a vehicle, or another moving body, and returns its index. Those added after all schools have labels after
+  /// theirs. `hull_body_m`: as for Craft. Throws InvalidValue for a texture made for a
   /// different mesh.
   std::size_t add_vehicle(std::string name, const TriangleMesh& hull_body_m, const SurfaceAppearance& appearance);
 
@@ -97,6 +98,7 @@ class CameraScene {
   std::vector<std::shared_ptr<const Texture>> textures_;
   bool has_textures_ = false;
   std::vector<std::string> vehicle_names_;
+  std::size_t before_schools_ = 0;  // of the vehicles
   MovingBodies hulls_;
   mutable ForkSafeMutex<std::mutex> mutex_;
   mutable std::optional<CachedRipples> cached_ripples_;

@@ -7,6 +7,16 @@
 
 namespace uwsim {
 
+Pose ArmLink::parent_from_link_at(double position) const {
+  Pose pose = parent_from_link;
+  if (joint == Joint::kHinge) {
+    pose.orientation = pose.orientation * Eigen::Quaterniond(Eigen::AngleAxisd(position, axis.normalized()));
+  } else if (joint == Joint::kSlide) {
+    pose.position_m += pose.orientation * (position * axis.normalized());
+  }
+  return pose;
+}
+
 void ArmLink::check() const {
   const std::string path = "link '" + name + "' ";
   const auto at_least_0 = [&](const char* field, double value, bool finite = true) {
@@ -37,6 +47,7 @@ void ArmLink::check() const {
   require(lowest <= highest, path + "limits", lowest, "must be at most the upper limit");
   require(std::isfinite(start) && start >= lowest && start <= highest, path + "start", start,
           "must be within the joint's limits");
+  if (surface_m != nullptr) require_closed(*surface_m, path + "surface_m");
   at_least_0("volume_m3", volume_m3);
   at_least_0("viscous_friction", viscous_friction);
   at_least_0("coulomb_friction", coulomb_friction);

@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/core/triangle_mesh.h"
 
 namespace uwsim {
 
@@ -30,6 +32,8 @@ struct ArmLink {
   // At the centre of buoyancy along the link's axes: force = -(linear + quadratic |v|) v [N s/m, N s^2/m^2, ...]
   Vector6d linear_drag = Vector6d::Zero(), quadratic_drag = Vector6d::Zero();
 
+  std::shared_ptr<const TriangleMesh> surface_m;  ///< what light and sound meet, in the link's frame; null: nothing
+
   double start = 0;  ///< the joint's position at the start
   double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
   double viscous_friction = 0;  ///< torque per speed
@@ -44,6 +48,8 @@ struct ArmLink {
   /// The rotor's inertia as the joint feels it: the square of the ratio times it. The gyroscopic moment of a rotor
   /// whose axis turns is not in it.
   double reflected_inertia() const { return gear_ratio * gear_ratio * rotor_inertia_kg_m2; }
+  /// The link's frame in that of what holds it, for a position of its joint.
+  Pose parent_from_link_at(double position) const;
   /// Throws InvalidValue naming link and field.
   void check() const;
 };

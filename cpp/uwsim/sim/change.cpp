@@ -9,6 +9,18 @@
 #include "uwsim/sonar/water_sound.h"
 
 namespace uwsim {
+namespace {
+
+bool has_same_surfaces(const std::vector<ArmLink>& links, const Arm* arm) {
+  if (arm == nullptr || links.size() != arm->size()) return arm == nullptr;  // the latter is refused later
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const auto &one = links[k].surface_m, &other = arm->links()[k].surface_m;
+    if (one != other && (!one || !other || one->vertices_m != other->vertices_m)) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 /// Builds new vehicles and transfers the state of the present ones to them, as if it had been saved and restored.
 /// Everything that may fail is done first.
@@ -35,8 +47,10 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     changed[k].actuators.renew_commands();
     changed[k].sensors.watch_like(vehicles_[k].sensors);
     changed[k].pushes.commanded = vehicles_[k].pushes.commanded;
-    same_hulls = same_hulls &&
-                 vehicles[k].craft->hull().mesh_body().vertices_m == vehicles_[k].craft->hull().mesh_body().vertices_m;
+    same_hulls =
+        same_hulls &&
+        vehicles[k].craft->hull().mesh_body().vertices_m == vehicles_[k].craft->hull().mesh_body().vertices_m &&
+        has_same_surfaces(vehicles[k].arm, bodies_.arm(vehicles_[k].body));
   }
   for (std::size_t k = 0; k < objects(); ++k) bodies.push_back(bodies_.spec(body_of(k)));
   std::shared_ptr<MovingBodies> hulls = hulls_;

@@ -7,6 +7,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/stream_name.h"
+#include "uwsim/sim/arm_surfaces.h"
 #include "uwsim/sim/tether_tubes.h"
 #include "uwsim/sonar/water_sound.h"
 
@@ -162,9 +163,12 @@ VehicleSnapshot Simulation::snapshot(const Vehicle& vehicle) const {
 const MovingBodies& Simulation::vehicles_for_rays() const {
   if (hulls_version_ != version_) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) hulls_->place(k, bodies_.state(k).world_from_body);
-    for (std::size_t k = 0, tube = bodies_.size(); k < tethers(); ++k) {
-      if (hulls_->size() == tube) add_tubes(bodies_.tether(k).spec(), *hulls_);
-      tube = place_tubes(bodies_.tether(k), bodies_, tube, *hulls_);
+    std::size_t next = bodies_.size();
+    if (hulls_->size() == next) add_link_surfaces(bodies_, *hulls_);
+    next = place_link_surfaces(bodies_, next, *hulls_);
+    for (std::size_t k = 0; k < tethers(); ++k) {
+      if (hulls_->size() == next) add_tubes(bodies_.tether(k).spec(), *hulls_);
+      next = place_tubes(bodies_.tether(k), bodies_, next, *hulls_);
     }
     hulls_->place_schools(time_s());
     hulls_version_ = version_;
@@ -173,10 +177,12 @@ const MovingBodies& Simulation::vehicles_for_rays() const {
 }
 
 RayScene Simulation::scene_around(const Vehicle& vehicle) const {
-  if (bodies_.size() < 2 && tethers() == 0 && !hulls_->has_schools()) return *scene_;
+  if (bodies_.size() < 2 && tethers() == 0 && !hulls_->has_schools() && !has_link_surfaces(bodies_)) return *scene_;
   vehicles_for_rays();
   return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
 }
+
+std::vector<Pose> Simulation::link_surfaces() const { return link_surfaces_world(bodies_); }
 
 RayScene Simulation::scene_around(std::size_t index) const { return scene_around(vehicle(index)); }
 

@@ -140,10 +140,12 @@ class Simulation {
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1, bool water_column = false) const;
   /// The surfaces of the world, without vehicles.
   const RayScene& scene() const { return *scene_; }
-  /// The surroundings of the vehicle's instruments: the world, and all other vehicles and objects at their present
-  /// poses. Valid until time advances or a vehicle is moved.
+  /// The surroundings of the vehicle's instruments: the world, and all other vehicles, objects, arms, its
+  /// own as well, and tethers at their present poses. Valid until time advances or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
-  /// All vehicles, then all objects and schools, at their present poses, for RayScene::with.
+  /// Where the links of arms are that have a surface: of all vehicles in order, in the links' order.
+  std::vector<Pose> link_surfaces() const;
+  /// All vehicles, objects, schools, then arms and tethers, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
 

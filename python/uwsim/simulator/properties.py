@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Unpack
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim import _core as native
 from uwsim.base.named import Named
 from uwsim.base.sealed import Attached
@@ -79,6 +82,10 @@ class SimulatorProperties(Attached):
     def label_names(self) -> list[str]:
         """The names of the labels that pings and rays return: World.label_names, followed by those of the vehicles."""
         return label_names(self.scenario)
+
+    def link_surfaces(self) -> NDArray[np.float64]:
+        """Return where the links of arms are that have a shape, (n, 7): position [m] and quaternion x, y, z, w."""
+        return self._core.link_surfaces()
 
     def around(self, vehicle: str | None = None) -> Surroundings:
         """Return the current surroundings of a sonar: the world and all vehicles except the sonar's carrier.

@@ -21,11 +21,10 @@ from uwsim.bridges.foxglove.primitives import by_height, cubes, line, mesh
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.families.map_changes import EDGE, OCCUPIED
 from uwsim.scenario import Scenario, vehicle_hull
-from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
-from uwsim.scenario.spec.loose_body import LooseBody
+from uwsim.simulator.moving_shapes import MovingShape, moving_shapes
 
 GRID_MAX = 160  # maximum number of heights along an edge of the displayed bed
 STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
@@ -78,7 +77,7 @@ def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
 
 
 class Bodies:
-    """The loose bodies at their poses, in the world frame. A body is sent again only when it has moved.
+    """Loose bodies and links of arms at their poses, in the world frame. A body is sent again only when it has moved.
 
     A surface of more than TRIANGLES_MAX triangles is drawn as its convex hull, with which it collides.
     """
@@ -101,14 +100,14 @@ class Bodies:
 
     def _entity(self, name: str, time_ns: int) -> SceneEntity:
         if not self._surfaces:
-            self._surfaces = {body.name: _surface(self._scenario, body) for body in self._scenario.objects}
+            self._surfaces = {body.name: _surface(body) for body in moving_shapes(self._scenario)}
         x, y, z, *turn = self._poses[name].tolist()
         pose = Pose(position=Vector3(x=x, y=y, z=z), orientation=Quaternion(**dict(zip("xyzw", turn, strict=True))))
         return mesh(name, "world", *self._surfaces[name], BODY, pose=pose, time_ns=time_ns)
 
 
-def _surface(scenario: Scenario, body: LooseBody) -> Surface:
-    vertices, triangles = object_mesh(scenario, body)
+def _surface(body: MovingShape) -> Surface:
+    vertices, triangles = body.mesh()
     if len(triangles) <= TRIANGLES_MAX:
         return vertices, triangles
     import trimesh

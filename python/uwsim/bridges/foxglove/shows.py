@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
-import numpy as np
 from foxglove.messages import SceneUpdate
 
 from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, publish_truth, received_places, true_places
@@ -14,6 +13,7 @@ from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
+from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
 from uwsim.simulator.simulator import Simulator
 
 BODIES_S = 0.2  # between two looks for loose bodies that have moved, in simulated time
@@ -110,7 +110,7 @@ class TrackShow(Show):
 
 
 class BodyShow(Show):
-    """The loose bodies at their true poses."""
+    """Loose bodies and links of arms at their true poses."""
 
     def __init__(self, outgoing: Outgoing, send: SendAll, live: LiveSimulator) -> None:
         super().__init__("scene/objects", outgoing, send)
@@ -136,10 +136,8 @@ class BodyShow(Show):
 
 
 def _poses(sim: Simulator) -> tuple[dict[str, Vector], int]:
-    found = {
-        body.name: np.concatenate([body.pose.position_world_m, body.pose.orientation_xyzw])
-        for body in sim.objects.values()
-    }
+    names = [body.name for body in moving_shapes(sim.scenario)]
+    found = dict(zip(names, shape_poses(sim), strict=True))
     return found, sim.time_ns
 
 
@@ -210,7 +208,7 @@ def _shows_of_world(
         StillShow("scene/vehicles", outgoing, send, live, lambda: hulls(scenario, frames)),
         TrackShow("scene/track", outgoing, send, live, received_places(live, channels, feed, origin_m)),
         *([TrackShow("scene/true_track", outgoing, send, live, true_places(live))] if has_truth else []),
-        *([BodyShow(outgoing, send, live)] if scenario.objects and not has_link else []),
+        *([BodyShow(outgoing, send, live)] if moving_shapes(scenario) and not has_link else []),
     ]
 
 

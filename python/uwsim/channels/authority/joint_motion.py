@@ -39,7 +39,7 @@ class Point(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """Of a joint: its lowest and highest position, and its motor's greatest speed."""
+    """A joint's lowest and highest position, and its motor's greatest speed."""
 
     low: float
     high: float

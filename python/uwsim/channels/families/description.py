@@ -2,7 +2,7 @@
 
 http://wiki.ros.org/urdf/XML: lengths in m, angles in rad, mass in kg, inertia in kg m2; rpy are rotations about the
 parent's fixed x, y and z axes. URDF has no water: added mass, buoyancy and drag are not in it, of an arm's links
-neither. Links have no shape.
+neither.
 """
 
 from __future__ import annotations
@@ -25,8 +25,13 @@ from uwsim.scenario import Scenario
 from uwsim.scenario.build.craft import mass_properties
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.obstacles.box import Box
+from uwsim.scenario.obstacles.cylinder import Cylinder
+from uwsim.scenario.obstacles.mesh import MeshObstacle
+from uwsim.scenario.obstacles.sphere import Sphere
 from uwsim.scenario.read.mesh_file import is_y_up
 from uwsim.scenario.spec.arm import Link
+from uwsim.scenario.spec.obstacle import LEVEL, ObstacleModel
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.simulator import Simulator
@@ -105,6 +110,8 @@ def _add_frame(robot: Element, source: Source, frame: Frame, model: VehicleModel
     for own, part in (model.arm or {}).items():
         if frame.name == link_frame(own):
             _add_mass(link, part)
+            if part.shape is not None:
+                _add_shape(link, part.shape)
     turning = frame.joint
     name = source.frame(f"{frame.name}_joint") if turning is None else source.topic(turning.name)
     is_fixed = turning is None or turning.low_rad == turning.high_rad
@@ -137,6 +144,27 @@ def _add_mass(element: Element, link: Link) -> None:
     names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     values = (*link.inertia_kg_m2, *link.inertia_products_kg_m2)
     SubElement(inertial, "inertia", {name: repr(float(value)) for name, value in zip(names, values, strict=True)})
+
+
+def _add_shape(element: Element, shape: ObstacleModel) -> None:
+    """Add a link's shape as visual and collision: primitives, or its mesh file."""
+    turn = quaternions.of_yaw_pitch_roll_deg(getattr(shape, "yaw_pitch_roll_deg", LEVEL))
+    for part in ("visual", "collision"):
+        added = SubElement(element, part)
+        geometry = SubElement(added, "geometry")
+        if isinstance(shape, MeshObstacle):
+            own = quaternions.about_x(0.5 * math.pi) if is_y_up(shape.file, shape.up) else build.IDENTITY_XYZW
+            _add_origin(added, shape.position_m, quaternions.product(turn, own))
+            scale = _numbers([shape.scale] * 3)
+            SubElement(geometry, "mesh", filename=shape.file.resolve().as_uri(), scale=scale)
+            continue
+        _add_origin(added, shape.position_m, turn)  # type: ignore[attr-defined]  # of all kinds that links have
+        if isinstance(shape, Box):
+            SubElement(geometry, "box", size=_numbers(shape.size_m))
+        elif isinstance(shape, Cylinder):
+            SubElement(geometry, "cylinder", radius=repr(shape.radius_m), length=repr(shape.length_m))
+        elif isinstance(shape, Sphere):
+            SubElement(geometry, "sphere", radius=repr(shape.radius_m))
 
 
 def _add_fin(link: Element, side_m: float, span: tuple[float, float, float]) -> None:

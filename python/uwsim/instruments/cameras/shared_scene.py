@@ -138,17 +138,22 @@ class SharedScene:
         height = float(self._world.height_at(position_m[None, :2])[0])
         return height if np.isfinite(height) else -np.inf
 
+    def link_surfaces(self) -> Floats:
+        """Return where the links of arms are that cameras see, (n, 7): position [m] and quaternion x, y, z, w."""
+        return self._simulation.link_surfaces()
+
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
         """Return the current state, which is consistent even if other threads step the simulation meanwhile."""
         while True:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]
             states += [self._simulation.object_state(k) for k in range(len(self._scenario.objects))]
+            links = self.link_surfaces()
             time_ns = self._simulation.time_ns
             if self._simulation.version == version:
                 break
-        positions = np.array([state.position_world_m for state in states])
-        orientations = np.array([state.orientation_xyzw for state in states])
+        positions = np.vstack([*(state.position_world_m for state in states), links[:, :3]])
+        orientations = np.vstack([*(state.orientation_xyzw for state in states), links[:, 3:]])
         lamps = [
             light
             for position, orientation, switches in zip(positions, orientations, self.lamps, strict=False)
@@ -163,8 +168,9 @@ class SharedScene:
 
 
 def _same_hulls(one: Scenario, other: Scenario) -> bool:
-    """Return whether all vehicles have the same hulls in two variants of a scenario."""
+    """Return whether all vehicles have the same hulls and arms in two variants of a scenario."""
     return all(
-        a.model is b.model or np.array_equal(vehicle_hull(a.model)[0], vehicle_hull(b.model)[0])
+        a.model is b.model
+        or (a.model.arm == b.model.arm and np.array_equal(vehicle_hull(a.model)[0], vehicle_hull(b.model)[0]))
         for a, b in zip(one.vehicles, other.vehicles, strict=True)
     )

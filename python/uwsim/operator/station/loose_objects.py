@@ -1,4 +1,4 @@
-"""The loose bodies of a simulator as the page shows them: their surfaces, and a topic with their true poses."""
+"""Loose bodies and links of arms as the page shows them: their surfaces, and a topic with their true poses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.scene import glb
-from uwsim.scenario.build.loose_bodies import object_mesh
+from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
 from uwsim.simulator.simulator import Simulator
 
 TOPIC = "station/objects"
@@ -21,18 +21,19 @@ WAYS = 200  # directions in which a body's outermost corners are found
 
 
 class LooseObjects:
-    """Publishes the true poses of a simulator's loose bodies, in odom, while a page asks for them.
+    """Publishes the true poses of loose bodies and links, in odom, while a page asks for them.
 
-    origin_m: the world's origin in odom. Without loose bodies, nothing is offered.
+    origin_m: the world's origin in odom. Without either, nothing is offered.
     """
 
     def __init__(self, live: LiveSimulator, node: Node, origin_m: NDArray[np.float64]) -> None:
         self._live, self._node, self._origin_m = live, node, origin_m
-        self._bodies = live.simulator.scenario.objects
+        self._bodies = moving_shapes(live.simulator.scenario)
 
     def topics(self) -> list[GuestTopic]:
-        """Return the topic, if there are loose bodies."""
-        return [GuestTopic(TOPIC, TYPE, "where loose bodies are", latched=True)] if self._bodies else []
+        """Return the topic, if there are any bodies."""
+        description = "where loose bodies and links of arms are"
+        return [GuestTopic(TOPIC, TYPE, description, latched=True)] if self._bodies else []
 
     def start(self) -> None:
         """Start to publish. The simulator must be stepping."""
@@ -41,12 +42,11 @@ class LooseObjects:
 
     def described(self) -> list[Values]:
         """Return the entry `objects` of `scene.json`."""
-        scenario = self._live.simulator.scenario
         return [
             {
                 "name": body.name, "label": body.shape.kind, "url": f"/scene/object/{k}.glb",
                 "colour": None if (colour := body.shape.material.colour) is None else list(colour),
-                "corners_m": np.round(outermost(object_mesh(scenario, body)[0]), 3).tolist(),
+                "corners_m": np.round(outermost(body.mesh()[0]), 3).tolist(),
             }
             for k, body in enumerate(self._bodies)
         ]  # fmt: skip
@@ -55,14 +55,12 @@ class LooseObjects:
         """Return a body as binary glTF, in its axes. Raises ValueError if there is none with this number."""
         if not 0 <= number < len(self._bodies):
             raise ValueError(f"object {number}: there are {len(self._bodies)}")
-        return glb(object_mesh(self._live.simulator.scenario, self._bodies[number]), np.zeros(3))
+        return glb(self._bodies[number].mesh(), np.zeros(3))
 
     def _read(self, sim: Simulator) -> tuple[int, Any]:
         transforms = [
-            build.transform(
-                sim.time_ns, "odom", body.name, body.pose.position_world_m + self._origin_m, body.pose.orientation_xyzw
-            )
-            for body in sim.objects.values()
+            build.transform(sim.time_ns, "odom", body.name, pose[:3] + self._origin_m, pose[3:])
+            for body, pose in zip(self._bodies, shape_poses(sim), strict=True)
         ]
         return sim.time_ns, build.message(TYPE, transforms=transforms)
 

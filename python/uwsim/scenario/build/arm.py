@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
+from uwsim.scenario.read.disk_cache import cached_arrays
+from uwsim.scenario.read.mesh_file import Triangles, Vertices
+from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.arm import Hinge, Link, Slide, links_in_order
+from uwsim.scenario.spec.obstacle import Bed
+from uwsim.scenario.spec.vehicle import VehicleModel
 
 Floats = NDArray[np.float64]
 
@@ -19,6 +25,26 @@ def link_specs(arm: Mapping[str, Link]) -> list[_core.ArmLink]:
     """Return the core's links, each after the one that holds it."""
     names = links_in_order(arm)
     return [_spec(name, arm[name], names) for name in names]
+
+
+def shaped_links(model: VehicleModel) -> dict[str, Link]:
+    """Return the links that have a shape, in the core's order: that of Simulation.link_surfaces and of labels."""
+    arm = model.arm or {}
+    return {name: arm[name] for name in links_in_order(arm) if arm[name].shape is not None}
+
+
+def link_mesh(link: Link) -> tuple[Vertices, Triangles]:
+    """Return the shape of a link as a closed mesh in its frame: vertices (n, 3) [m], triangles (m, 3).
+
+    Raises ScenarioError.
+    """
+    assert link.shape is not None
+    own = link.shape.solid(cast("Bed", None))  # shapes of these kinds do not stand on a bed
+    vertices, triangles = cached_arrays(
+        lambda: closed_mesh(own.vertices, own.triangles, name=link.shape.name if link.shape else ""), "hull",
+        own.vertices, own.triangles,
+    )  # fmt: skip
+    return np.ascontiguousarray(vertices, np.float64), np.asarray(triangles, np.uint32)
 
 
 def _spec(name: str, link: Link, names: list[str]) -> _core.ArmLink:
@@ -39,6 +65,8 @@ def _spec(name: str, link: Link, names: list[str]) -> _core.ArmLink:
         spec.linear_drag = np.array(link.linear_drag)
     if link.quadratic_drag is not None:
         spec.quadratic_drag = np.array(link.quadratic_drag)
+    if link.shape is not None:
+        spec.set_surface(*link_mesh(link))
     spec.joint = _core.JointKind.FIXED
     if link.hinge is not None:
         _turning(spec, link.hinge)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from uwsim import _core
+from uwsim.scenario.build.arm import link_mesh, shaped_links
 from uwsim.scenario.build.cover import set_cover_appearance
 from uwsim.scenario.build.growth import growth_texture
 from uwsim.scenario.build.hull import vehicle_hull
@@ -10,6 +11,7 @@ from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.read.textures import Texture, load_texture
+from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Material
 from uwsim.scenario.spec.obstacle import ObstacleModel
@@ -18,7 +20,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
-    """Return a scene of the world with its materials, the vehicle hulls and loose bodies. Raises ScenarioError."""
+    """Return a scene of the world with its materials, vehicle hulls, loose bodies and arms. Raises ScenarioError."""
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
     scene.set_ground(ground.bed, ground.steep, ground.land)
@@ -45,7 +47,18 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         )  # fmt: skip
     for animals in scenario.life or ():
         scene.add_school(animals.material.kind, animals.surface_class, animals.material.colour)
+    for vehicle in scenario.vehicles:
+        for link in shaped_links(vehicle.model).values():
+            _add_link(scene, vehicle.name, link)
     return scene
+
+
+def _add_link(scene: _core.CameraScene, vehicle: str, link: Link) -> None:
+    assert link.shape is not None
+    mesh, material, texture = link_mesh(link), link.shape.material, link.shape.texture()
+    if texture is not None and len(texture[1]) != len(mesh[1]):  # closing the mesh changed its triangles
+        texture = None
+    scene.add_vehicle(f"{vehicle} {link.shape.name}", *mesh, material.kind, material.colour, *texture or ())
 
 
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:

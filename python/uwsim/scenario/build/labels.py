@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from uwsim.scenario.build.arm import shaped_links
 from uwsim.scenario.build.tether import tether_specs
 from uwsim.scenario.spec.material import ROCK, TETHER, Backscatter
 from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """Return the names by label: those from `build_world` (World.label_names), vehicles, objects, life, then tethers.
+    """Return the names by label: World.label_names, vehicles, objects, life, links of arms, then tethers.
 
-    A tether has a label for each of its elements, all with the name `<vehicle> tether`.
+    An arm has a label for each link with a shape, `<vehicle> <shape>`, and a tether one for each of its elements, all
+    with the name `<vehicle> tether`.
     """
     station = ["station"] if scenario.station.mesh is not None else []
     parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects, scenario.life or ())
     obstacles, cover, vehicles, objects, life = ([named.name for named in part] for part in parts)
-    return ["nothing", "terrain", *obstacles, *station, *cover, *vehicles, *objects, *life, *_tethers(scenario)]
+    arms = [
+        f"{vehicle.name} {link.shape.name}"
+        for vehicle in scenario.vehicles
+        for link in shaped_links(vehicle.model).values()
+        if link.shape is not None
+    ]
+    fixed = ["nothing", "terrain", *obstacles, *station, *cover]
+    return [*fixed, *vehicles, *objects, *life, *arms, *_tethers(scenario)]
 
 
 def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
@@ -24,6 +33,12 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
     vehicles += [body.shape.material for body in scenario.objects]
     vehicles += [animals.material for animals in scenario.life or ()]
+    vehicles += [
+        link.shape.material
+        for vehicle in scenario.vehicles
+        for link in shaped_links(vehicle.model).values()
+        if link.shape is not None
+    ]
     obstacles, cover = [one.surface for one in scenario.obstacles], [layer.material for layer in scenario.cover]
     solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
     tethers = [TETHER] * len(_tethers(scenario))

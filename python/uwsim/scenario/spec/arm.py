@@ -9,6 +9,9 @@ from pydantic import model_validator
 
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.obstacle import ObstacleSpec
+
+SHAPES = ("box", "cylinder", "mesh", "sphere")
 
 Mass = Annotated[float, InRange(1e-3, 1e5, "kg")]
 Inertia = Annotated[float, InRange(1e-9, 1e6, "kg m2")]
@@ -100,7 +103,9 @@ class Link(Model):
     it, while the joint is at zero. hinge, slide: its joint; without either it is fixed. inertia_kg_m2: xx, yy, zz
     about its centre of mass along its axes, and inertia_products_kg_m2: xy, xz, yz, as in URDF. volume_m3,
     centre_of_buoyancy_m: of the water that it displaces; by default none, at the centre of mass. added_mass,
-    linear_drag, quadratic_drag: surge to yaw along its axes, at the centre of buoyancy; by default none.
+    linear_drag, quadratic_drag: surge to yaw along its axes, at the centre of buoyancy; by default none. shape: what
+    light and sound meet, a box, cylinder, mesh or sphere as under `obstacles`, placed in the link's frame; its name
+    follows the vehicle's in labels. By default, nothing perceives the link.
     """
 
     on: Name | None = None
@@ -117,6 +122,19 @@ class Link(Model):
     added_mass: Six | None = None
     linear_drag: tuple[Drag, Drag, Drag, Drag, Drag, Drag] | None = None
     quadratic_drag: tuple[Drag, Drag, Drag, Drag, Drag, Drag] | None = None
+    shape: ObstacleSpec | None = None
+
+    @model_validator(mode="after")
+    def _has_own_shape(self) -> Link:
+        if self.shape is None:
+            return self
+        if self.shape.kind not in SHAPES:
+            raise broken(f"must be one of {', '.join(SHAPES)}", at=("shape", "kind"), value=self.shape.kind)
+        if self.shape.on_bed:
+            raise broken("a link's shape is placed in the link's frame", at=("shape", "on_bed"), value=True)
+        if self.shape.growth is not None:
+            raise broken("must be left out for a link", at=("shape", "growth"))
+        return self
 
     @model_validator(mode="after")
     def _has_one_joint(self) -> Link:
@@ -140,6 +158,10 @@ def links_in_order(arm: Mapping[str, Link]) -> list[str]:
     for name, link in arm.items():
         if link.on is not None and link.on not in arm:
             raise broken(f"no such link{did_you_mean(link.on, arm)}", at=("arm", name, "on"), value=link.on)
+    shapes = [link.shape.name for link in arm.values() if link.shape is not None]
+    for name, link in arm.items():
+        if link.shape is not None and shapes.count(link.shape.name) > 1:
+            raise broken("must be unique in the arm", at=("arm", name, "shape", "name"), value=link.shape.name)
     found: list[str] = []
     while len(found) < len(arm):
         ready = [name for name, link in arm.items() if name not in found and (link.on is None or link.on in found)]

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "uwsim/dynamics/rigid_body_world.h"
+#include "uwsim/rays/moving_bodies.h"
+
+namespace uwsim {
+
+/// Where the links are that have a surface: of all bodies in order, in the links' order.
+std::vector<Pose> link_surfaces_world(const RigidBodyWorld& bodies);
+
+/// Returns true if any link has a surface.
+bool has_link_surfaces(const RigidBodyWorld& bodies);
+
+/// Adds the surfaces of all links as targets for rays, in the same order.
+void add_link_surfaces(const RigidBodyWorld& bodies, MovingBodies& targets);
+
+/// Places them, from the index `first` on. Returns the index after the last.
+std::size_t place_link_surfaces(const RigidBodyWorld& bodies, std::size_t first, MovingBodies& targets);
+
+}  // namespace uwsim
