@@ -177,6 +177,14 @@ void bind_mechanism(py::module_& m) {
           py::arg("link"), py::arg("water"));
 }
 
+Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor> rows(const std::vector<Pose>& poses) {
+  Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor> found(poses.size(), 7);
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    found.row(static_cast<Eigen::Index>(k)) << poses[k].position_m.transpose(),
+        poses[k].orientation.coeffs().transpose();
+  return found;
+}
+
 }  // namespace
 
 void bind_arm_link(py::module_& m) {
@@ -249,16 +257,13 @@ void bind_arm(py::module_&, py::class_<OwnedSimulation>& simulation) {
           py::arg("vehicle"), "Return the arm's ArmReading. Raises ValueError if there is none.")
       .def(
           "link_surfaces",
-          [](OwnedSimulation& o) {
-            const std::vector<Pose> poses = o.with_briefly([&](Simulation& s) { return s.link_surfaces(); });
-            Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor> found(poses.size(), 7);
-            for (std::size_t k = 0; k < poses.size(); ++k)
-              found.row(static_cast<Eigen::Index>(k)) << poses[k].position_m.transpose(),
-                  poses[k].orientation.coeffs().transpose();
-            return found;
-          },
+          [](OwnedSimulation& o) { return rows(o.with_briefly([](Simulation& s) { return s.link_surfaces(); })); },
           "Return where the links are that have a surface, of all vehicles in order: (n, 7), position [m] and\n"
           "quaternion x, y, z, w in the world.")
+      .def(
+          "attached_surfaces",
+          [](OwnedSimulation& o) { return rows(o.with_briefly([](Simulation& s) { return s.attached_surfaces(); })); },
+          "Return those of links, and then where the tubes of all tethers are, (n, 7).")
       .def(
           "place_joint",
           [](OwnedSimulation& o, std::size_t v, std::size_t joint, double position, double speed) {

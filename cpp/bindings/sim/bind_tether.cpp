@@ -8,6 +8,7 @@
 
 #include "bindings/core/record.h"
 #include "bindings/sim/binders.h"
+#include "uwsim/sim/tether_tubes.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -31,6 +32,20 @@ TetherReading reading(const Tether& tether) {
     now.points_world_m.row(k) = tether.position_m(static_cast<std::size_t>(k)).transpose();
   for (Eigen::Index k = 0; k < elements; ++k) now.tensions_n(k) = tether.tension_n(static_cast<std::size_t>(k));
   return now;
+}
+
+using Triangles = Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+std::pair<Rows, Triangles> tube_of(const TetherSpec& spec) {
+  const TriangleMesh mesh = tether_tube(spec);
+  std::pair<Rows, Triangles> found{Rows(mesh.vertices_m.size(), 3), Triangles(mesh.triangles.size(), 3)};
+  for (std::size_t k = 0; k < mesh.vertices_m.size(); ++k)
+    found.first.row(static_cast<Eigen::Index>(k)) = mesh.vertices_m[k].transpose();
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto& [a, b, c] = mesh.triangles[k];
+    found.second.row(static_cast<Eigen::Index>(k)) << a, b, c;
+  }
+  return found;
 }
 
 }  // namespace
@@ -65,7 +80,10 @@ void bind_tether_spec(py::module_& m) {
       .def_readwrite("shortest_m", &TetherSpec::shortest_m, "0: one element")
       .def_readwrite("fastest_m_s", &TetherSpec::fastest_m_s, "0: there is no winch")
       .def_readwrite("strongest_n", &TetherSpec::strongest_n)
-      .def_property_readonly("tubes", &TetherSpec::tubes, "as targets for rays, each with a label");
+      .def_property_readonly("tubes", &TetherSpec::tubes, "as targets for rays, each with a label")
+      .def(
+          "tube", [](const TetherSpec& spec) { return tube_of(spec); },
+          "Return vertices [m] (n, 3) and triangles (m, 3) of one of them, along z from its origin.");
 }
 
 void bind_tether(py::module_& m, py::class_<OwnedSimulation>& simulation) {

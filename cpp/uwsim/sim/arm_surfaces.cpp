@@ -36,9 +36,4 @@ void add_link_surfaces(const RigidBodyWorld& bodies, MovingBodies& targets) {
   }
 }
 
-std::size_t place_link_surfaces(const RigidBodyWorld& bodies, std::size_t first, MovingBodies& targets) {
-  for (const Pose& pose : link_surfaces_world(bodies)) targets.place(first++, pose);
-  return first;
-}
-
 }  // namespace uwsim

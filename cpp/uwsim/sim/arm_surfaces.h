@@ -17,7 +17,4 @@ bool has_link_surfaces(const RigidBodyWorld& bodies);
 /// Adds the surfaces of all links as targets for rays, in the same order.
 void add_link_surfaces(const RigidBodyWorld& bodies, MovingBodies& targets);
 
-/// Places them, from the index `first` on. Returns the index after the last.
-std::size_t place_link_surfaces(const RigidBodyWorld& bodies, std::size_t first, MovingBodies& targets);
-
 }  // namespace uwsim

@@ -164,12 +164,16 @@ const MovingBodies& Simulation::vehicles_for_rays() const {
   if (hulls_version_ != version_) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) hulls_->place(k, bodies_.state(k).world_from_body);
     std::size_t next = bodies_.size();
-    if (hulls_->size() == next) add_link_surfaces(bodies_, *hulls_);
-    next = place_link_surfaces(bodies_, next, *hulls_);
-    for (std::size_t k = 0; k < tethers(); ++k) {
-      if (hulls_->size() == next) add_tubes(bodies_.tether(k).spec(), *hulls_);
-      next = place_tubes(bodies_.tether(k), bodies_, next, *hulls_);
+    if (hulls_->size() == next) {
+      add_link_surfaces(bodies_, *hulls_);
+      if (tethers() > 0) hulls_->add_after_schools();
+      for (std::size_t k = 0; k < tethers(); ++k) {
+        const TetherSpec& spec = bodies_.tether(k).spec();
+        const TriangleMesh tube = tether_tube(spec);
+        for (std::size_t each = 0; each < spec.tubes(); ++each) hulls_->add(tube);
+      }
     }
+    for (const Pose& pose : attached_surfaces()) hulls_->place(next++, pose);
     hulls_->place_schools(time_s());
     hulls_version_ = version_;
   }
@@ -183,6 +187,12 @@ RayScene Simulation::scene_around(const Vehicle& vehicle) const {
 }
 
 std::vector<Pose> Simulation::link_surfaces() const { return link_surfaces_world(bodies_); }
+
+std::vector<Pose> Simulation::attached_surfaces() const {
+  std::vector<Pose> poses = link_surfaces_world(bodies_);
+  for (std::size_t k = 0; k < tethers(); ++k) add_tube_poses(bodies_.tether(k), bodies_, poses);
+  return poses;
+}
 
 RayScene Simulation::scene_around(std::size_t index) const { return scene_around(vehicle(index)); }
 

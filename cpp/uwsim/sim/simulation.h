@@ -145,6 +145,8 @@ class Simulation {
   RayScene scene_around(std::size_t vehicle) const;
   /// Where the links of arms are that have a surface: of all vehicles in order, in the links' order.
   std::vector<Pose> link_surfaces() const;
+  /// Those, and then the tubes of all tethers (tether_tubes.h).
+  std::vector<Pose> attached_surfaces() const;
   /// All vehicles, objects, schools, then arms and tethers, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }

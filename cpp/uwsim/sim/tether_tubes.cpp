@@ -29,13 +29,9 @@ TriangleMesh tube(double radius_m, double length_m) {
 
 }  // namespace
 
-void add_tubes(const TetherSpec& spec, MovingBodies& targets) {
-  targets.add_after_schools();
-  const TriangleMesh mesh = tube(spec.diameter_m / 2, spec.element_m());
-  for (std::size_t k = 0; k < spec.tubes(); ++k) targets.add(mesh);
-}
+TriangleMesh tether_tube(const TetherSpec& spec) { return tube(spec.diameter_m / 2, spec.element_m()); }
 
-std::size_t place_tubes(const Tether& tether, const RigidBodyWorld& bodies, std::size_t first, MovingBodies& targets) {
+void add_tube_poses(const Tether& tether, const RigidBodyWorld& bodies, std::vector<Pose>& poses) {
   const TetherSpec& spec = tether.spec();
   const std::uint64_t own = spec.second.body;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -53,17 +49,16 @@ std::size_t place_tubes(const Tether& tether, const RigidBodyWorld& bodies, std:
     return pose;
   };
   Pose last = along(tether.position_m(0), tether.position_m(1));
-  targets.place(first, last);
-  std::size_t placed = 1;
+  const std::size_t all = poses.size() + spec.tubes();
+  poses.push_back(last);
   for (std::size_t i = 0; i < tether.elements(); ++i) {
     const Eigen::Vector3d &from = tether.position_m(i), &to = tether.position_m(i + 1);
     const bool is_hidden =
         tether.broken() == i || ((from - middle).norm() < radius_m && (to - middle).norm() < radius_m);
     if (!is_hidden) last = i == 0 ? along(to, from) : along(from, to);
-    targets.place(first + placed++, last);
+    poses.push_back(last);
   }
-  while (placed < spec.tubes()) targets.place(first + placed++, last);
-  return first + placed;
+  poses.resize(all, last);
 }
 
 }  // namespace uwsim

@@ -148,17 +148,17 @@ class InstrumentedBatch(CommandedBatch):
         poses = [[member.objects[body.name].pose for member in members] for body in self.scenario.objects]
         positions = [np.array([pose.position_world_m for pose in each]) for each in poses]
         orientations = [np.array([pose.orientation_xyzw for pose in each]) for each in poses]
-        links = np.stack([one.scene.link_surfaces() for one in cameras])
+        attached = np.stack([one.scene.attached_surfaces() for one in cameras])
         if size not in self._together:
             self._together[size] = Together(_checked_size(size))
         off = effects_on(without)
         return self._together[size].capture(
             cameras,
             np.concatenate(
-                [np.stack([*(one.position_world_m for one in motions), *positions], axis=1), links[..., :3]], 1
+                [np.stack([*(one.position_world_m for one in motions), *positions], axis=1), attached[..., :3]], 1
             ),
             np.concatenate(
-                [np.stack([*(one.orientation_xyzw for one in motions), *orientations], axis=1), links[..., 3:]], 1
+                [np.stack([*(one.orientation_xyzw for one in motions), *orientations], axis=1), attached[..., 3:]], 1
             ),
             motions[0].time_ns.tolist(),
             [name for name in effects_on(effects) if name not in off],

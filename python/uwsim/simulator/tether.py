@@ -23,7 +23,8 @@ class TetherReading(ShortRepr):
     points_world_m (n + 1, 3): the nodes between its elements. tensions_n (n,): of the elements. anchor_force_world_n,
     vehicle_force_world_n (3,): of the tether on what holds its ends, in the last step. length_m: out, without load.
     rate_m_s: paid out in the last step. broken_at_m: the length from the anchor at which it has broken, or None.
-    turns: about each upright obstacle of the scenario, by its name (tether_turns.turns_about); 0 once it has broken.
+    is_whole (n,): False for the element that has broken. turns: about each upright obstacle of the scenario, by
+    its name (tether_turns.turns_about); 0 once it has broken.
     """
 
     points_world_m: Floats
@@ -33,6 +34,7 @@ class TetherReading(ShortRepr):
     length_m: float
     rate_m_s: float
     broken_at_m: float | None
+    is_whole: NDArray[np.bool_]
     turns: Mapping[str, int]
 
     @property
@@ -75,10 +77,20 @@ class Tether:
             first_m = now.length_m - (len(now.tensions_n) - 1) * self._element_m
             broken = first_m / 2 if now.broken == 0 else first_m + (now.broken - 0.5) * self._element_m
         points, tensions = np.array(now.points_world_m), np.array(now.tensions_n)
+        whole = np.arange(len(tensions)) != (-1 if now.broken is None else now.broken)
+        whole.setflags(write=False)
         ends = [read_only(np.array(force)) for force in now.end_forces_n]
         found = turns(points, self._axes) if broken is None else dict.fromkeys(self._axes, 0)
         return TetherReading(
-            read_only(points), read_only(tensions), ends[0], ends[1], now.length_m, now.rate_m_s, broken, found
+            read_only(points),
+            read_only(tensions),
+            ends[0],
+            ends[1],
+            now.length_m,
+            now.rate_m_s,
+            broken,
+            whole,
+            found,
         )
 
     @property
@@ -93,3 +105,12 @@ class Tether:
     def cut(self, at_m: float) -> None:
         """Cut it; see Vehicle.cut_tether."""
         self._simulation.cut_tether(self._index, at_m)
+
+    @property
+    def length_m(self) -> float:
+        """The length that is out, without load."""
+        return float(self._simulation.tether(self._index).length_m)
+
+    def weaken(self, load_n: float) -> None:
+        """From now on, break also where the tension exceeds this load; infinite: no longer."""
+        self._simulation.weaken_tether(self._index, load_n)

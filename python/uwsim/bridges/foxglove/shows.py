@@ -9,12 +9,14 @@ from foxglove.messages import SceneUpdate
 
 from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, publish_truth, received_places, true_places
 from uwsim.bridges.foxglove.scenes import Bodies, MapBlocks, Positions, Tracks, hulls, lake
+from uwsim.bridges.foxglove.tethers import tethers
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
 from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
 from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.tether import TetherReading
 
 BODIES_S = 0.2  # between two looks for loose bodies that have moved, in simulated time
 WAITING = 64  # updates per queue; none should be dropped, since each builds on the previous ones
@@ -141,6 +143,33 @@ def _poses(sim: Simulator) -> tuple[dict[str, Vector], int]:
     return found, sim.time_ns
 
 
+class TetherShow(Show):
+    """The tethers as they truly are."""
+
+    def __init__(self, outgoing: Outgoing, send: SendAll, live: LiveSimulator) -> None:
+        super().__init__("scene/tethers", outgoing, send)
+        self._live = live
+        self._leave: Leave | None = None
+
+    def begin(self, newcomer: Send) -> None:
+        """Start to send; a new client gets them with all others."""
+        if self._leave is None:
+            self._leave = self._live.every(BODIES_S, _tethers, lambda found: self._show(*found)).cancel
+
+    def end(self) -> None:
+        """Stop reading."""
+        if self._leave is not None:
+            self._leave()
+            self._leave = None
+
+    def _show(self, now: dict[str, TetherReading], time_ns: int) -> None:
+        self._offer(lambda: tethers(now, self._live.simulator.scenario, time_ns), time_ns)
+
+
+def _tethers(sim: Simulator) -> tuple[dict[str, TetherReading], int]:
+    return {name: rov.tether.read() for name, rov in sim.vehicles.items() if rov.tether is not None}, sim.time_ns
+
+
 class MapShow(Show):
     """A vehicle's map, block by block."""
 
@@ -209,7 +238,12 @@ def _shows_of_world(
         TrackShow("scene/track", outgoing, send, live, received_places(live, channels, feed, origin_m)),
         *([TrackShow("scene/true_track", outgoing, send, live, true_places(live))] if has_truth else []),
         *([BodyShow(outgoing, send, live)] if moving_shapes(scenario) and not has_link else []),
+        *([TetherShow(outgoing, send, live)] if _has_tethers(live.simulator) and not has_link else []),
     ]
+
+
+def _has_tethers(sim: Simulator) -> bool:
+    return any(vehicle.tether is not None for vehicle in sim.vehicles.values())
 
 
 def _body_frame(prefix: str, channels: Sequence[Channel]) -> str:

@@ -25,8 +25,9 @@ Floats = NDArray[np.float64]
 class Snapshot:
     """The scene's variable state at one time.
 
-    positions_m (n, 3), orientations_xyzw (n, 4), velocities_body (n, 6): pose and velocity of each vehicle,
-    then of each object. lamps: the lamps that are on. aims_rad: pan and tilt of each motorised camera, by name.
+    positions_m (n, 3), orientations_xyzw (n, 4): pose of each vehicle, then of each object, then of what is attached to
+    them, see SharedScene.attached_surfaces. velocities_body (m, 6): of each vehicle and object. lamps: the lamps that
+    are on. aims_rad: pan and tilt of each motorised camera, by name.
     """
 
     time_ns: int
@@ -138,9 +139,9 @@ class SharedScene:
         height = float(self._world.height_at(position_m[None, :2])[0])
         return height if np.isfinite(height) else -np.inf
 
-    def link_surfaces(self) -> Floats:
-        """Return where the links of arms are that cameras see, (n, 7): position [m] and quaternion x, y, z, w."""
-        return self._simulation.link_surfaces()
+    def attached_surfaces(self) -> Floats:
+        """Return where the links of arms and the tubes of tethers are: (n, 7), position [m] and quaternion x, y, z, w."""
+        return self._simulation.attached_surfaces()
 
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
         """Return the current state, which is consistent even if other threads step the simulation meanwhile."""
@@ -148,12 +149,12 @@ class SharedScene:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]
             states += [self._simulation.object_state(k) for k in range(len(self._scenario.objects))]
-            links = self.link_surfaces()
+            attached = self.attached_surfaces()
             time_ns = self._simulation.time_ns
             if self._simulation.version == version:
                 break
-        positions = np.vstack([*(state.position_world_m for state in states), links[:, :3]])
-        orientations = np.vstack([*(state.orientation_xyzw for state in states), links[:, 3:]])
+        positions = np.vstack([*(state.position_world_m for state in states), attached[:, :3]])
+        orientations = np.vstack([*(state.orientation_xyzw for state in states), attached[:, 3:]])
         lamps = [
             light
             for position, orientation, switches in zip(positions, orientations, self.lamps, strict=False)

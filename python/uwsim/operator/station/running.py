@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
@@ -322,4 +324,17 @@ class Running:
             "tilt": tilt,
             "sonar": sonar,
             "motors": motors,
+            "tether": self._tether(source, topic),
         }
+
+    def _tether(self, source: Source, topic: Callable[[str], str | None]) -> Values | None:
+        shape, tension, spec = topic("tether/shape"), topic("tether/tension"), source.entry.tether
+        if spec is None or shape is None or tension is None:
+            return None
+        winch = spec.winch
+        return {
+            "shape": shape, "tension": tension, "turns": topic("tether/turns"),
+            "origin_m": np.asarray(source.origin_m, float).tolist(), "breaking_load_n": spec.breaking_load_n,
+            "fastest_m_s": None if winch is None else winch.fastest_m_s,
+            "strongest_n": None if winch is None else winch.strongest_n,
+        }  # fmt: skip

@@ -176,6 +176,21 @@ class Proximity(Message):
     topic: str
 
 
+class TetherDescription(Message):
+    """A vehicle's tether: its topics, and the world's origin in odom [m]. fastest_m_s: null without a winch.
+
+    turns: null without upright obstacles.
+    """
+
+    shape: str
+    tension: str
+    turns: str | None
+    origin_m: list[float]
+    breaking_load_n: float
+    fastest_m_s: float | None
+    strongest_n: float | None
+
+
 class VehicleDescription(Message):
     """A vehicle: its topics, null where there is none, and its parts."""
 
@@ -197,6 +212,7 @@ class VehicleDescription(Message):
     tilt: Tilt | None
     sonar: Multibeam | None
     motors: list[Motor]
+    tether: TetherDescription | None
 
 
 class ViewLink(Message):

@@ -10,6 +10,7 @@ from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.terrain import build_terrain
+from uwsim.scenario.build.tether import tether_specs
 from uwsim.scenario.read.textures import Texture, load_texture
 from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.loose_body import LooseBody
@@ -20,7 +21,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
-    """Return a scene of the world with its materials, vehicle hulls, loose bodies and arms. Raises ScenarioError."""
+    """Return a scene of the world with its materials, vehicles, loose bodies and tethers. Raises ScenarioError."""
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
     scene.set_ground(ground.bed, ground.steep, ground.land)
@@ -50,6 +51,10 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     for vehicle in scenario.vehicles:
         for link in shaped_links(vehicle.model).values():
             _add_link(scene, vehicle.name, link)
+    for index, spec in tether_specs(scenario).items():
+        tube = spec.tube()
+        for _ in range(spec.tubes):
+            scene.add_vehicle(f"{scenario.vehicles[index].name} tether", *tube, "paint")
     return scene
 
 

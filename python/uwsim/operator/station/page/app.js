@@ -24,6 +24,7 @@ import { showRecording } from './replay/rec_lamp.js';
 import { Timeline } from './replay/timeline.js';
 import { LooseObjects } from './map3d/loose_objects.js';
 import { SceneView } from './map3d/scene.js';
+import { Tethers } from './map3d/tethers.js';
 import { StartScreen } from './start.js';
 import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
@@ -64,6 +65,7 @@ const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
 const objects = new LooseObjects(scene, chart);
+const tethers = new Tethers(scene, chart);
 const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
 showRecording(station);
@@ -158,6 +160,7 @@ function begin() {
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
   objects.begin(load, description).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
+  ends.push(...tethers.begin(station.bridge, description, SCAN));
   if (description.objects)
     ends.push(
       station.bridge.subscribe(description.objects, 'tf2_msgs/TFMessage', (message) => objects.show(message), SCAN),
@@ -303,4 +306,5 @@ globalThis.station = {
   timeline,
   editor,
   objects,
+  tethers,
 }; // for the browser's console and tests

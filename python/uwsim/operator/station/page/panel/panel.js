@@ -8,6 +8,7 @@ import { Bars } from './bars.js';
 import { ExercisePanel } from './exercise.js';
 import { Failsafe } from './failsafe.js';
 import { Link } from './link.js';
+import { TetherPanel } from './tether.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.panel;
@@ -125,6 +126,7 @@ export class Panel {
     this.allStop = new AllStop(station, pilot);
     this.failsafe = new Failsafe(station);
     this.link = new Link(station);
+    this.tether = new TetherPanel(station);
     this.kind = el('small');
     this.age = el('small');
     this.battery = el('i');
@@ -157,6 +159,7 @@ export class Panel {
       this.alarms.element,
       this.timed,
       inspection.element,
+      this.tether.element,
       this.link.element,
       this.#section(WORDS.controls, el('small', {}, '%'), this.efforts.element),
       this.#section(WORDS.map, this.mapNote, this.downloads),
@@ -171,6 +174,7 @@ export class Panel {
     this.failsafe.begin(vehicle);
     this.exercise.begin(description);
     this.link.begin(vehicle, description.views);
+    this.tether.begin(vehicle);
     this.hasThrusters = vehicle.thrusters.length > 0; // otherwise it is driven by forces along and about the axes
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
     write(this.driveTitle, this.hasThrusters ? WORDS.thrusters : WORDS.thrust);

@@ -187,6 +187,17 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[]} tilt_deg
  */
 
+/** A vehicle's tether: its topics, and the world's origin in odom [m]. fastest_m_s: null without a winch. turns: null without upright obstacles.
+ * @typedef {object} TetherDescription
+ * @property {string} shape
+ * @property {string} tension
+ * @property {string | null} turns
+ * @property {number[]} origin_m
+ * @property {number} breaking_load_n
+ * @property {number | null} fastest_m_s
+ * @property {number | null} strongest_n
+ */
+
 /** A vehicle: its topics, null where there is none, and its parts.
  * @typedef {object} VehicleDescription
  * @property {string} name
@@ -207,6 +218,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Tilt | null} tilt
  * @property {Multibeam | null} sonar
  * @property {Motor[]} motors
+ * @property {TetherDescription | null} tether
  */
 
 /** A camera's mount and lens. follows: `body`, or `heading` from outside. turns: whether it has a motor.
