@@ -356,6 +356,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "mesh_ply": _mesh("ply"),
     "map": _map,
     "gsf": lambda: [survey(".gsf")],
+    "kmall": lambda: [survey(".kmall")],
     "state": _state,
     "depth_string": _depth_string,
     "fbx": lambda: [FBX],

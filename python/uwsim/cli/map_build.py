@@ -25,7 +25,7 @@ def build(
     out: Annotated[Path, typer.Argument(help=f"The map to write, {' or '.join(MAPS)}.")],
     sources: Annotated[
         list[Path],
-        typer.Option("--from", help="A survey, such as FILE.gsf; may be given several times.", callback=readable),
+        typer.Option("--from", help="A survey, FILE.gsf or FILE.kmall; may be given several times.", callback=readable),
     ],
     voxel: Annotated[
         float | None,

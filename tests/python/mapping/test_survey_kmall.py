@@ -11,8 +11,12 @@ import numpy as np
 import pytest
 
 from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
+from uwsim import _core
+from uwsim.cli.map_build import build
+from uwsim.mapping import OccupancyMap
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.kmall import KmallWriter
+from uwsim.mapping.files.kmall_read import _where_cones_meet, read_kmall
 from uwsim.mapping.files.swath import SoundSpeeds, SurveyHead
 from uwsim.recording.cli.map_from import from_recording
 
@@ -120,6 +124,62 @@ def test_gsfus_converter_makes_a_gsf_of_the_same_beams(flown, tmp_path):
         np.testing.assert_allclose(theirs.travel_time_s[seen], ours.travel_time_s[seen], atol=6e-6)  # its step is 10 us
         below = [0.0, 0.0, ours.reference_depth_m]  # their depths are those below the vehicle
         np.testing.assert_allclose(theirs.sounding_m[seen] + below, ours.sounding_m[seen], atol=0.011)
+
+
+def test_our_reader_has_the_same_swaths_as_from_gsf_and_its_travel_times_lead_to_its_soundings(flown, tmp_path):
+    from_recording(flown.recording, tmp_path / "map.bt", None, None, None, tmp_path / "ours.gsf", None)
+    head, swaths = read_kmall(flown.raw)
+    profile = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s)
+    for ours, theirs in zip(read_gsf(tmp_path / "ours.gsf")[1], swaths, strict=True):
+        seen = ours.is_detected
+        assert theirs.time_ns == pytest.approx(ours.time_ns, abs=1000)
+        np.testing.assert_array_equal(theirs.is_detected, seen)
+        np.testing.assert_allclose(theirs.axes[seen], ours.axes[seen], atol=2e-4)  # GSF has 0.006 deg
+        np.testing.assert_allclose(theirs.sounding_m[seen], ours.sounding_m[seen], atol=3e-4)
+        np.testing.assert_allclose(theirs.transducer_m, ours.transducer_m, atol=2e-4)
+        start = np.array([*theirs.transducer_m[:2], -(theirs.reference_depth_m + theirs.transducer_m[2])])
+        ends = _core.soundings(theirs.axes[seen] * [1, 1, -1], theirs.travel_time_s[seen], start, profile)
+        np.testing.assert_allclose(ends * [1, 1, -1], theirs.sounding_m[seen], atol=1e-3)
+
+
+def test_cones_about_any_two_arrays_meet_in_the_beam_that_made_them():
+    draw = np.random.default_rng(5)
+    for _ in range(50):
+        forward, starboard = turned(*draw.uniform(-15, 15, 2), draw.uniform(-180, 180)).T[:2]
+        starboard = turned(*draw.uniform(-3, 3, 3)) @ starboard  # received later, by an array that is mounted askew
+        beams = np.cross(forward, starboard) + draw.uniform(-0.9, 0.9, (20, 3))
+        beams /= np.linalg.norm(beams, axis=1)[:, None]
+        beams = beams[beams @ np.cross(forward, starboard) > 0.05]
+        found = _where_cones_meet(forward, starboard, beams @ forward, beams @ starboard)
+        np.testing.assert_allclose(found, beams, atol=1e-9)
+
+
+def test_a_map_is_built_from_the_file(flown, tmp_path):
+    build(tmp_path / "map.bt", [flown.raw], voxel=0.25, origin=(LATITUDE, LONGITUDE))
+    bed = OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()[:, 2]
+    assert np.median(bed) == pytest.approx(-9.0, abs=0.3)
+
+
+def test_damaged_files_are_refused_with_the_place_and_the_rule(flown, tmp_path):
+    whole = flown.raw.read_bytes()
+    second = int.from_bytes(whole[:4], "little")
+    first_ping = whole.index(b"#MRZ") - 4
+    broken = {
+        "empty": (b"", r"at byte 0: not a datagram"),
+        "foreign": (b"\x7fELF" * 100, r"at byte 0: not a datagram"),
+        "cut": (whole[: second + 30], rf"at byte {second}: a datagram of \d+ bytes: must end within the file"),
+        "length": (whole[: second - 4] + b"\0\0\0\0" + whole[second:], r"at byte 0: a datagram must end with"),
+        "no_pings": (whole[:first_ping], r"must hold pings \(#MRZ\), has none"),
+        "sector": (
+            whole[: first_ping + 20 + 4 + 12] + b"\x01\0" + whole[first_ping + 20 + 4 + 14 :],
+            rf"at byte {first_ping}: a record must have 144 bytes or more, states 1",
+        ),
+    }
+    for name, (content, rule) in broken.items():
+        path = tmp_path / f"{name}.kmall"
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=rf"{name}\.kmall': .*{rule}"):
+            list(read_kmall(path)[1])
 
 
 def test_more_beams_than_a_datagram_holds_are_refused(tmp_path):

@@ -17,10 +17,10 @@ import numpy as np
 from uwsim.base.atomic_file import GrowingFile
 from uwsim.mapping.files import kmall_layout as layout
 from uwsim.mapping.files.georeference import metres_per_degree
+from uwsim.mapping.files.kmall_read import SIMULATOR, read_kmall
 from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyFormat, SurveyHead, Swath
 
 EM2040 = 2040
-SIMULATOR = 100
 ACTIVE = 1
 POSITION_ROLL_HEADING_HEAVE = 0b1111
 INVALID_ACCELERATION_ERRORS_DELAYED = 0b1110000
@@ -220,4 +220,4 @@ def _soundings(swath: Swath) -> np.ndarray[Any, Any]:
     return found
 
 
-KMALL = SurveyFormat("multibeam pings in Kongsberg's EM datagrams", KmallWriter)
+KMALL = SurveyFormat("multibeam pings in Kongsberg's EM datagrams", KmallWriter, read_kmall)
