@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.fuzz.surveys import survey
 
 from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
 from uwsim import _core
@@ -124,6 +125,24 @@ def test_gsfus_converter_makes_a_gsf_of_the_same_beams(flown, tmp_path):
         np.testing.assert_allclose(theirs.travel_time_s[seen], ours.travel_time_s[seen], atol=6e-6)  # its step is 10 us
         below = [0.0, 0.0, ours.reference_depth_m]  # their depths are those below the vehicle
         np.testing.assert_allclose(theirs.sounding_m[seen] + below, ours.sounding_m[seen], atol=0.011)
+
+
+def test_another_reader_has_the_pings_with_their_places_attitudes_and_soundings(tmp_path):
+    name = "themachinethatgoesping.echosounders"
+    kmall = pytest.importorskip(name, reason="needs themachinethatgoesping, which is not a dependency").kmall
+    (tmp_path / "small.kmall").write_bytes(survey(".kmall"))
+    pings = kmall.KMALLFileHandler([str(tmp_path / "small.kmall")]).get_pings()
+    swaths = list(read_kmall(tmp_path / "small.kmall")[1])
+    assert len(pings) == len(swaths) == 2
+    for ping, swath in zip(sorted(pings, key=lambda each: each.get_timestamp()), swaths, strict=True):
+        here, found = ping.get_geolocation(), ping.bottom.get_xyz()
+        assert ping.get_timestamp() == pytest.approx(1e-9 * swath.time_ns)
+        assert (here.latitude, here.longitude) == pytest.approx((swath.latitude_deg, swath.longitude_deg))
+        attitude = np.degrees([swath.roll_rad, swath.pitch_rad, swath.heading_rad])
+        assert (here.roll, here.pitch, here.yaw) == pytest.approx(attitude, abs=1e-4)
+        below = swath.sounding_m - [0.0, 0.0, swath.reference_depth_m]
+        np.testing.assert_allclose(np.column_stack([found.x, found.y, found.z]), below, atol=1e-5)
+        np.testing.assert_allclose(ping.bottom.get_two_way_travel_times(), swath.travel_time_s, rtol=1e-6)
 
 
 def test_our_reader_has_the_same_swaths_as_from_gsf_and_its_travel_times_lead_to_its_soundings(flown, tmp_path):

@@ -8,7 +8,6 @@ the pings, and a ping's beams are formed at the attitude of its transmission.
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +44,7 @@ class KmallWriter:
             )
         if self._last is None:
             self._put("#IIP", swath, *_text(_installation(self._head)))
-            self._put("#IOP", swath, *_text("Runtime parameters\n" + self._head.comment.replace(":", " -")))
+            self._put("#IOP", swath, *_text(_runtime(self._head)))
             self._put("#SVP", swath, *_profile(self._head.profile, swath))
         sensor = _made(layout.SENSOR, bytes=layout.SENSOR.itemsize, status=ACTIVE)
         self._put("#SPO", swath, sensor, _position(swath))
@@ -119,20 +118,28 @@ def _text(content: str) -> tuple[np.ndarray[Any, Any], bytes]:
 
 
 def _installation(head: SurveyHead) -> str:
-    """Return the installation's text: sections by commas, values by semicolons."""
+    """Return the installation's text: sections by commas, values by semicolons, in the order of real files."""
     x, y, z = head.offset_m
     roll, pitch, heading = np.degrees(head.mount_rad)
     place = f"X={x:.4f};Y={y:.4f};Z={z:.4f};R={roll:.4f};P={pitch:.4f};H={heading % 360.0:.4f}"
     zero = "X=0.000;Y=0.000;Z=0.000"
-    name = re.sub(r"[,;:=\s]+", " ", f"uwsim {head.sonar} of {head.vehicle}")  # those separate the values
+    versions = ",\n".join(f"{part}:0" for part in ("CPU", "VXW", "FILTER", "CBMF", "TX", "RX"))
     return (
-        f"OSCV:Empty,EMXV:EM2040,\nPU_0,\nSN=0,\nKMALL:{layout.REVISION},\n"
-        f"SYSTEM:{name},TRAI_TX1:N=0;{place};S=1.0,TRAI_RX1:N=0;{place};S=1.0,"
+        f"OSCV:Empty,EMXV:EM2040,\nPU_0,\nSN=0,\nIP=0.0.0.0:0x00000000,\nUDP=0,\nTYPE=simulated,\nVERSIONS:,\n"
+        f"{versions},\nVERSIONS-END,\nSERIALno:\nTX:0,\nRX:0,\nSERIALno-END,\nDCL:0,\nKMALL:{layout.REVISION},\n"
+        f"SYSTEM:EM 2040 - Single Tx single Rx,TRAI_TX1:N=0;{place};S=1.0,TRAI_RX1:N=0;V=0;W=0;{place};G=0.00,"
         f"POSI_1:{zero};D=0.000;G=WGS84;T=Datagram;C=On;F=SIM;Q=Off;I=Net port 1;U=ACTIVE,"
         "POSI_2:U=NOT_SET,POSI_3:U=NOT_SET,"
         f"ATTI_1:{zero};R=0.000;P=0.000;H=0.000;D=0.000;M=Rotation;F=KM Binary;I=Net port 2;U=ACTIVE,"
-        "ATTI_2:U=NOT_SET,ATTI_3:U=NOT_SET,EMXI:SWLZ=0.000,"
+        "ATTI_2:U=NOT_SET,ATTI_3:U=NOT_SET,EMXI:SWLZ=0.000,\n"
     )
+
+
+def _runtime(head: SurveyHead) -> str:
+    """Return the comment as the runtime parameters' text: lines of a name and a value, separated by a colon."""
+    values = {"Sonar": head.sonar, "Vehicle": head.vehicle, "Comment": head.comment}
+    lines = [f"{name}: {' '.join(value.replace(':', ' -').split())}" for name, value in values.items()]
+    return "\n".join(["Runtime parameters", *lines, ""])
 
 
 def _profile(speeds: SoundSpeeds, swath: Swath) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
