@@ -75,6 +75,8 @@ def main() -> None:
         until(page, "document.querySelector('#hint-scenario')?.textContent")
         page.click("button[type=submit]")
         until(page, "globalThis.station.telemetry.message && station.station.isPilot")
+        page.evaluate("() => void station.station.handOver('')")  # to the mission
+        until(page, "!station.station.isPilot")
         live = station.present().live
         live.command("aim", vehicle="rov", elevation_rad=-0.5).result()
         time.sleep(6.0)  # time for the first pictures of all views

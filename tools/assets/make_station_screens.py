@@ -26,6 +26,8 @@ WHOLE_START = {"width": 1000, "height": 1400}
 QUALITY = 86
 LANE = ((-106.0, -76.0), (-80.0, -30.0))  # from near the dock to the pipeline
 ABOVE_BED_M = 8.0
+SHOWN = """[...document.querySelectorAll('.view:not([hidden])')].every(
+    ({ dataset }) => (station.views.picture(dataset.view)?.drawn ?? 1) > 0)"""
 BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
 
 
@@ -61,7 +63,7 @@ def shoot(page: Page, path: Path) -> None:
     """Take a screenshot of a page after its views have had time to update."""
     time.sleep(4.0)
     if page.is_visible("#station"):
-        until(page, "station.views.names.every((name) => (station.views.picture(name)?.drawn ?? 1) > 0)")
+        until(page, SHOWN)
         until(page, "!document.querySelector('.view.is-large.is-stale')")
     page.screenshot(path=path, type="jpeg", quality=QUALITY)
     print(f"{path}: {path.stat().st_size / 1000:.0f} kB")

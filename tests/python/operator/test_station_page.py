@@ -97,6 +97,8 @@ def test_everyone_can_read_it_in_the_dark_and_in_the_light(running):
 def test_nothing_overflows_a_phone(running):
     page = running.fly(viewport={"width": 400, "height": 800})
     assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    page.click("#unfold")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
     for part in ("#dock", "#lease", "#pause", "#menu", "#lamp-collision"):
         box = page.locator(part).bounding_box()
         assert box and box["x"] >= 0 and box["x"] + box["width"] <= 400, part

@@ -33,6 +33,9 @@ export function folded(width, height, count) {
  */
 export const unfolded = (width, height, count) => fitted(width, height / 2, count, WIDE);
 
+// Of one view, in an area of given width.
+const area = ({ row_px, columns }) => row_px / columns;
+
 function fitted(width, rest, count, slimmest = SLIMMEST) {
   if (count === 0) return NONE;
   const found = Array.from({ length: Math.min(ROWS, count) }, (_, k) => {
@@ -44,5 +47,6 @@ function fitted(width, rest, count, slimmest = SLIMMEST) {
       row_px: Math.floor(Math.min(rest / rows, width / columns / slimmest)),
     };
   });
-  return found.reduce((best, each) => (each.row_px > best.row_px ? each : best));
+  const high = found.filter(({ row_px }) => row_px >= LEAST_PX);
+  return (high.length ? high : found).reduce((best, each) => (area(each) > area(best) ? each : best));
 }
