@@ -14,6 +14,7 @@ from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
 from uwsim.channels.authority.rights import OF_INSTRUCTOR, AidKind
 from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.families.body_frames import body_frames
 from uwsim.channels.families.imaging import picture_geometry
 from uwsim.channels.families.map import PLACED
 from uwsim.channels.guest import GuestTopic, Node, Values
@@ -39,6 +40,7 @@ from uwsim.operator.station.user_rosbridge import UserRosbridge
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
 from uwsim.scenario.spec.imaging_kind import core_kind
+from uwsim.simulator.vehicle import Vehicle
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
 """Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
@@ -325,6 +327,7 @@ class Running:
             "sonar": sonar,
             "motors": motors,
             "tether": self._tether(source, topic),
+            "arm": _arm(source, vehicle),
         }
 
     def _tether(self, source: Source, topic: Callable[[str], str | None]) -> Values | None:
@@ -338,3 +341,19 @@ class Running:
             "fastest_m_s": None if winch is None else winch.fastest_m_s,
             "strongest_n": None if winch is None else winch.strongest_n,
         }  # fmt: skip
+
+
+def _arm(source: Source, vehicle: Vehicle) -> list[Values]:
+    """Return the joints with motors, and their stops; a hinge without any turns half a turn to either side."""
+    motors = () if vehicle.arm is None else vehicle.arm.motors
+    joints = {frame.joint.name: frame.joint for frame in body_frames(source.entry.model) if frame.joint is not None}
+    return [
+        {
+            "name": name,
+            "low": joint.low_rad if math.isfinite(joint.low_rad) else -math.pi,
+            "high": joint.high_rad if math.isfinite(joint.high_rad) else math.pi,
+            "is_slide": joint.is_slide,
+        }
+        for name in motors
+        for joint in [joints[name]]
+    ]

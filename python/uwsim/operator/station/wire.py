@@ -191,6 +191,15 @@ class TetherDescription(Message):
     strongest_n: float | None
 
 
+class ArmJoint(Message):
+    """A joint of an arm with a motor, and its stops [rad or m]; the page's own where it has none."""
+
+    name: str
+    low: float
+    high: float
+    is_slide: bool
+
+
 class VehicleDescription(Message):
     """A vehicle: its topics, null where there is none, and its parts."""
 
@@ -213,6 +222,7 @@ class VehicleDescription(Message):
     sonar: Multibeam | None
     motors: list[Motor]
     tether: TetherDescription | None
+    arm: list[ArmJoint]
 
 
 class ViewLink(Message):

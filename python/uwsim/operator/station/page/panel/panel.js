@@ -4,6 +4,7 @@ import { clockText, el, fixed, grouped, write } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
+import { Arm } from './arm.js';
 import { Bars } from './bars.js';
 import { ExercisePanel } from './exercise.js';
 import { Failsafe } from './failsafe.js';
@@ -127,6 +128,7 @@ export class Panel {
     this.failsafe = new Failsafe(station);
     this.link = new Link(station);
     this.tether = new TetherPanel(station);
+    this.arm = new Arm(station, telemetry);
     this.kind = el('small');
     this.age = el('small');
     this.battery = el('i');
@@ -158,6 +160,7 @@ export class Panel {
       this.exercise.element,
       this.alarms.element,
       this.timed,
+      this.arm.element,
       inspection.element,
       this.tether.element,
       this.link.element,
@@ -172,6 +175,7 @@ export class Panel {
   begin(vehicle, description) {
     this.allStop.begin(vehicle);
     this.failsafe.begin(vehicle);
+    this.arm.begin(vehicle);
     this.exercise.begin(description);
     this.link.begin(vehicle, description.views);
     this.tether.begin(vehicle);
@@ -211,6 +215,7 @@ export class Panel {
     if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
     this.allStop.show(message, isStale);
     this.failsafe.show(message, isStale);
+    this.arm.show(isStale);
     write(
       this.age,
       !message

@@ -198,6 +198,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} strongest_n
  */
 
+/** A joint of an arm with a motor, and its stops [rad or m]; the page's own where it has none.
+ * @typedef {object} ArmJoint
+ * @property {string} name
+ * @property {number} low
+ * @property {number} high
+ * @property {boolean} is_slide
+ */
+
 /** A vehicle: its topics, null where there is none, and its parts.
  * @typedef {object} VehicleDescription
  * @property {string} name
@@ -219,6 +227,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Multibeam | null} sonar
  * @property {Motor[]} motors
  * @property {TetherDescription | null} tether
+ * @property {ArmJoint[]} arm
  */
 
 /** A camera's mount and lens. follows: `body`, or `heading` from outside. turns: whether it has a motor.
