@@ -78,5 +78,5 @@ class ServedGraphOptions(GraphOptions):
     """Those of a server, which may offer actions."""
 
     no_actions: bool = option(
-        False, "Do not offer the actions /navigate_to_pose and /fly_path, of which Nav2 has the first itself."
+        False, "Do not offer actions: /navigate_to_pose, which Nav2 has itself, /fly_path and those of arms."
     )
