@@ -154,20 +154,22 @@ void CoverPlan::add_piece(const Growth& growth, std::uint64_t tile, std::uint32_
 bool CoverPlan::grows_at(const Growth& growth, const Eigen::Vector3d& foot_m, const Eigen::Vector3d& up) const {
   const CoverLayer& layer = *growth.layer;
   if (!layer.depth_m.contains(-foot_m.z()) || !layer.slope_rad.contains(std::acos(std::min(1.0, up.z())))) return false;
-  const auto [low, high] = layer.from_solids_m;
-  if (low <= 0 && high == std::numeric_limits<double>::infinity()) return true;
-  const double enough = std::isfinite(high) ? std::max(low, high) : low;
-  return layer.from_solids_m.contains(from_solids(foot_m, enough));
+  const CoverRange& range = layer.from_solids_m;
+  if (range.low <= 0 && range.high == std::numeric_limits<double>::infinity()) return true;
+  // Inside a solid, the distance is 0. That test is by far the dearest, so it is made only where it decides.
+  const double enough = std::isfinite(range.high) ? std::max(range.low, range.high) : range.low;
+  const bool near_surface = range.contains(from_surfaces(foot_m, enough));
+  if (near_surface == range.contains(0)) return near_surface;
+  return (solids_ && surfaces_.solid_around(foot_m) != nullptr) != near_surface;
 }
 
-/// The distance to the nearest solid, 0 inside one, or infinity if it is more than `enough_m`.
-double CoverPlan::from_solids(const Eigen::Vector3d& foot_m, double enough_m) const {
+/// The distance to the nearest surface of a solid, or infinity if it is more than `enough_m`.
+double CoverPlan::from_surfaces(const Eigen::Vector3d& foot_m, double enough_m) const {
   const auto is_near = [&](const auto& solid) {
     return Eigen::AlignedBox3d(solid->low_world_m, solid->high_world_m).exteriorDistance(foot_m) <= enough_m;
   };
   double distance = std::numeric_limits<double>::infinity();
   if (!solids_ || std::ranges::none_of(surfaces_.solids(), is_near)) return distance;
-  if (surfaces_.solid_around(foot_m) != nullptr) return 0;
   solids_->distance({&foot_m, 1}, {&distance, 1});
   return distance;
 }

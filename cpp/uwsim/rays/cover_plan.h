@@ -56,7 +56,7 @@ class CoverPlan {
   };
   void add_piece(const Growth& growth, std::uint64_t tile, std::uint32_t k, CoverTilePlan& plan) const;
   bool grows_at(const Growth& growth, const Eigen::Vector3d& foot_m, const Eigen::Vector3d& up) const;
-  double from_solids(const Eigen::Vector3d& foot_m, double enough_m) const;
+  double from_surfaces(const Eigen::Vector3d& foot_m, double enough_m) const;
 
   World surfaces_;
   std::shared_ptr<const RayScene> solids_;  // null if there are none

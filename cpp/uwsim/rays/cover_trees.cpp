@@ -204,13 +204,14 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
   whole.extend(box_of(plan_.columns() - 1, plan_.rows() - 1));
   whole.min().z() = lowest_m_ - reach, whole.max().z() = highest_m_ + reach;
   Walk::Lanes first_m, last_m;
+  if (walk.enter(whole, first_m) == kInfinity) return;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
-    const double start = walk.entry(k, whole);
+    const double start = first_m[k];
     if (start == kInfinity) {
       walk.active[k] = 0;
       continue;
     }
-    first_m[k] = start, last_m[k] = walk.exit(k, whole);
+    last_m[k] = walk.exit(k, whole);
     for (const double t : {start, last_m[k]}) {
       way.extend(Eigen::Vector3d(walk.origin[0][k] + t * walk.direction[0][k],
                                  walk.origin[1][k] + t * walk.direction[1][k], 0));
@@ -223,50 +224,40 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
   };
   const std::uint32_t low = number(way.min().y(), 1, -reach, plan_.rows()),
                       high = number(way.max().y(), 1, reach, plan_.rows());
+  // The southern and northern limits of what a row's tiles hold.
+  const auto row_of = [&](std::uint32_t row) {
+    const double south = plan_.origin_m().y() + row * width - reach;
+    return std::pair(south, south + width + 2 * reach);
+  };
   struct Entered {
     double first_m = 0;
     const Tile* tile = nullptr;
   };
   thread_local std::vector<Entered> entered;
   entered.clear();
-  const auto first_entry = [&](const Eigen::AlignedBox3d& box) {
-    double first = kInfinity;
-    for (std::size_t k = 0; k < kPacketRays; ++k) first = std::min(first, walk.entry(k, box));
-    return first;
-  };
+  // Rays that stay near cross few tiles: testing them all costs less than following each ray from row to row.
+  constexpr double kFewTiles = 12;
+  const bool few = (high - low + 1) * ((way.sizes().x() + 2 * reach) / width + 2) <= kFewTiles;
   for (std::uint32_t row = low; row <= high; ++row) {
-    // The part of the row that the rays cross.
-    const double south = plan_.origin_m().y() + row * width - reach, north = south + width + 2 * reach;
-    double west = kInfinity, east = -kInfinity;
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      if (walk.active[k] == 0) continue;
-      double from = first_m[k], to = last_m[k];
-      if (walk.direction[1][k] != 0) {
-        const double one = (south - walk.origin[1][k]) * walk.inverse[1][k],
-                     two = (north - walk.origin[1][k]) * walk.inverse[1][k];
-        from = std::max(from, std::min(one, two)), to = std::min(to, std::max(one, two));
-      }
-      if (from > to) continue;
-      const double one = walk.origin[0][k] + from * walk.direction[0][k],
-                   two = walk.origin[0][k] + to * walk.direction[0][k];
-      west = std::min({west, one, two}), east = std::max({east, one, two});
-    }
+    const auto [west, east] = few ? std::pair(way.min().x(), way.max().x()) : walk.across(row_of(row), first_m, last_m);
     if (west > east) continue;
     const std::uint32_t left = number(west, 0, -reach, plan_.columns()),
                         right = number(east, 0, reach, plan_.columns());
     for (std::uint32_t column = left; column <= right; ++column) {
-      if (first_entry(box_of(column, row)) == kInfinity) continue;
+      // A tile in memory has the smaller box.
+      const std::atomic<const Tile*>& known = tiles_[std::size_t{row} * plan_.columns() + column];
+      if (known.load(std::memory_order_acquire) == nullptr && walk.enter(box_of(column, row)) == kInfinity) continue;
       const Tile& next = tile(column, row);
-      const double first = next.pieces.empty() ? kInfinity : first_entry(next.box);
-      if (first < kInfinity) entered.push_back({first, &next});
+      const double first = next.pieces.empty() ? kInfinity : walk.enter(next.box);
+      if (first == kInfinity) continue;
+      entered.insert(std::ranges::upper_bound(entered, first, {}, &Entered::first_m), {first, &next});
     }
   }
-  std::ranges::stable_sort(entered, {}, &Entered::first_m);
   for (const Entered& next : entered) {
     alignas(64) std::array<std::int32_t, kPacketRays> lanes;  // as Embree requires
-    std::int32_t any = 0;
-    for (std::size_t k = 0; k < kPacketRays; ++k) any |= lanes[k] = walk.entry(k, next.tile->box) < kInfinity ? -1 : 0;
-    if (any != 0) visit(*next.tile, lanes);
+    if (walk.enter(next.tile->box, first_m) == kInfinity) continue;
+    for (std::size_t k = 0; k < kPacketRays; ++k) lanes[k] = first_m[k] < kInfinity ? -1 : 0;
+    visit(*next.tile, lanes);
   }
 }
 

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "uwsim/core/infinity.h"
 #include "uwsim/rays/cover_trees.h"
 #include "uwsim/rays/embree.h"
 #include "uwsim/rays/embree_cast.h"
+#include "uwsim/rays/ray_kernels.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/tolerances.h"
 
@@ -39,18 +41,38 @@ struct CoverTrees::Walk {
     }
   }
 
-  /// Where the lane enters a box before its end; infinity if it does not.
-  double entry(std::size_t k, const Eigen::AlignedBox3d& box) const {
-    double first = near_m[k], last = far_m[k];
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      const double one = (box.min()(axis) - origin[a][k]) * inverse[a][k];
-      const double two = (box.max()(axis) - origin[a][k]) * inverse[a][k];
-      // A ray in the plane of a side divides zero by zero: the comparisons below then leave the limits alone.
-      first = std::max(first, std::min(one, two));
-      last = std::min(last, std::max(one, two));
+  /// Sets first_m to where each lane enters a box before its end, or to infinity; returns the least of them.
+  double enter(const Eigen::AlignedBox3d& box, Lanes& first_m) const {
+    static const RayKernels& kernels = ray_kernels();
+    const LaneSlabs slabs{{origin[0].data(), origin[1].data(), origin[2].data()},
+                          {inverse[0].data(), inverse[1].data(), inverse[2].data()},
+                          near_m.data(),
+                          far_m.data(),
+                          active.data()};
+    return kernels.enter_box(slabs, box.min().data(), box.max().data(), first_m.data());
+  }
+  double enter(const Eigen::AlignedBox3d& box) const {
+    Lanes first_m;
+    return enter(box, first_m);
+  }
+
+  /// The least and the greatest x of the lanes within a strip from south to north, each between its own limits.
+  std::pair<double, double> across(std::pair<double, double> south_and_north, const Lanes& first_m,
+                                   const Lanes& last_m) const {
+    double west = kInfinity, east = -kInfinity;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (active[k] == 0) continue;
+      double from = first_m[k], to = last_m[k];
+      if (direction[1][k] != 0) {
+        const double one = (south_and_north.first - origin[1][k]) * inverse[1][k],
+                     two = (south_and_north.second - origin[1][k]) * inverse[1][k];
+        from = std::max(from, std::min(one, two)), to = std::min(to, std::max(one, two));
+      }
+      if (from > to) continue;
+      const double one = origin[0][k] + from * direction[0][k], two = origin[0][k] + to * direction[0][k];
+      west = std::min({west, one, two}), east = std::max({east, one, two});
     }
-    return active[k] != 0 && first <= last ? first : kInfinity;
+    return {west, east};
   }
 
   /// Where a lane that enters a box leaves it, or ends.

@@ -59,6 +59,12 @@ struct LaneHits {
   std::int32_t* met;
 };
 
+/// Sixteen rays with the inverses of their directions and their limits, as pointers to sixteen values each.
+struct LaneSlabs {
+  const double *origin[3], *inverse[3], *near_m, *far_m;
+  const std::int32_t* active;
+};
+
 /// A piece of pipe between two planes; see RoundShape, whose members these are.
 struct LaneWall {
   const double *axis, *points_m[2], *outwards[2];
@@ -107,6 +113,9 @@ struct RayKernels {
   /// nothing at all.
   bool (*label_terrain)(const std::uint32_t* geometry, std::uint32_t open, const std::int32_t* met,
                         std::uint32_t* label);
+  /// Sets first_m[k] to where ray k enters a box (low and high: (3,)) between its limits, or to infinity if it does
+  /// not. Returns the least of them.
+  double (*enter_box)(const LaneSlabs& rays, const double* low, const double* high, double* first_m);
 };
 
 const RayKernels& baseline_ray_kernels();

@@ -262,6 +262,30 @@ bool label_terrain(const std::uint32_t* geometry, std::uint32_t open, const std:
   return left == 0;
 }
 
+double enter_box(const LaneSlabs& rays, const double* low, const double* high, double* first_m) {
+  alignas(64) double first[kLanes], last[kLanes];
+  for (int k = 0; k < kLanes; ++k) first[k] = rays.near_m[k], last[k] = rays.far_m[k];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double *const origin = rays.origin[axis], *const inverse = rays.inverse[axis];
+    const double below = low[axis], above = high[axis];
+    for (int k = 0; k < kLanes; ++k) {
+      const double one = (below - origin[k]) * inverse[k], two = (above - origin[k]) * inverse[k];
+      // A ray in the plane of a side multiplies zero by infinity; that side then leaves the limits alone.
+      const bool in_plane = (one != one) | (two != two);
+      const double near = two < one ? two : one, far = one < two ? two : one;
+      first[k] = !in_plane & (first[k] < near) ? near : first[k];
+      last[k] = !in_plane & (far < last[k]) ? far : last[k];
+    }
+  }
+  for (int k = 0; k < kLanes; ++k) {
+    const bool enters = (rays.active[k] != 0) & (first[k] <= last[k]);
+    first_m[k] = enters ? first[k] : __builtin_inf();
+  }
+  double least = __builtin_inf();
+  for (int k = 0; k < kLanes; ++k) least = first_m[k] < least ? first_m[k] : least;
+  return least;
+}
+
 constexpr RayKernels kKernels{.all_near = &all_near,
                               .find_low_starts = &find_low_starts,
                               .to_float = &to_float,
@@ -272,7 +296,8 @@ constexpr RayKernels kKernels{.all_near = &all_near,
                               .complete_floats = &complete_floats,
                               .locate_heights = &locate_heights,
                               .refine_terrain = &refine_terrain,
-                              .label_terrain = &label_terrain};
+                              .label_terrain = &label_terrain,
+                              .enter_box = &enter_box};
 
 }  // namespace
 }  // namespace uwsim

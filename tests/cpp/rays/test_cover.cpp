@@ -2,14 +2,17 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "meshes.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/instruction_set.h"
 #include "uwsim/core/random.h"
 #include "uwsim/rays/cover_trees.h"
+#include "uwsim/rays/ray_kernels.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_scene.h"
 
@@ -173,6 +176,62 @@ TEST(Cover, ReleasedTilesReturnAsTheyWere) {
   for (const int count : wrong) EXPECT_EQ(count, 0);
   EXPECT_GT(large.pieces_in_memory(), 10'000u);
   EXPECT_LE(small.pieces_in_memory(), 2000u);
+}
+
+TEST(Cover, RaysEnterABoxAtItsNearestSideWithEveryInstructionSet) {
+  using Lanes = std::array<double, kPacketRays>;
+  std::vector<const RayKernels*> all = {&baseline_ray_kernels()};
+  if (processor_has(InstructionSet::avx2)) all.push_back(&avx2_ray_kernels());
+  if (processor_has(InstructionSet::avx512)) all.push_back(&avx512_ray_kernels());
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-1, -2, -0.5), Eigen::Vector3d(1, 0.5, 0.5));
+  const RandomStream random(3, "boxes");
+  int met = 0, missed = 0;
+  for (std::uint64_t tick = 0; tick < 300; ++tick) {
+    Lanes origin[3], inverse[3], near_m, far_m, expected;
+    std::array<std::int32_t, kPacketRays> active;
+    double least = kNone;
+    for (std::uint32_t k = 0; k < kPacketRays; ++k) {
+      Eigen::Vector3d from, along;
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        from[axis] = 6 * random.uniform(tick, 8 * k + axis) - 3, along[axis] = random.normal(tick, 8 * k + 3 + axis);
+      }
+      if (k % 4 == 1) along[2] = 0;             // parallel to two sides
+      if (k % 4 == 1 && k > 8) from.z() = 0.5;  // and in the plane of one of them
+      if (k == 2) from = box.center();          // from inside
+      along.normalize();
+      near_m[k] = 0, far_m[k] = k % 5 == 0 ? 1 : 60, active[k] = k == 7 ? 0 : -1;
+      double first = near_m[k], last = far_m[k];
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        origin[a][k] = from[axis], inverse[a][k] = 1 / along[axis];
+        const double one = (box.min()[axis] - from[axis]) * inverse[a][k];
+        const double two = (box.max()[axis] - from[axis]) * inverse[a][k];
+        if (std::isnan(one) || std::isnan(two)) continue;  // the plane of a side belongs to the box
+        first = std::max(first, std::min(one, two)), last = std::min(last, std::max(one, two));
+      }
+      expected[k] = active[k] != 0 && first <= last ? first : kNone;
+      least = std::min(least, expected[k]);
+      if (expected[k] == kNone) {
+        ++missed;
+        continue;
+      }
+      ++met;
+      EXPECT_LT(box.exteriorDistance(Eigen::Vector3d(from + expected[k] * along)), 1e-12);
+    }
+    const LaneSlabs rays{{origin[0].data(), origin[1].data(), origin[2].data()},
+                         {inverse[0].data(), inverse[1].data(), inverse[2].data()},
+                         near_m.data(),
+                         far_m.data(),
+                         active.data()};
+    for (const RayKernels* kernels : all) {
+      Lanes first_m;
+      EXPECT_EQ(kernels->enter_box(rays, box.min().data(), box.max().data(), first_m.data()), least);
+      EXPECT_EQ(first_m, expected);
+    }
+  }
+  EXPECT_GT(met, 500);
+  EXPECT_GT(missed, 500);
 }
 
 TEST(Cover, LayersKeepToTheirConditions) {
