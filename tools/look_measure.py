@@ -33,7 +33,7 @@ def main(
     turbid: Annotated[str, typer.Option(help="Jerlov's water type, such as 5C; the scenario's by default.")] = "",
 ) -> None:
     """Print the measure of each scenario."""
-    for name in scenarios or ["reef", "lake", "lagoon"]:
+    for name in scenarios or ["reef", "wreck", "lake"]:
         found = []
         for k, rgb in enumerate(pictures(name, turbid)):
             found.append(measured(rgb))
