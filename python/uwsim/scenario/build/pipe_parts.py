@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scenario.build.cover_meshes import Mesh
+from uwsim.scenario.build.debris_meshes import lying_about
 from uwsim.scenario.build.pipe_shape import (
     ANODE_M,
     COVER_M,
@@ -20,7 +21,6 @@ from uwsim.scenario.build.pipe_shape import (
     clock_angle,
     joints_m,
 )
-from uwsim.scenario.covers.debris import lying_about
 from uwsim.scenario.spec.part import Mask, Part, Seen
 from uwsim.scenario.spec.pipe_condition import PipeCondition, PipeFeature
 

@@ -14,9 +14,9 @@ Mask = NDArray[np.bool_]
 
 
 class Seen(NamedTuple):
-    """What straight rays from one point met first, in the world frame.
+    """The points that straight rays from one eye met first, in the world frame.
 
-    eye_m (3,): that point. points_m (n, 3): where each ray met a surface. is_on (n,): true if that is the obstacle's.
+    eye_m (3,): where they begin. points_m (n, 3): where each met a surface. is_on (n,): true if that is the obstacle's.
     """
 
     eye_m: Floats
