@@ -7,7 +7,8 @@ const LEVEL = matchMedia('(orientation: landscape)'); // else, the sticks lie ov
 export const isHandheld = () => HAND_HELD.matches;
 export const isNarrow = () => NARROW.matches;
 
-const BAR_REM = 2.875; // the folded bar, and the tools at the lower edge
+const BAR_REM = 2.875; // the folded bar
+const FOOT_REM = 2.125; // the picture's name and tools at its lower edge
 const STICKS_REM = 7.75;
 const BAR_WIDTH_REM = 15.75; // with the longest name of a pilot
 
@@ -16,9 +17,10 @@ const BAR_WIDTH_REM = 15.75; // with the longest name of a pilot
  * @type {(isFlown: boolean, isUnfolded: boolean) => { head: number, shoulders: number, foot: number, corners: number }}
  */
 export function covered(isFlown, isUnfolded) {
-  if (!isHandheld() || isUnfolded) return { head: 0, shoulders: 0, foot: 0, corners: 0 };
+  if (!isHandheld()) return { head: 0, shoulders: 0, foot: 0, corners: 0 };
+  if (isUnfolded) return { head: 0, shoulders: 0, foot: FOOT_REM, corners: 0 };
   // On a narrow screen, one above the other.
-  const [head, shoulders, foot] = isNarrow() ? [BAR_REM, 0, BAR_REM - 0.75] : [0, BAR_WIDTH_REM, 0];
+  const [head, shoulders, foot] = isNarrow() ? [BAR_REM, 0, FOOT_REM] : [0, BAR_WIDTH_REM, 0];
   return { head, shoulders, foot, corners: isFlown && LEVEL.matches ? STICKS_REM : 0 };
 }
 

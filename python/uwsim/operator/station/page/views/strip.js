@@ -33,7 +33,7 @@ export function folded(width, height, count) {
  */
 export const unfolded = (width, height, count) => fitted(width, height / 2, count, WIDE);
 
-// Of one view, in an area of given width.
+// A measure of the area of one view, where the width of all is given.
 const area = ({ row_px, columns }) => row_px / columns;
 
 function fitted(width, rest, count, slimmest = SLIMMEST) {
