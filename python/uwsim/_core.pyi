@@ -4225,6 +4225,12 @@ class Simulation:
         """
         Start collecting the samples measured at or after from_ns, as they arrive; None stops collecting.
         """
+    def weaken_tether(
+        self, tether: typing.SupportsInt | typing.SupportsIndex, load_n: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None:
+        """
+        From now on, break it also at this load, until a restart; states do not include it. Raises ValueError.
+        """
     def wet_surface(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:

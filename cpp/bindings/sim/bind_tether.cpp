@@ -117,7 +117,14 @@ void bind_tether(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "cut_tether",
           [](OwnedSimulation& o, std::size_t k, double at_m) { o.with([&](Simulation& s) { s.tether(k).cut(at_m); }); },
-          py::arg("tether"), py::arg("at_m"), "Cut it at this length from the winch. Raises ValueError.");
+          py::arg("tether"), py::arg("at_m"), "Cut it at this length from the winch. Raises ValueError.")
+      .def(
+          "weaken_tether",
+          [](OwnedSimulation& o, std::size_t k, double load_n) {
+            o.with([&](Simulation& s) { s.tether(k).weaken(load_n); });
+          },
+          py::arg("tether"), py::arg("load_n"),
+          "From now on, break it also at this load, until a restart; states do not include it. Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

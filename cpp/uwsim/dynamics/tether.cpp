@@ -77,6 +77,7 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
   for (std::vector<double>* values : {&reach_m_, &from_m_}) values->resize(most);
   contacts_.reserve(kKeptContacts);
   hessian_.resize(most);
+  flow_.resize(most);
   for (Eigen::Vector3d& force : end_forces_) force.setZero();
   for (const TetherEnd* end : {&spec_.first, &spec_.second}) {
     const Eigen::Vector3d at = end_point(*end, bodies);
@@ -224,7 +225,7 @@ void Tether::break_if_overloaded() {
   for (std::size_t i = 1; i < elements(); ++i) {
     if (nodes_[i].tension_n > nodes_[weakest].tension_n) weakest = i;
   }
-  if (nodes_[weakest].tension_n > spec_.breaking_load_n) broken_ = weakest;
+  if (nodes_[weakest].tension_n > std::min(spec_.breaking_load_n, weakened_n_)) broken_ = weakest;
 }
 
 void Tether::cut(double at_m) {
@@ -233,6 +234,11 @@ void Tether::cut(double at_m) {
   std::size_t element = 0;
   for (double passed = first_m_; passed < at_m && element + 1 < elements(); ++element) passed += rest_m(element + 1);
   broken_ = element;
+}
+
+void Tether::weaken(double load_n) {
+  require(load_n > 0, spec_.name + " load_n", load_n, "must be positive");
+  weakened_n_ = load_n;
 }
 
 /// Takes over the first element's length from the drum, and makes of it one more or one less element.

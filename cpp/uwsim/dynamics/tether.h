@@ -10,6 +10,7 @@
 #include "uwsim/core/state_archive.h"
 #include "uwsim/core/water_field.h"
 #include "uwsim/dynamics/block_band.h"
+#include "uwsim/dynamics/flow_along.h"
 #include "uwsim/dynamics/moved_body.h"
 #include "uwsim/dynamics/tether_contact.h"
 #include "uwsim/dynamics/tether_spec.h"
@@ -33,10 +34,9 @@ namespace uwsim {
 ///
 /// A contact is a plane, frozen in a step, that pushes in proportion to the overlap: so stiff that twice the breaking
 /// load, the most that it bears where the tether turns back on itself, overlaps by half of a radius. A hull at it is a
-/// mass that gives way, decoupled from its other contacts; what it gains is what the tether loses. Two elements have a
-/// plane midway between them, so that their forces on each other are equal at rest only. Friction is Coulomb's, by the
-/// normal force at the step's start, regularized: below kCreep_m_s it grows linearly with the speed (Armstrong-Helouvry
-/// et al. 1994, Automatica 30:1083). Both are parts of the same convex function.
+/// mass that gives way, decoupled from its other contacts; what it gains is what the tether loses. Friction is
+/// Coulomb's, by the normal force at the step's start, regularized: below kCreep_m_s it grows linearly with the speed
+/// (Armstrong-Helouvry et al. 1994, Automatica 30:1083). Both are parts of the same convex function.
 ///
 /// Backward Euler damps: oscillations with angular frequency w by the ratio w dt / 2.
 class Tether {
@@ -65,6 +65,9 @@ class Tether {
   const WinchCommand& winch() const { return winch_; }
   /// Cuts the element at this distance from the first end.
   void cut(double at_m);
+  /// From now on it also breaks where the tension exceeds this load, which is not part of the state. Throws
+  /// InvalidValue.
+  void weaken(double load_n);
 
   std::size_t elements() const { return nodes_.size() - 1; }
   double length_m() const { return first_m_ + spec_.element_m() * static_cast<double>(elements() - 1); }
@@ -153,6 +156,7 @@ class Tether {
   std::vector<Node> nodes_;
   double first_m_ = 0;  // rest length of the first element
   double rate_m_s_ = 0;
+  double weakened_n_ = std::numeric_limits<double>::infinity();
   std::uint64_t broken_ = kWhole;
   WinchCommand winch_;
   std::array<Eigen::Vector3d, 2> end_forces_;
@@ -164,6 +168,7 @@ class Tether {
   std::vector<TetherContact> contacts_;
   std::vector<Eigen::Vector3d> points_, targets_;
   std::vector<double> reach_m_, from_m_;
+  FlowAlong flow_;
   std::array<End, 2> ends_;
   Drum drum_{};
   std::array<Eigen::Matrix3d, 2> end_next_;  // off the rows that fixed ends remove

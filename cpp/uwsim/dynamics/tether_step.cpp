@@ -68,6 +68,13 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
 
 void Tether::freeze(const WaterField& water, double time_s, double step_s) {
   const std::size_t last = elements();
+  double passed = 0;
+  for (std::size_t i = 0; i <= last; ++i) {
+    points_[i] = nodes_[i].position;
+    from_m_[i] = passed;
+    if (i < last) passed += rest_m(i);
+  }
+  flow_.find({points_.data(), nodes_.size()}, {from_m_.data(), nodes_.size()}, water, time_s + step_s);
   for (std::size_t i = 0; i <= last; ++i) {
     Frozen& f = frozen_[i];
     const Node& node = nodes_[i];
@@ -99,7 +106,7 @@ void Tether::freeze_water(std::size_t i, const WaterField& water, double time_s)
   if (wet == 0) return;
   const double density = wet * water.density_at(at.z());
   const double displaced = density * std::numbers::pi / 4 * spec_.diameter_m * spec_.diameter_m * length;
-  const WaterFlow flow = water.flow_at(at, time_s);
+  const WaterFlow& flow = flow_.at(i);
   const Eigen::Vector3d rate = flow.wave_acceleration_m_s2 + flow.current_acceleration_m_s2;
   f.flow = flow.velocity_m_s;
   f.force.z() += displaced * water.gravity();
@@ -109,27 +116,6 @@ void Tether::freeze_water(std::size_t i, const WaterField& water, double time_s)
   const double area = 0.5 * density * spec_.diameter_m * length;
   f.normal_drag = area * spec_.normal_drag;
   f.tangential_drag = area * std::numbers::pi * spec_.tangential_drag;
-}
-
-/// The bed below a node, as a plane.
-void Tether::freeze_bed(std::size_t i) {
-  Frozen& f = frozen_[i];
-  const Eigen::Vector3d& at = nodes_[i].position;
-  f.bed_stiffness = f.friction_n = 0;
-  const double spacing = terrain_ ? terrain_->spacing_m() : 0;
-  if (!terrain_ || at.z() > terrain_->highest_m() + spacing) return;
-  const double height = terrain_->height_at(at.x(), at.y());
-  if (!std::isfinite(height) || at.z() > height + spacing) return;
-  const double step = 1e-3 * spacing;
-  const auto slope = [&](double dx, double dy) {
-    const double ahead = terrain_->height_at(at.x() + dx, at.y() + dy);
-    const double behind = terrain_->height_at(at.x() - dx, at.y() - dy);
-    return std::isfinite(ahead) && std::isfinite(behind) ? (ahead - behind) / (2 * step) : 0;
-  };
-  f.bed_normal = Eigen::Vector3d(-slope(step, 0), -slope(0, step), 1).normalized();
-  f.bed_level_m = f.bed_normal.dot(Eigen::Vector3d(at.x(), at.y(), height)) + spec_.diameter_m / 2;
-  f.bed_stiffness = spec_.bed_stiffness_pa_m * spec_.diameter_m * span_m(i);
-  f.friction_n = spec_.friction * f.bed_stiffness * std::max(0.0, f.bed_level_m - f.bed_normal.dot(at));
 }
 
 Tether::Drum Tether::drum(double step_s) const {

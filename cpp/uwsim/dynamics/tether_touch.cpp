@@ -4,7 +4,7 @@
 #include "uwsim/dynamics/point_jacobian.h"
 #include "uwsim/dynamics/tether.h"
 
-// The part of Tether that touches solids and hulls.
+// The part of Tether that touches the bed, solids and hulls.
 namespace uwsim {
 namespace {
 
@@ -22,16 +22,10 @@ Eigen::Vector3d Tether::between(const std::vector<Eigen::Vector3d>& nodes, const
   return (1 - contact.share) * nodes[contact.element] + contact.share * nodes[contact.element + 1];
 }
 
-/// Finds the contacts of the step, from the nodes' positions and where they would go.
+/// Finds the contacts of the step, after freeze(), from the nodes' positions and where they would go.
 void Tether::freeze_contacts(std::span<const MovedBody> bodies, double step_s, double least_reach_m, double moving_s) {
   const double radius = spec_.diameter_m / 2;
-  double passed = 0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    points_[i] = nodes_[i].position;
-    targets_[i] = frozen_[i].target;
-    from_m_[i] = passed;
-    if (i < elements()) passed += rest_m(i);
-  }
+  for (std::size_t i = 0; i < nodes_.size(); ++i) targets_[i] = frozen_[i].target;
   for (std::size_t i = 0; i < elements(); ++i) {
     const double moves = std::max((targets_[i] - points_[i]).norm(), (targets_[i + 1] - points_[i + 1]).norm());
     reach_m_[i] = 2 * radius + kMoves * moves + least_reach_m;
@@ -157,6 +151,27 @@ void Tether::push_hulls(std::span<MovedBody> bodies) {
     body.tether_world.head<3>() += force;
     body.tether_world.tail<3>() += (c.point_world_m - body.state.world_from_body.position_m).cross(force);
   }
+}
+
+/// The bed below a node, as a plane.
+void Tether::freeze_bed(std::size_t i) {
+  Frozen& f = frozen_[i];
+  const Eigen::Vector3d& at = nodes_[i].position;
+  f.bed_stiffness = f.friction_n = 0;
+  const double spacing = terrain_ ? terrain_->spacing_m() : 0;
+  if (!terrain_ || at.z() > terrain_->highest_m() + spacing) return;
+  const double height = terrain_->height_at(at.x(), at.y());
+  if (!std::isfinite(height) || at.z() > height + spacing) return;
+  const double step = 1e-3 * spacing;
+  const auto slope = [&](double dx, double dy) {
+    const double ahead = terrain_->height_at(at.x() + dx, at.y() + dy);
+    const double behind = terrain_->height_at(at.x() - dx, at.y() - dy);
+    return std::isfinite(ahead) && std::isfinite(behind) ? (ahead - behind) / (2 * step) : 0;
+  };
+  f.bed_normal = Eigen::Vector3d(-slope(step, 0), -slope(0, step), 1).normalized();
+  f.bed_level_m = f.bed_normal.dot(Eigen::Vector3d(at.x(), at.y(), height)) + spec_.diameter_m / 2;
+  f.bed_stiffness = spec_.bed_stiffness_pa_m * spec_.diameter_m * span_m(i);
+  f.friction_n = spec_.friction * f.bed_stiffness * std::max(0.0, f.bed_level_m - f.bed_normal.dot(at));
 }
 
 std::string Tether::first_crossed() const {

@@ -15,6 +15,7 @@ from uwsim.recording.replay import replay as replay_recording
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.tether_turns import turns_about
 
 BED_M = -10.0
@@ -223,3 +224,82 @@ def test_rays_meet_it() -> None:
     hits = scene.cast(np.array([eye]), np.array([[0.0, 1.0, 0.0]]), 10.0)
     assert sim.label_names[hits.labels[0]] == "rov tether"
     assert hits.ranges_m[0] == pytest.approx(2.0 - 0.025, abs=0.004)
+
+
+def test_cameras_see_it() -> None:
+    camera = {"position_m": [0.2, 0, 0], "yaw_pitch_roll_deg": [180, 0, 0], "width": 320, "height": 180}
+    scenario = site({"diameter_m": 0.05, "at_m": [0.3, 0, 0]})
+    rov = scenario.vehicles[0].model_copy(
+        update={"model": scenario.vehicles[0].model.model_copy(update={"cameras": {"back": CameraMount(**camera)}})}
+    )
+    scenario = scenario.model_copy(update={"vehicles": (rov,)})
+    sim, batch = Simulator(scenario), Batch(scenario, n=2)
+    for each in (sim, batch):
+        each.step(20)
+    frame = sim.rov.cameras["back"].capture()
+    labels = [frame.label_names[label] for label in np.unique(frame.labels)]
+    assert "rov tether" in labels
+    assert frame.label_names.count("rov tether") == 15
+    assert np.array_equal(batch.capture("back")[0], frame.rgb)
+
+
+def test_a_fault_breaks_it_at_its_time() -> None:
+    sim = Simulator(site({}, faults=[{"kind": "tether", "at_m": 2.0, "at_s": 1.0, "for_s": 1.0}]))
+    sim.advance(0.99)
+    assert not sim.rov.tether.is_broken
+    sim.advance(2.0)
+    assert sim.rov.tether.read().broken_at_m == pytest.approx(2.0, abs=0.26)
+    assert is_cut_off(sim, "rov")
+    assert [event.name for event in sim.events] == ["fault", "fault_ends"]
+
+
+def test_a_damaged_tether_breaks_under_less_load_while_it_is_damaged() -> None:
+    def flown(**figures: float) -> Simulator:
+        sim = Simulator(site({}))
+        sim.faults.inject("tether", breaking_load_n=5.0, **figures)
+        sim.advance(2.0)
+        assert not sim.rov.tether.is_broken, "slack as yet"
+        sim.rov.set_effort(surge=0.5)
+        return sim
+
+    repaired = flown(for_s=2.0)
+    repaired.advance(10.0)
+    assert not repaired.rov.tether.is_broken
+    damaged = flown()
+    state = damaged.save_state()
+    damaged.advance(10.0)
+    assert damaged.rov.tether.is_broken
+    restored = Simulator(site({}))
+    restored.restore_state(state)
+    restored.advance(10.0)
+    assert restored.save_state() == damaged.save_state()
+    damaged.reset()
+    damaged.rov.set_effort(surge=0.5)
+    damaged.advance(10.0)
+    assert not damaged.rov.tether.is_broken
+
+
+@pytest.mark.parametrize(
+    ("fault", "tether", "message"),
+    [
+        ({}, None, "faults[0]: kind = 'tether': vehicle 'rov' has no tether"),
+        ({"at_m": 1.0, "breaking_load_n": 5.0}, {}, "faults[0].at_m"),
+        ({"breaking_load_n": 0.0}, {}, "faults[0].breaking_load_n"),
+    ],
+)
+def test_a_fault_of_what_cannot_break_is_refused(fault: dict, tether: dict | None, message: str) -> None:
+    with pytest.raises(ScenarioError) as refusal:
+        Simulator(site(tether, faults=[{"kind": "tether", "at_s": 1.0} | fault]))
+    assert message in str(refusal.value)
+    assert "\n" not in str(refusal.value).strip()
+
+
+def test_foxglove_draws_it_by_tension() -> None:
+    pytest.importorskip("foxglove")
+    from uwsim.bridges.foxglove.tethers import STOPS, tension_colours, tethers
+
+    assert tension_colours([0.0, 1.0, 1e9], 1557.0) == pytest.approx(STOPS[[0, 0, 2]])
+    sim = Simulator(site({}))
+    whole = len(tethers({"rov": sim.rov.tether.read()}, sim.scenario, 0).encode())
+    sim.rov.cut_tether(3.0)
+    assert len(tethers({"rov": sim.rov.tether.read()}, sim.scenario, 0).encode()) < whole

@@ -7,6 +7,7 @@ which return to their former values when it ends.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, MutableMapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
@@ -40,14 +41,26 @@ class FaultySensor(Protocol):
         """Return to undistorted readings."""
 
 
+class FaultyTether(Protocol):
+    """A tether as faults change it; see uwsim.simulator.tether.Tether."""
+
+    @property
+    def length_m(self) -> float:
+        """The length that is out, without load."""
+
+    def cut(self, at_m: float) -> None:
+        """Cut it at this length from its anchor."""
+
+
 @dataclass(frozen=True)
 class FaultyVehicle:
-    """The vehicle that a fault affects. sensors: by name. sonars: the names of its multibeams."""
+    """The vehicle that a fault affects. sensors: by name. sonars: the names of its multibeams. tether: if any."""
 
     name: str
     model: VehicleModel
     sensors: Mapping[str, FaultySensor]
     sonars: Collection[str]
+    tether: FaultyTether | None = None
 
     def parts(self, of: str) -> list[str]:
         """Return the names of its parts of a sort: "sensors", "thrusters", "cameras" and so on."""
@@ -133,6 +146,10 @@ class FaultModel(Model):
     def water_kg_after(self, water_kg: float, steps: int, step_s: float) -> float:
         """Return the mass of water [kg] that the fault has let in, some steps after it was water_kg."""
         return water_kg
+
+    def tether_bears_n(self) -> float:
+        """Return the load at which the fault lets the vehicle's tether break while it is active [N]."""
+        return math.inf
 
     def unnoticed(self, observer: Observer) -> str:
         """Return why an observer does not notice the fault, or ""."""

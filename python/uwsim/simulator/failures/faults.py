@@ -103,6 +103,7 @@ class Faults(Sealed):
         for vehicle in self._vehicles.values():
             for sensor in vehicle.sensors.values():
                 sensor.distort(None)
+        self._load_tethers()
         self._attend()
 
     def _attend(self) -> None:
@@ -174,7 +175,8 @@ class Faults(Sealed):
 
     def _faulty(self, vehicle: str, scenario: Scenario) -> FaultyVehicle:
         model = next(entry.model for entry in scenario.vehicles if entry.name == vehicle)
-        return FaultyVehicle(vehicle, model, self._vehicles[vehicle].sensors, self._vehicles[vehicle].sonars)
+        its = self._vehicles[vehicle]
+        return FaultyVehicle(vehicle, model, its.sensors, its.sonars, its.tether)
 
     @property
     def due_tick(self) -> int:
@@ -220,6 +222,7 @@ class Faults(Sealed):
             for name, sensor in vehicle.sensors.items():
                 distorted = state.sensors.get(f"{vehicle.name}/{name}")
                 sensor.distort(None if distorted is None else Distortion(**dict(distorted)))
+        self._load_tethers()
         self._attend()
 
     # Beginning and ending
@@ -271,6 +274,7 @@ class Faults(Sealed):
         fault.end_tick = NEVER if spec.for_s is None else tick + self._ticks(spec.for_s)
         fault.began_tick = fault.filled_tick = tick
         spec.begin(self._faulty(fault.vehicle, self._scenario))
+        self._load_tethers()
         self._cut_off(fault)
         figures = spec.model_dump(exclude={"name", "vehicle", "at_s", "rate_per_h"}, exclude_none=True)
         self._events.add(tick, fault.vehicle, "fault", fault=fault.name, **figures, **drawn)
@@ -280,12 +284,22 @@ class Faults(Sealed):
         fault.end_tick = None
         fault.begin_tick = self._next_begin(fault, tick)
         fault.spec.end(self._faulty(fault.vehicle, self._scenario))
+        self._load_tethers()
         self._cut_off(fault)
         self._events.add(tick, fault.vehicle, "fault_ends", fault=fault.name)
 
     def _cut_off(self, fault: Fault) -> None:
         if self._network is not None and fault.spec.cuts_link:
             self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another fault may still be active
+
+    def _load_tethers(self) -> None:
+        """Let each tether bear what its vehicle's active faults leave; saved states do not include it."""
+        for vehicle in self._vehicles.values():
+            if vehicle.tether is not None:
+                loads = (
+                    f.spec.tether_bears_n() for f in self._faults.values() if f.is_active and f.vehicle == vehicle.name
+                )
+                vehicle.tether.weaken(min(loads, default=math.inf))
 
     def _fill(self, fault: Fault, tick: int) -> None:
         """Update the mass of water that a fault has let in."""
