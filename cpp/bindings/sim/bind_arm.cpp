@@ -119,7 +119,7 @@ struct Mechanism {
       } else {
         arm.advance(HeldBase(), base, water, 0, step_s);
       }
-      arm.require_plausible("mechanism");
+      arm.require_plausible("mechanism", "arm");
       arm.accept();
     }
   }

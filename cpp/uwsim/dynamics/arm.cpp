@@ -1,6 +1,5 @@
 #include "uwsim/dynamics/arm.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -20,6 +19,37 @@ double own_inertia(const ArmLink& link) {
   const double turning =
       axis.dot(link.inertia_kg_m2 * axis) + link.mass_kg * axis.cross(link.centre_of_mass_m).squaredNorm();
   return (link.joint == ArmLink::Joint::kSlide ? link.mass_kg : turning) + link.reflected_inertia();
+}
+
+/// M^-1 b by the L D L^T factors of a symmetric, positive definite matrix, of which the lower half is read.
+Vector6d solved(const Matrix6d& m, const Vector6d& b) {
+  double l[6][6], d[6], inverse[6], x[6];
+#pragma GCC unroll 6
+  for (int column = 0; column < 6; ++column) {
+    double pivot = m(column, column), left = b(column);
+#pragma GCC unroll 6
+    for (int k = 0; k < column; ++k) {
+      pivot -= l[column][k] * l[column][k] * d[k];
+      left -= l[column][k] * x[k];
+    }
+    d[column] = pivot;
+    inverse[column] = 1 / pivot;
+    x[column] = left;
+#pragma GCC unroll 6
+    for (int row = column + 1; row < 6; ++row) {
+      double value = m(row, column);
+#pragma GCC unroll 6
+      for (int k = 0; k < column; ++k) value -= l[row][k] * d[k] * l[column][k];
+      l[row][column] = value * inverse[column];
+    }
+  }
+#pragma GCC unroll 6
+  for (int row = 5; row >= 0; --row) {
+    x[row] *= inverse[row];
+#pragma GCC unroll 6
+    for (int k = row + 1; k < 6; ++k) x[row] -= l[k][row] * x[k];
+  }
+  return Vector6d(x);
 }
 
 void require_slow_enough(const ArmLink& link, double step_s) {
@@ -121,9 +151,9 @@ const ArticulatedBody& Arm::placed(const BodyState& base, const WaterField& wate
 
 /// Returns the base's acceleration with the present drives, and sets those of the joints.
 Vector6d Arm::accelerate(const ArmBase::Load& load, bool held) {
-  const ArticulatedBody::Reaction reaction = body_.fold(drives_);
+  const ArticulatedBody::Reaction& reaction = body_.fold(drives_);
   Vector6d acceleration = Vector6d::Zero();
-  if (!held) acceleration = (load.mass + reaction.inertia).llt().solve(load.wrench - reaction.bias);
+  if (!held) acceleration = solved(load.mass + reaction.inertia, load.wrench - reaction.bias);
   body_.unfold(acceleration);
   wrench_ = -(reaction.inertia * acceleration + reaction.bias);
   stage_inertia_ = reaction.inertia;
@@ -212,10 +242,11 @@ BodyState Arm::advance(const ArmBase& base, const BodyState& state, const WaterF
   return moved_at(state, mean, step_s);
 }
 
-void Arm::require_plausible(const std::string& name) const {
+void Arm::require_plausible(const char* kind, const std::string& name) const {
   for (std::size_t k = 0; k < size(); ++k) {
     const bool plausible = std::abs(next_.speeds[k]) < kFastest && std::abs(next_.positions[k]) < kFastest;
-    require(plausible, name + " joint '" + links()[k].name + "'", next_.speeds[k],
+    if (plausible) continue;
+    require(false, std::string(kind) + " '" + name + "' joint '" + links()[k].name + "'", next_.speeds[k],
             "the motion diverged: use a smaller step_s or check the link's coefficients");
   }
 }
@@ -232,7 +263,7 @@ void Arm::exchange_state(StateArchive& archive) {
     commands_[k].mode = static_cast<JointCommand::Mode>(mode);
   }
   next_ = now_;
-  require_plausible("state");
+  require_plausible("state of", "arm");
 }
 
 }  // namespace uwsim

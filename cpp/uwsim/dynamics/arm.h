@@ -84,7 +84,7 @@ class Arm {
   /// The step is made.
   void accept() { now_ = next_; }
   /// Throws InvalidValue if the joints' motion diverged.
-  void require_plausible(const std::string& name) const;
+  void require_plausible(const char* kind, const std::string& name) const;
 
   /// The wrench of the arm on its base in each stage of the last advance(), along the base's axes.
   const std::array<Vector6d, 4>& stage_wrenches() const { return wrenches_; }

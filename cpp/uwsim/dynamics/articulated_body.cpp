@@ -1,171 +1,194 @@
 #include "uwsim/dynamics/articulated_body.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
-#include "uwsim/core/check.h"
-
 namespace uwsim {
-namespace {
-
-/// M_RB at the link's origin (Fossen 3.44).
-Matrix6d rigid_mass_of(const ArmLink& link) {
-  const Eigen::Matrix3d s = cross_matrix_of(link.centre_of_mass_m);
-  Matrix6d m;
-  m << link.mass_kg * Eigen::Matrix3d::Identity(), -link.mass_kg * s, link.mass_kg * s,
-      link.inertia_kg_m2 - link.mass_kg * s * s;
-  return m;
-}
-
-void add_force_at(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, Vector6d& wrench) {
-  wrench.head<3>() += force_n;
-  wrench.tail<3>() += point_m.cross(force_n);
-}
-
-double submerged_of(const ArmLink& link, const Eigen::Vector3d& centre_m, const WaterField& water, double time_s) {
-  if (link.volume_m3 == 0) return centre_m.z() < 0 ? 1 : 0;
-  const double diameter_m = std::cbrt(6 * link.volume_m3 / std::numbers::pi);
-  if (centre_m.z() < -diameter_m - water.wave_bound_m()) return 1;
-  const double surface_m = water.surface_height_at(centre_m.x(), centre_m.y(), time_s);
-  return std::clamp(0.5 + (surface_m - centre_m.z()) / diameter_m, 0.0, 1.0);
-}
-
-}  // namespace
 
 ArticulatedBody::ArticulatedBody(std::vector<ArmLink> links) : links_(std::move(links)), work_(links_.size()) {
   check_links(links_);
-  for (const ArmLink& link : links_) {
-    rigid_mass_.push_back(rigid_mass_of(link));
-    Vector6d axis = Vector6d::Zero();
-    if (link.joint == ArmLink::Joint::kHinge) axis.tail<3>() = link.axis.normalized();
-    if (link.joint == ArmLink::Joint::kSlide) axis.head<3>() = link.axis.normalized();
-    axes_.push_back(axis);
+  carriers_.resize(size() + 1);
+  joints_.resize(size());
+  lift_n_.resize(size());
+  weight_n_.resize(size());
+  for (std::size_t k = 0; k < size(); ++k) {
+    const ArmLink& link = links_[k];
+    const bool on_base = link.parent == ArmLink::kBase;
+    const std::uint64_t parent = on_base ? ArmLink::kBase : carrier_[link.parent];
+    PlacedLink mount{link.parent_from_link.rotation(), link.parent_from_link.position_m};
+    if (!on_base) mount = in_carrier_[link.parent] * mount;
+    const bool moves = link.joint != ArmLink::Joint::kFixed;
+    if (moves) {
+      Joint& joint = joints_[k];
+      joint.turn = mount.base_from_link;
+      joint.axis = link.axis.normalized();
+      const Eigen::Matrix3d across = cross_matrix_of(joint.axis);
+      joint.by_sine = joint.turn * across;
+      joint.by_cosine = joint.turn * across * across;
+      joint.origin_m = mount.origin_m;
+      joint.slide = joint.turn * joint.axis;
+      joint.parent = parent;
+      moving_.push_back(k);
+    }
+    carrier_.push_back(moves ? k : parent);
+    in_carrier_.push_back(moves ? PlacedLink{} : mount);
+    water_.emplace_back(link, in_carrier_[k]);
+    Carrier& carrier = carriers_[carrier_[k] == ArmLink::kBase ? size() : carrier_[k]];
+    carrier.rigid.add(in_carrier_[k], link);
+    carrier.links.push_back(k);
   }
 }
 
 void ArticulatedBody::place(const BodyState& base, std::span<const double> positions, std::span<const double> speeds,
                             const WaterField& water, double time_s) {
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const ArmLink& link = links_[k];
+  base_ = base;
+  const BaseSurroundings around{water, time_s, water.gravity(), base.world_from_body.rotation(),
+                                base.world_from_body.position_m};
+  add_loads(carriers_[size()], {}, base.velocity_body, around, fixed_.inertia, fixed_.bias);
+  for (const std::size_t k : moving_) {
+    place_link(k, positions[k], speeds[k]);
     Work& at = work_[k];
-    const bool on_base = link.parent == ArmLink::kBase;
-    Pose parent_from_link = link.parent_from_link;
-    if (link.joint == ArmLink::Joint::kHinge) {
-      parent_from_link.orientation =
-          parent_from_link.orientation * Eigen::Quaterniond(Eigen::AngleAxisd(positions[k], axes_[k].tail<3>()));
-    } else if (link.joint == ArmLink::Joint::kSlide) {
-      parent_from_link.position_m += parent_from_link.orientation * (positions[k] * axes_[k].head<3>());
-    }
-    at.parent = {parent_from_link.rotation(), parent_from_link.position_m};
-    at.world_from_link = (on_base ? base.world_from_body : work_[link.parent].world_from_link) * parent_from_link;
-    at.speed = link.joint == ArmLink::Joint::kFixed ? 0 : speeds[k];
-    const Vector6d moved = at.speed * axes_[k];
-    at.velocity = at.parent.motion_to_child(on_base ? base.velocity_body : work_[link.parent].velocity) + moved;
-    at.bias_velocity = cross_motion(at.velocity, moved);
-    set_loads(k, water, time_s);
+    add_loads(carriers_[k], at.placed, at.velocity, around, at.mass, at.own_bias);
   }
 }
 
-/// Mass and bias of a link alone.
-void ArticulatedBody::set_loads(std::size_t k, const WaterField& water, double time_s) {
-  const ArmLink& link = links_[k];
+void ArticulatedBody::add_loads(const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity,
+                                const BaseSurroundings& around, Matrix6d& mass, Vector6d& bias) {
+  Matrix6d directed_mass;
+  Vector6d directed_bias;
+  bool is_directed = false;
+  LinkSum sum;
+  carrier.rigid.add_to(sum, at, velocity, around);
+  for (const std::size_t link : carrier.links) {
+    if (water_[link].has_directions() && !is_directed) {
+      directed_mass.setZero();
+      directed_bias.setZero();
+      is_directed = true;
+    }
+    weight_n_[link] = links_[link].mass_kg * around.gravity_m_s2;
+    lift_n_[link] = water_[link].add_to(sum, directed_mass, directed_bias, at, velocity, around);
+  }
+  sum.write(mass, bias);
+  if (!is_directed) return;
+  mass += directed_mass;
+  bias += directed_bias;
+}
+
+/// Works on numbers rather than on matrices: what is stored one by one and read in pairs waits for the memory.
+void ArticulatedBody::place_link(std::size_t k, double position, double speed) {
+  const Joint& joint = joints_[k];
   Work& at = work_[k];
-  const Eigen::Matrix3d world_from_link = at.world_from_link.rotation();
-  const Eigen::Vector3d& centre = link.centre_of_buoyancy_m;
-  const Eigen::Vector3d up = world_from_link.row(2).transpose();
-  const Eigen::Vector3d centre_world = at.world_from_link.position_m + world_from_link * centre;
-  at.mass = rigid_mass_[k];
-  at.weight_n = link.mass_kg * water.gravity();
-  at.lift_n = 0;
-  at.own_bias = cross_force(at.velocity, rigid_mass_[k] * at.velocity);
-  Vector6d load = Vector6d::Zero();
-  add_force_at(link.centre_of_mass_m, -at.weight_n * up, load);
-  const double submerged = submerged_of(link, centre_world, water, time_s);
-  if (submerged > 0) {
-    const double displaced_kg = submerged * water.density_at(centre_world.z()) * link.volume_m3;
-    const WaterFlow flow = water.flow_at(centre_world, time_s);
-    const Eigen::Vector3d flow_rate =
-        world_from_link.transpose() * (flow.wave_acceleration_m_s2 + flow.current_acceleration_m_s2);
-    Vector6d moving = Vector6d::Zero(), moving_rate = Vector6d::Zero();
-    moving.head<3>() = world_from_link.transpose() * flow.velocity_m_s;
-    moving_rate.head<3>() = flow_rate - at.velocity.tail<3>().cross(moving.head<3>());
-    const Vector6d relative = at.velocity - moving;
-    at.lift_n = displaced_kg * water.gravity();
-    add_force_at(centre, at.lift_n * up + displaced_kg * flow_rate, load);
-    Vector6d at_centre = relative;
-    at_centre.head<3>() += relative.tail<3>().cross(centre);
-    const Vector6d drag =
-        -submerged *
-        (link.linear_drag + link.quadratic_drag.cwiseProduct(at_centre.cwiseAbs())).cwiseProduct(at_centre);
-    add_force_at(centre, drag.head<3>(), load);
-    load.tail<3>() += drag.tail<3>();
-    at.mass += submerged * link.added_mass;
-    at.own_bias += submerged * (cross_force(relative, link.added_mass * relative) - link.added_mass * moving_rate);
+  const bool on_base = joint.parent == ArmLink::kBase;
+  const bool is_hinge = links_[k].joint == ArmLink::Joint::kHinge;
+  const double sine = is_hinge ? std::sin(position) : 0, cosine = is_hinge ? 1 - std::cos(position) : 0;
+  const double slid = is_hinge ? 0 : position;
+  double r[3][3], o[3], a[3];  // rotation by rows, origin and axis along the base's axes
+  const auto turn = [&](int row, int column) {
+    return joint.turn(row, column) + sine * joint.by_sine(row, column) + cosine * joint.by_cosine(row, column);
+  };
+  for (int column = 0; column < 3; ++column) {
+    const double x = turn(0, column), y = turn(1, column), z = turn(2, column);
+    if (on_base) {
+      r[0][column] = x, r[1][column] = y, r[2][column] = z;
+      continue;
+    }
+    const Eigen::Matrix3d& by = work_[joint.parent].placed.base_from_link;
+    for (int row = 0; row < 3; ++row) r[row][column] = by(row, 0) * x + by(row, 1) * y + by(row, 2) * z;
   }
-  at.own_bias -= load;
+  const Eigen::Vector3d mounted_m = joint.origin_m + slid * joint.slide;
+  const PlacedLink* const parent = on_base ? nullptr : &work_[joint.parent].placed;
+  for (int row = 0; row < 3; ++row) {
+    o[row] = on_base
+                 ? mounted_m(row)
+                 : parent->origin_m(row) + parent->base_from_link(row, 0) * mounted_m(0) +
+                       parent->base_from_link(row, 1) * mounted_m(1) + parent->base_from_link(row, 2) * mounted_m(2);
+    a[row] = r[row][0] * joint.axis(0) + r[row][1] * joint.axis(1) + r[row][2] * joint.axis(2);
+  }
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) at.placed.base_from_link(row, column) = r[row][column];
+  }
+  const double turning = is_hinge ? speed : 0;
+  const Eigen::Vector3d origin_m(o[0], o[1], o[2]), axis(a[0], a[1], a[2]);
+  const Eigen::Vector3d along = is_hinge ? Eigen::Vector3d(origin_m.cross(axis)) : axis;
+  const Vector6d& moving = on_base ? base_.velocity_body : work_[joint.parent].velocity;
+  const Eigen::Vector3d linear = moving.head<3>(), spin = moving.tail<3>();  // of the parent: S x S is zero
+  const Eigen::Vector3d moved = speed * along, turned = turning * axis;
+  const Eigen::Vector3d linear_rate = spin.cross(moved) + linear.cross(turned), turn_rate = spin.cross(turned);
+  at.placed.origin_m = origin_m;
+  at.speed = speed;
+  for (int n = 0; n < 3; ++n) {
+    at.axis(n) = along(n);
+    at.axis(n + 3) = is_hinge ? axis(n) : 0;
+    at.velocity(n) = linear(n) + moved(n);
+    at.velocity(n + 3) = spin(n) + turned(n);
+    at.bias_velocity(n) = linear_rate(n);
+    at.bias_velocity(n + 3) = turn_rate(n);
+  }
 }
 
-ArticulatedBody::Reaction ArticulatedBody::fold(std::span<const JointDrive> drives) {
-  for (Work& at : work_) {
-    at.inertia = at.mass;
-    at.bias = at.own_bias;
+const ArticulatedBody::Reaction& ArticulatedBody::fold(std::span<const JointDrive> drives) {
+  for (const std::size_t k : moving_) {
+    work_[k].inertia = work_[k].mass;
+    work_[k].bias = work_[k].own_bias;
   }
-  Reaction reaction;
-  for (std::size_t k = links_.size(); k-- > 0;) {
-    const ArmLink& link = links_[k];
+  reaction_.inertia = fixed_.inertia;
+  reaction_.bias = fixed_.bias;
+  for (std::size_t n = moving_.size(); n-- > 0;) {
+    const std::size_t k = moving_[n];
     Work& at = work_[k];
-    at.is_given = drives[k].has_acceleration || link.joint == ArmLink::Joint::kFixed;
-    at.acceleration = link.joint == ArmLink::Joint::kFixed ? 0 : drives[k].value;
-    Matrix6d inertia = at.inertia;
-    Vector6d bias;
+    const bool on_base = joints_[k].parent == ArmLink::kBase;
+    Matrix6d& inertia = on_base ? reaction_.inertia : work_[joints_[k].parent].inertia;
+    Vector6d& bias = on_base ? reaction_.bias : work_[joints_[k].parent].bias;
+    inertia += at.inertia;
+    at.is_given = drives[k].has_acceleration;
     if (at.is_given) {
-      bias = at.bias + at.inertia * (at.bias_velocity + at.acceleration * axes_[k]);
-    } else {
-      at.torque = drives[k].value;
-      at.reach = at.inertia * axes_[k];
-      at.scale = axes_[k].dot(at.reach) + link.reflected_inertia();
-      at.force = at.torque - link.viscous_friction * at.speed - axes_[k].dot(at.bias);
-      inertia -= at.reach * (at.reach / at.scale).transpose();
-      bias = at.bias + inertia * at.bias_velocity + at.reach * (at.force / at.scale);
+      at.acceleration = drives[k].value;
+      bias += at.bias + at.inertia * (at.bias_velocity + at.acceleration * at.axis);
+      continue;
     }
-    const bool on_base = link.parent == ArmLink::kBase;
-    (on_base ? reaction.inertia : work_[link.parent].inertia) += at.parent.inertia_to_parent(inertia);
-    (on_base ? reaction.bias : work_[link.parent].bias) += at.parent.force_to_parent(bias);
+    at.torque = drives[k].value;
+    at.reach.noalias() = at.inertia * at.axis;
+    at.scale = at.axis.dot(at.reach) + links_[k].reflected_inertia();
+    at.force = at.torque - links_[k].viscous_friction * at.speed - at.axis.dot(at.bias);
+    const Vector6d share = at.reach / at.scale;
+    for (int column = 0; column < 6; ++column) inertia.col(column) -= share(column) * at.reach;
+    bias += at.bias + at.inertia * at.bias_velocity + (at.force - at.reach.dot(at.bias_velocity)) * share;
   }
-  return reaction;
+  return reaction_;
 }
 
 void ArticulatedBody::unfold(const Vector6d& base_acceleration) {
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const ArmLink& link = links_[k];
+  for (const std::size_t k : moving_) {
     Work& at = work_[k];
-    const Vector6d& parent = link.parent == ArmLink::kBase ? base_acceleration : work_[link.parent].rate;
-    at.rate = at.parent.motion_to_child(parent) + at.bias_velocity;
+    const std::uint64_t parent = joints_[k].parent;
+    at.rate = (parent == ArmLink::kBase ? base_acceleration : work_[parent].rate) + at.bias_velocity;
     if (!at.is_given) at.acceleration = (at.force - at.reach.dot(at.rate)) / at.scale;
-    at.rate += at.acceleration * axes_[k];
-    if (at.is_given) {
-      at.torque = axes_[k].dot(at.inertia * at.rate + at.bias) + link.reflected_inertia() * at.acceleration +
-                  link.viscous_friction * at.speed;
-    }
+    at.rate += at.acceleration * at.axis;
   }
 }
 
+double ArticulatedBody::torque(std::size_t k) const {
+  const Work& at = work_[k];
+  if (carrier_[k] != k) return 0;
+  if (!at.is_given) return at.torque;
+  return at.axis.dot(at.inertia * at.rate + at.bias) + links_[k].reflected_inertia() * at.acceleration +
+         links_[k].viscous_friction * at.speed;
+}
+
+Pose ArticulatedBody::world_from_link(std::size_t k) const {
+  const PlacedLink at = carrier_[k] == ArmLink::kBase ? in_carrier_[k] : work_[carrier_[k]].placed * in_carrier_[k];
+  return base_.world_from_body * Pose{at.origin_m, Eigen::Quaterniond(at.base_from_link).normalized()};
+}
+
 Vector6d ArticulatedBody::momentum_base() const {
-  Vector6d sum = Vector6d::Zero();
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    Vector6d momentum = work_[k].mass * work_[k].velocity;
-    for (std::size_t at = k; at != ArmLink::kBase; at = links_[at].parent)
-      momentum = work_[at].parent.force_to_parent(momentum);
-    sum += momentum;
-  }
+  Vector6d sum = fixed_.inertia * base_.velocity_body;
+  for (const std::size_t k : moving_) sum += work_[k].mass * work_[k].velocity;
   return sum;
 }
 
 double ArticulatedBody::kinetic_energy_j() const {
-  double sum = 0;
-  for (std::size_t k = 0; k < links_.size(); ++k) {
+  double sum = 0.5 * base_.velocity_body.dot(fixed_.inertia * base_.velocity_body);
+  for (const std::size_t k : moving_) {
     const Work& at = work_[k];
     sum += 0.5 * at.velocity.dot(at.mass * at.velocity) + 0.5 * links_[k].reflected_inertia() * at.speed * at.speed;
   }
@@ -174,10 +197,10 @@ double ArticulatedBody::kinetic_energy_j() const {
 
 double ArticulatedBody::potential_energy_j() const {
   double sum = 0;
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const Work& at = work_[k];
-    sum += at.weight_n * at.world_from_link.point(links_[k].centre_of_mass_m).z() -
-           at.lift_n * at.world_from_link.point(links_[k].centre_of_buoyancy_m).z();
+  for (std::size_t k = 0; k < size(); ++k) {
+    const Pose at = world_from_link(k);
+    sum += weight_n_[k] * at.point(links_[k].centre_of_mass_m).z() -
+           lift_n_[k] * at.point(links_[k].centre_of_buoyancy_m).z();
   }
   return sum;
 }

@@ -6,6 +6,7 @@
 
 #include "uwsim/core/water_field.h"
 #include "uwsim/dynamics/arm_link.h"
+#include "uwsim/dynamics/link_loads.h"
 #include "uwsim/dynamics/spatial.h"
 
 namespace uwsim {
@@ -20,16 +21,10 @@ struct JointDrive {
 /// Dynamics Algorithms", table 7.1; sec. 9.2 for joints with a given acceleration, 9.4 for the floating base). Work is
 /// proportional to the number of links.
 ///
-/// Each link obeys, at its origin along its axes (McMillan, Orin and McGhee 1995, IEEE Trans. SMC 25:1194; Fossen 2011,
-/// 8.1; see Craft):
-///
-///   (M_RB + s M_A) a + V x* M_RB V + s (V_r x* M_A V_r - M_A a_c) = weight + buoyancy + drag(V_r) + joints
-///
-/// where V_r = V - V_c is the motion relative to the water at the centre of buoyancy, which does not turn, a_c is the
-/// rate of V_c along the link's axes, and x* is the rate of a momentum along moving axes: added mass has its own
-/// Coriolis and centripetal forces, of its relative motion. Buoyancy includes the pressure that accelerates the water
-/// (Froude-Krylov). s, the submerged fraction, grows linearly while a sphere of the link's volume dips into the water.
-/// Added mass is that of the link alone: the flow around its neighbours is not in it. Links do not touch anything.
+/// All spatial vectors and inertias are at the base's origin along the base's axes, so that the passes between base and
+/// links transform nothing. What is fixed to a
+/// moving link, its carrier, moves with its velocity and adds to its inertia. RigidPart and ArmLinkWater have what acts
+/// on a link.
 class ArticulatedBody {
  public:
   /// Throws InvalidValue.
@@ -47,15 +42,14 @@ class ArticulatedBody {
     Vector6d bias = Vector6d::Zero();
   };
   /// After place().
-  Reaction fold(std::span<const JointDrive> drives);
+  const Reaction& fold(std::span<const JointDrive> drives);
   /// Finds how the joints accelerate when the base does at `base_acceleration`, nu'. After fold().
   void unfold(const Vector6d& base_acceleration);
 
-  double acceleration(std::size_t link) const { return work_[link].acceleration; }
+  double acceleration(std::size_t link) const { return carrier_[link] == link ? work_[link].acceleration : 0; }
   /// The torque at the joint besides viscous friction: the given one, or the one that its given acceleration takes.
-  double torque(std::size_t link) const { return work_[link].torque; }
-  const Pose& world_from_link(std::size_t link) const { return work_[link].world_from_link; }
-  const Vector6d& velocity(std::size_t link) const { return work_[link].velocity; }
+  double torque(std::size_t link) const;
+  Pose world_from_link(std::size_t link) const;
   /// Momentum of the links at the base's origin along its axes, with that of the water that they move. After place().
   Vector6d momentum_base() const;
   /// Kinetic energy of the links, the rotors and the still water around [J]. After place().
@@ -64,21 +58,42 @@ class ArticulatedBody {
   double potential_energy_j() const;
 
  private:
+  /// Where a moving link is in the frame that its joint is in, another moving link's or the base's: turn + sin(q)
+  /// by_sine + (1 - cos(q)) by_cosine, at origin_m + q slide.
+  struct Joint {
+    Eigen::Matrix3d turn, by_sine, by_cosine;
+    Eigen::Vector3d origin_m, slide, axis;
+    std::uint64_t parent;
+  };
+  /// All that moves with a link, or with the base.
+  struct Carrier {
+    RigidPart rigid;
+    std::vector<std::size_t> links;
+  };
   struct Work {
-    SpatialTransform parent;
-    Pose world_from_link;
-    Matrix6d mass, inertia;  // M_RB + s M_A; of the articulated body
-    Vector6d velocity, bias_velocity, bias, own_bias, reach, rate;
-    double scale, force, speed, acceleration, torque, lift_n, weight_n;
+    Matrix6d mass, inertia;  // M_RB + s M_A with all that is fixed to it; of the articulated body
+    Vector6d axis;           // S: the motion per speed of its joint
+    Vector6d velocity, bias_velocity, own_bias, bias, reach, rate;
+    PlacedLink placed;
+    double scale, force, speed, acceleration, torque;
     bool is_given;
   };
 
-  void set_loads(std::size_t link, const WaterField& water, double time_s);
+  void place_link(std::size_t link, double position, double speed);
+  void add_loads(const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity, const BaseSurroundings& around,
+                 Matrix6d& mass, Vector6d& bias);
 
   std::vector<ArmLink> links_;
-  std::vector<Matrix6d> rigid_mass_;
-  std::vector<Vector6d> axes_;  // S: the link's motion per speed of its joint
+  std::vector<ArmLinkWater> water_;     // by link
+  std::vector<PlacedLink> in_carrier_;  // by link: where it is in the frame that it moves with
+  std::vector<std::uint64_t> carrier_;  // by link: the link that it moves with, or kBase
+  std::vector<std::size_t> moving_;     // the links whose joints move
+  std::vector<Joint> joints_;           // by link
+  std::vector<Carrier> carriers_;       // by link, and that of the base
   std::vector<Work> work_;
+  std::vector<double> lift_n_, weight_n_;
+  BodyState base_;
+  Reaction fixed_, reaction_;  // of the links that are fixed to the base; of all
 };
 
 }  // namespace uwsim

@@ -60,7 +60,7 @@ void MovedBody::require_plausible(const BodyState& next, double time_s, double s
     require(false, path.str(), last.str(),
             "the motion diverged: use a smaller step_s or check the vehicle's coefficients");
   }
-  if (arm) arm->require_plausible("vehicle '" + spec.name + "'");
+  if (arm) arm->require_plausible("vehicle", spec.name);
 }
 
 }  // namespace uwsim

@@ -1,0 +1,168 @@
+#include "uwsim/dynamics/link_loads.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "uwsim/dynamics/spatial.h"
+
+namespace uwsim {
+namespace {
+
+/// mass (r^2 1 - r r^T): what a point adds to an inertia.
+Eigen::Matrix3d moment_of_point(double mass_kg, const Eigen::Vector3d& r) {
+  return mass_kg * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+}
+
+}  // namespace
+
+void LinkSum::add_point(double point_kg, const Eigen::Vector3d& at_m) {
+  const double x = at_m.x(), y = at_m.y(), z = at_m.z();
+  const double mx = point_kg * x, my = point_kg * y, mz = point_kg * z;
+  mass_kg += point_kg;
+  first_moment_kg_m += Eigen::Vector3d(mx, my, mz);
+  xx += my * y + mz * z;
+  yy += mx * x + mz * z;
+  zz += mx * x + my * y;
+  xy -= mx * y;
+  xz -= mx * z;
+  yz -= my * z;
+}
+
+void LinkSum::write(Matrix6d& mass, Vector6d& bias) const {
+  const double x = first_moment_kg_m.x(), y = first_moment_kg_m.y(), z = first_moment_kg_m.z();
+  mass.setZero();
+  for (int k = 0; k < 3; ++k) {
+    mass(k, k) = mass_kg;
+    bias(k) = force_n(k);
+    bias(k + 3) = moment_nm(k);
+  }
+  mass(4, 0) = mass(0, 4) = z;
+  mass(5, 0) = mass(0, 5) = -y;
+  mass(3, 1) = mass(1, 3) = -z;
+  mass(5, 1) = mass(1, 5) = x;
+  mass(3, 2) = mass(2, 3) = y;
+  mass(4, 2) = mass(2, 4) = -x;
+  mass(3, 3) = xx;
+  mass(4, 4) = yy;
+  mass(5, 5) = zz;
+  mass(4, 3) = mass(3, 4) = xy;
+  mass(5, 3) = mass(3, 5) = xz;
+  mass(5, 4) = mass(4, 5) = yz;
+}
+
+void RigidPart::add(const PlacedLink& at, const ArmLink& link) {
+  const Eigen::Vector3d centre_m = at.origin_m + at.base_from_link * link.centre_of_mass_m;
+  const Eigen::Vector3d both_m = (mass_kg_ * centre_m_ + link.mass_kg * centre_m) / (mass_kg_ + link.mass_kg);
+  inertia_kg_m2_ += moment_of_point(mass_kg_, centre_m_ - both_m) + moment_of_point(link.mass_kg, centre_m - both_m) +
+                    at.base_from_link * link.inertia_kg_m2 * at.base_from_link.transpose();
+  centre_m_ = both_m;
+  mass_kg_ += link.mass_kg;
+}
+
+void RigidPart::add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity,
+                       const BaseSurroundings& around) const {
+  if (mass_kg_ == 0) return;
+  const Eigen::Matrix3d& r = at.base_from_link;
+  const Eigen::Matrix3d& i = inertia_kg_m2_;
+  // R I R^T, by rows and without 3 x 3 temporaries, which would go through memory.
+  double t[3][3];
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k) t[row][k] = r(row, 0) * i(0, k) + r(row, 1) * i(1, k) + r(row, 2) * i(2, k);
+  }
+  const auto turned = [&](int a, int b) { return t[a][0] * r(b, 0) + t[a][1] * r(b, 1) + t[a][2] * r(b, 2); };
+  const double xx = turned(0, 0), xy = turned(0, 1), xz = turned(0, 2);
+  const double yy = turned(1, 1), yz = turned(1, 2), zz = turned(2, 2);
+  const Eigen::Vector3d linear = velocity.head<3>(), spin = velocity.tail<3>();
+  const Eigen::Vector3d centre_m = at.origin_m + r * centre_m_;
+  const Eigen::Vector3d turning(xx * spin.x() + xy * spin.y() + xz * spin.z(),
+                                xy * spin.x() + yy * spin.y() + yz * spin.z(),
+                                xz * spin.x() + yz * spin.y() + zz * spin.z());
+  const Eigen::Vector3d up = around.world_from_base.row(2).transpose();
+  sum.moment_nm += spin.cross(turning);
+  sum.add_force(centre_m, mass_kg_ * (spin.cross(linear + spin.cross(centre_m)) + around.gravity_m_s2 * up));
+  sum.add_point(mass_kg_, centre_m);
+  sum.xx += xx;
+  sum.xy += xy;
+  sum.xz += xz;
+  sum.yy += yy;
+  sum.yz += yz;
+  sum.zz += zz;
+}
+
+ArmLinkWater::ArmLinkWater(const ArmLink& link, const PlacedLink& at)
+    : volume_m3_(link.volume_m3),
+      diameter_m_(std::cbrt(6 * link.volume_m3 / std::numbers::pi)),
+      at_(at),
+      centre_m_(at.origin_m + at.base_from_link * link.centre_of_buoyancy_m),
+      is_turned_(!at.base_from_link.isIdentity(0)),
+      has_drag_(!link.linear_drag.isZero(0) || !link.quadratic_drag.isZero(0)),
+      has_turning_drag_(!link.linear_drag.tail<3>().isZero(0) || !link.quadratic_drag.tail<3>().isZero(0)),
+      has_any_added_mass_(false),
+      added_kg_(link.added_mass(0, 0)),
+      added_mass_(link.added_mass),
+      linear_drag_(link.linear_drag),
+      quadratic_drag_(link.quadratic_drag) {
+  Matrix6d point = Matrix6d::Zero();
+  point.diagonal().head<3>().setConstant(added_kg_);
+  has_any_added_mass_ = added_mass_ != point;
+}
+
+double ArmLinkWater::submerged(const Eigen::Vector3d& centre_world_m, const BaseSurroundings& around) const {
+  if (volume_m3_ == 0) return centre_world_m.z() < 0 ? 1 : 0;
+  if (centre_world_m.z() < -diameter_m_ - around.water.wave_bound_m()) return 1;
+  const double surface_m = around.water.surface_height_at(centre_world_m.x(), centre_world_m.y(), around.time_s);
+  return std::clamp(0.5 + (surface_m - centre_world_m.z()) / diameter_m_, 0.0, 1.0);
+}
+
+Eigen::Vector3d ArmLinkWater::drag_along_link(const Eigen::Vector3d& v, int first) const {
+  const auto along = [&](int k) {
+    return -(linear_drag_(first + k) + quadratic_drag_(first + k) * std::abs(v(k))) * v(k);
+  };
+  return {along(0), along(1), along(2)};
+}
+
+double ArmLinkWater::add_to(LinkSum& sum, Matrix6d& mass, Vector6d& bias, const PlacedLink& frame,
+                            const Vector6d& velocity, const BaseSurroundings& around) const {
+  const Eigen::Vector3d centre_m = frame.origin_m + frame.base_from_link * centre_m_;
+  const Eigen::Vector3d centre_world_m = around.position_world_m + around.world_from_base * centre_m;
+  const double wet = submerged(centre_world_m, around);
+  if (wet == 0) return 0;
+  const Eigen::Vector3d linear = velocity.head<3>(), spin = velocity.tail<3>();
+  const double displaced_kg = wet * around.water.density_at(centre_world_m.z()) * volume_m3_;
+  const WaterFlow flow = around.water.flow_at(centre_world_m, around.time_s);
+  const Eigen::Vector3d moving = around.world_from_base.transpose() * flow.velocity_m_s;
+  const Eigen::Vector3d rate =
+      around.world_from_base.transpose() * (flow.wave_acceleration_m_s2 + flow.current_acceleration_m_s2);
+  const Eigen::Vector3d relative = linear - moving;
+  const double lift_n = displaced_kg * around.gravity_m_s2;
+  Eigen::Vector3d at_centre_n = lift_n * around.world_from_base.row(2).transpose() + displaced_kg * rate;
+  if (has_drag_) {
+    const auto drag = [&](const Eigen::Vector3d& through, int first) -> Eigen::Vector3d {
+      const Eigen::Vector3d along_frame = frame.base_from_link.transpose() * through;
+      if (!is_turned_) return frame.base_from_link * drag_along_link(along_frame, first);
+      return frame.base_from_link *
+             (at_.base_from_link * drag_along_link(at_.base_from_link.transpose() * along_frame, first));
+    };
+    at_centre_n += wet * drag(relative + spin.cross(centre_m), 0);
+    if (has_turning_drag_) sum.moment_nm -= wet * drag(spin, 3);
+  }
+  sum.add_force(centre_m, -at_centre_n);
+  const Eigen::Vector3d water_rate = rate - spin.cross(moving);
+  if (has_any_added_mass_) {
+    const PlacedLink at = frame * at_;
+    const Matrix6d added = SpatialTransform{at.base_from_link, at.origin_m}.inertia_to_parent(wet * added_mass_);
+    Vector6d through;
+    through << relative, spin;
+    mass += added;
+    bias += cross_force(through, added * through) - added.leftCols<3>() * water_rate;
+  } else if (added_kg_ > 0) {
+    const Eigen::Vector3d origin_m = frame.origin_m + frame.base_from_link * at_.origin_m;
+    const double added_kg = wet * added_kg_;
+    sum.add_force(origin_m, added_kg * (spin.cross(relative + spin.cross(origin_m)) - water_rate));
+    sum.add_point(added_kg, origin_m);
+  }
+  return lift_n;
+}
+
+}  // namespace uwsim
