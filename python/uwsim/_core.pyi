@@ -3418,6 +3418,15 @@ class TetherSpec:
     name: str
     second: TetherEnd
     def __init__(self) -> None: ...
+    def tube(
+        self,
+    ) -> tuple[
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"],
+        typing.Annotated[numpy.typing.NDArray[numpy.uint32], "[m, 3]"],
+    ]:
+        """
+        Return vertices [m] (n, 3) and triangles (m, 3) of one of them, along z from its origin.
+        """
     @property
     def axial_damping_n_s(self) -> float: ...
     @axial_damping_n_s.setter
@@ -3886,6 +3895,10 @@ class Simulation:
     def arm(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> ArmReading:
         """
         Return the arm's ArmReading. Raises ValueError if there is none.
+        """
+    def attached_surfaces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]:
+        """
+        Return those of links, and then where the tubes of all tethers are, (n, 7).
         """
     def battery(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BatteryState: ...
     def change(self, water: Water, spec: SimulationSpec, vehicles: collections.abc.Sequence[VehicleSpec]) -> None:

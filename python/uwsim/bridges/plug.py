@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 from uwsim.base.options import Options
 
 if TYPE_CHECKING:
-    from uwsim.bridges.actions import Offered
+    from uwsim.bridges.actions import Action, Offered
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.channels import Channel, Service
     from uwsim.channels.delivery.feed import Readings
@@ -59,6 +59,17 @@ class Context:
         from uwsim.channels import require_live
 
         return require_live(self.live).simulator
+
+    @property
+    def flights(self) -> dict[str, Action]:
+        """The actions that fly a vehicle along a path, by the vehicle's name."""
+        from uwsim.bridges.actions import Action
+
+        return {
+            each.source.name: each
+            for each in self.actions
+            if isinstance(each, Action) and each.name.endswith("fly_path")
+        }
 
 
 class BridgePlug(Generic[OptionsT]):

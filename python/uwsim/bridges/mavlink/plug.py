@@ -39,23 +39,17 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
     @contextmanager
     def open(self, context: Context) -> Iterator[Opened]:
         """Connect the vehicle, which announces the video to ground stations if there is one."""
-        from uwsim.bridges.actions import Action
         from uwsim.bridges.mavlink import MavlinkVehicle
         from uwsim.bridges.mavlink.earth import place_of
         from uwsim.channels import require_live
 
         live, video = require_live(context.live), context.opened.get("video")
-        flights = {
-            each.source.name: each
-            for each in context.actions
-            if isinstance(each, Action) and each.name.endswith("fly_path")
-        }
         with MavlinkVehicle(
             live,
             self._endpoint,
             context.channels,
             context.services,
-            action=flights.get(live.simulator.rov.name),
+            action=context.flights.get(live.simulator.rov.name),
             feed=context.feed,
             home=place_of(live.simulator.scenario),
             video=None if video is None else video.bridge,

@@ -62,7 +62,7 @@ class MoosPlug(BridgePlug[MoosOptions]):
 
         live, given = require_live(context.live), self.given
         place = georeference(live.simulator.scenario)
-        flights = {each.source.name: each for each in context.actions if each.name.endswith("fly_path")}
+        flights = context.flights
         settings = Settings(
             given.moos_name, given.moos_rate, given.moos_control == "setpoints", given.moos_nav == "truth",
             given.moos_elevator,

@@ -140,7 +140,7 @@ class SharedScene:
         return height if np.isfinite(height) else -np.inf
 
     def attached_surfaces(self) -> Floats:
-        """Return where the links of arms and the tubes of tethers are: (n, 7), position [m] and quaternion x, y, z, w."""
+        """Return where links of arms and tubes of tethers are, (n, 7): position [m] and quaternion x, y, z, w."""
         return self._simulation.attached_surfaces()
 
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
