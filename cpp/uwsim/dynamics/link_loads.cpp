@@ -100,12 +100,20 @@ ArmLinkWater::ArmLinkWater(const ArmLink& link, const PlacedLink& at)
       has_turning_drag_(!link.linear_drag.tail<3>().isZero(0) || !link.quadratic_drag.tail<3>().isZero(0)),
       has_any_added_mass_(false),
       added_kg_(link.added_mass(0, 0)),
+      added_at_m_(at.origin_m),
       added_mass_(link.added_mass),
       linear_drag_(link.linear_drag),
       quadratic_drag_(link.quadratic_drag) {
-  Matrix6d point = Matrix6d::Zero();
-  point.diagonal().head<3>().setConstant(added_kg_);
-  has_any_added_mass_ = added_mass_ != point;
+  if (added_kg_ > 0) {
+    const Eigen::Vector3d at_m(added_mass_(5, 1), added_mass_(3, 2), added_mass_(4, 0));
+    added_at_m_ = at_.origin_m + at_.base_from_link * (at_m / added_kg_);
+  }
+  const Eigen::Vector3d in_link_m = at_.base_from_link.transpose() * (added_at_m_ - at_.origin_m);
+  const Eigen::Matrix3d across = cross_matrix_of(in_link_m);
+  Matrix6d point;
+  point << added_kg_ * Eigen::Matrix3d::Identity(), -added_kg_ * across, added_kg_ * across,
+      -added_kg_ * across * across;
+  has_any_added_mass_ = (added_mass_ - point).cwiseAbs().maxCoeff() > 1e-12 * added_mass_.cwiseAbs().maxCoeff();
 }
 
 double ArmLinkWater::submerged(const Eigen::Vector3d& centre_world_m, const BaseSurroundings& around) const {
@@ -157,7 +165,7 @@ double ArmLinkWater::add_to(LinkSum& sum, Matrix6d& mass, Vector6d& bias, const 
     mass += added;
     bias += cross_force(through, added * through) - added.leftCols<3>() * water_rate;
   } else if (added_kg_ > 0) {
-    const Eigen::Vector3d origin_m = frame.origin_m + frame.base_from_link * at_.origin_m;
+    const Eigen::Vector3d origin_m = frame.origin_m + frame.base_from_link * added_at_m_;
     const double added_kg = wet * added_kg_;
     sum.add_force(origin_m, added_kg * (spin.cross(relative + spin.cross(origin_m)) - water_rate));
     sum.add_point(added_kg, origin_m);

@@ -83,7 +83,8 @@ class ArmLinkWater {
   PlacedLink at_;
   Eigen::Vector3d centre_m_;  // of buoyancy
   bool is_turned_, has_drag_, has_turning_drag_, has_any_added_mass_;
-  double added_kg_;  // alike in all directions, at the link's origin
+  double added_kg_;  // alike in all directions, as a point there
+  Eigen::Vector3d added_at_m_;
   Matrix6d added_mass_;
   Vector6d linear_drag_, quadratic_drag_;
 };
