@@ -39,7 +39,7 @@ TAKEN_OUT = re.compile(r"^\s*Run\s*=\s*(uSimMarine\w*|pMarineViewer|uMAC\w*|pRea
 BAY = {
     "name": "bay", "description": "an empty bay, 60 m deep", "mission_time_s": 3600, "water": {"density_kg_m3": 1026},
     "terrain": {"source": "noise", "size_m": [800, 800], "spacing_m": 10, "bed_depth_m": 60},
-    "station": {"position_m": [-350, -350, 0], "dock_m": [0, 0, -2]},
+    "station": {"position_m": [60, -70, 0], "dock_m": [0, 0, -2]},  # near, for the fixes of its USBL
     "earth": {"latitude_deg": 43.8253, "longitude_deg": -70.3304},
 }  # fmt: skip
 

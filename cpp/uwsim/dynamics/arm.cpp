@@ -82,15 +82,13 @@ Arm::Arm(std::vector<ArmLink> links, double step_s) : body_(std::move(links)) {
   wrenches_.fill(Vector6d::Zero());
 }
 
-std::vector<Pose> Arm::world_from_links(const Pose& world_from_base) const {
-  std::vector<Pose> poses;
-  poses.reserve(size());
+void Arm::add_link_poses(const Pose& world_from_base, std::vector<Pose>& poses) const {
+  const std::size_t first = poses.size();
   for (std::size_t k = 0; k < size(); ++k) {
     const ArmLink& link = links()[k];
-    const Pose& holder = link.parent == ArmLink::kBase ? world_from_base : poses[link.parent];
+    const Pose& holder = link.parent == ArmLink::kBase ? world_from_base : poses[first + link.parent];
     poses.push_back(holder * link.parent_from_link_at(position(k)));
   }
-  return poses;
 }
 
 Arm Arm::with_links(std::vector<ArmLink> links, double step_s) const {

@@ -70,8 +70,8 @@ class Arm {
   void command(std::size_t joint, const JointCommand& command);
   /// Throws InvalidValue beyond the joint's stops.
   void place(std::size_t joint, double position, double speed);
-  /// Where the links are, for a pose of the base, in their order.
-  std::vector<Pose> world_from_links(const Pose& world_from_base) const;
+  /// Adds where the links are, for a pose of the base, in their order.
+  void add_link_poses(const Pose& world_from_base, std::vector<Pose>& poses) const;
   /// The links for a state of the base, for reading: momentum, energy, poses.
   const ArticulatedBody& placed(const BodyState& base, const WaterField& water, double time_s);
 

@@ -2,17 +2,18 @@
 
 namespace uwsim {
 
-std::vector<Pose> link_surfaces_world(const RigidBodyWorld& bodies) {
-  std::vector<Pose> found;
+void add_link_surface_poses(const RigidBodyWorld& bodies, std::vector<Pose>& poses) {
   for (std::size_t body = 0; body < bodies.size(); ++body) {
     const Arm* const arm = bodies.arm(body);
     if (arm == nullptr) continue;
-    const std::vector<Pose> poses = arm->world_from_links(bodies.state(body).world_from_body);
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      if (arm->links()[k].surface_m != nullptr) found.push_back(poses[k]);
+    const std::size_t first = poses.size();
+    arm->add_link_poses(bodies.state(body).world_from_body, poses);
+    std::size_t kept = first;
+    for (std::size_t k = 0; k < arm->size(); ++k) {
+      if (arm->links()[k].surface_m != nullptr) poses[kept++] = poses[first + k];
     }
+    poses.resize(kept);
   }
-  return found;
 }
 
 bool has_link_surfaces(const RigidBodyWorld& bodies) {

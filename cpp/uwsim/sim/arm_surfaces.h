@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// Where the links are that have a surface: of all bodies in order, in the links' order.
-std::vector<Pose> link_surfaces_world(const RigidBodyWorld& bodies);
+/// Adds where the links are that have a surface: of all bodies in order, in the links' order.
+void add_link_surface_poses(const RigidBodyWorld& bodies, std::vector<Pose>& poses);
 
 /// Returns true if any link has a surface.
 bool has_link_surfaces(const RigidBodyWorld& bodies);

@@ -173,7 +173,9 @@ const MovingBodies& Simulation::vehicles_for_rays() const {
         for (std::size_t each = 0; each < spec.tubes(); ++each) hulls_->add(tube);
       }
     }
-    for (const Pose& pose : attached_surfaces()) hulls_->place(next++, pose);
+    attached_.clear();
+    add_attached_surfaces(attached_);
+    for (const Pose& pose : attached_) hulls_->place(next++, pose);
     hulls_->place_schools(time_s());
     hulls_version_ = version_;
   }
@@ -186,12 +188,21 @@ RayScene Simulation::scene_around(const Vehicle& vehicle) const {
   return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
 }
 
-std::vector<Pose> Simulation::link_surfaces() const { return link_surfaces_world(bodies_); }
+std::vector<Pose> Simulation::link_surfaces() const {
+  std::vector<Pose> poses;
+  add_link_surface_poses(bodies_, poses);
+  return poses;
+}
 
 std::vector<Pose> Simulation::attached_surfaces() const {
-  std::vector<Pose> poses = link_surfaces_world(bodies_);
-  for (std::size_t k = 0; k < tethers(); ++k) add_tube_poses(bodies_.tether(k), bodies_, poses);
+  std::vector<Pose> poses;
+  add_attached_surfaces(poses);
   return poses;
+}
+
+void Simulation::add_attached_surfaces(std::vector<Pose>& poses) const {
+  add_link_surface_poses(bodies_, poses);
+  for (std::size_t k = 0; k < tethers(); ++k) add_tube_poses(bodies_.tether(k), bodies_, poses);
 }
 
 RayScene Simulation::scene_around(std::size_t index) const { return scene_around(vehicle(index)); }

@@ -169,6 +169,7 @@ class Simulation {
   std::size_t body_of(std::size_t object) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   RayScene scene_around(const Vehicle& vehicle) const;
+  void add_attached_surfaces(std::vector<Pose>& poses) const;
   void step_once();
   void drive(Vehicle& vehicle);
   void transmit();
@@ -191,6 +192,7 @@ class Simulation {
   std::optional<Link> link_;
   std::shared_ptr<MovingBodies> hulls_;  // the bodies as ray targets
   mutable std::uint64_t hulls_version_;  // the version for which they were placed
+  mutable std::vector<Pose> attached_;   // in vehicles_for_rays
 };
 
 }  // namespace uwsim
