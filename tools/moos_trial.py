@@ -7,7 +7,6 @@ and programs with windows. Ports stay as they are. The vehicle is a REMUS 100 in
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import re
 import shutil
@@ -36,6 +35,7 @@ from uwsim.scenario import Scenario
 from uwsim.scenario.read.validated import validated
 
 TAKEN_OUT = re.compile(r"^\s*Run\s*=\s*(uSimMarine\w*|pMarineViewer|uMAC\w*|pRealm|pLogger)\b.*$", re.M | re.I)
+LONGEST_S, POKES, POKE_S = 600.0, 4, 3.0  # wall time
 BAY = {
     "name": "bay", "description": "an empty bay, 60 m deep", "mission_time_s": 3600, "water": {"density_kg_m3": 1026},
     "terrain": {"source": "noise", "size_m": [800, 800], "spacing_m": 10, "bed_depth_m": 60},
@@ -44,50 +44,58 @@ BAY = {
 }  # fmt: skip
 
 
+Tracks = dict[str, Any]
+"""By vehicle, (n, 5): MOOS time [s], NAV_X, NAV_Y, NAV_DEPTH [m] and NAV_SPEED [m/s]."""
+NAMES = ("NAV_X", "NAV_Y", "NAV_DEPTH", "NAV_SPEED")
+
+
 class Mission(NamedTuple):
     """A mission.
 
-    files: of communities with a vehicle, by name. starts: x, y, depth [m], yaw [deg] by name. shore: the file of the
-    shoreside, or "". pokes: what starts it. passes: whether a track (n, 4) of NAV_X, Y, DEPTH, SPEED is what the
-    mission is for, and a text that says why.
+    files: of communities with a vehicle, by name. starts: x, y, depth [m], yaw [deg] by name. pokes: what starts it.
+    passes: whether the tracks are what the mission is for, and a text with what was measured.
     """
 
     files: dict[str, str]
     starts: dict[str, tuple[float, float, float, float]]
-    shore: str
     pokes: dict[str, str]
     lasts_s: float
-    passes: Callable[[Any], tuple[bool, str]]
+    passes: Callable[[Tracks], tuple[bool, str]]
 
 
-def visits(points: list[tuple[float, float]], radius_m: float) -> Callable[[Any], tuple[bool, str]]:
-    """Return the check that a track comes near all points."""
+def visits(points: list[tuple[float, float]], radius_m: float) -> Callable[[Tracks], tuple[bool, str]]:
+    """Return the check that the only track comes near all points."""
 
-    def check(track: Any) -> tuple[bool, str]:
-        nearest = [float(np.linalg.norm(track[:, :2] - each, axis=1).min()) for each in points]
+    def check(tracks: Tracks) -> tuple[bool, str]:
+        (track,) = tracks.values()
+        nearest = [float(np.linalg.norm(track[:, 1:3] - each, axis=1).min()) for each in points]
         shown = ", ".join(f"{each:.1f}" for each in nearest)
         return max(nearest) <= radius_m, f"passes {len(points)} points at {shown} m (at most {radius_m:g})"
 
     return check
 
 
-def stays(point: tuple[float, float], radius_m: float, since: float) -> Callable[[Any], tuple[bool, str]]:
-    """Return the check that the last part of a track, from a share of it on, stays near a point."""
+def stays(point: tuple[float, float], radius_m: float, since: float) -> Callable[[Tracks], tuple[bool, str]]:
+    """Return the check that the last part of the only track, from a share of it on, stays near a point."""
 
-    def check(track: Any) -> tuple[bool, str]:
+    def check(tracks: Tracks) -> tuple[bool, str]:
+        (track,) = tracks.values()
         last = track[int(since * len(track)) :]
-        farthest = float(np.linalg.norm(last[:, :2] - point, axis=1).max())
+        farthest = float(np.linalg.norm(last[:, 1:3] - point, axis=1).max())
         return farthest <= radius_m, f"stays within {farthest:.1f} m of {point} (at most {radius_m:g})"
 
     return check
 
 
-def dives(depth_m: float, within_m: float) -> Callable[[Any], tuple[bool, str]]:
-    """Return the check that the last half of a track is at a depth, in the median."""
+def dives(least_m: float, most_m: float) -> Callable[[Tracks], tuple[bool, str]]:
+    """Return the check that the only track has a median depth in a range, and is never deeper."""
 
-    def check(track: Any) -> tuple[bool, str]:
-        median = float(np.median(track[len(track) // 2 :, 2]))
-        return abs(median - depth_m) <= within_m, f"median depth {median:.2f} m (wanted {depth_m:g})"
+    def check(tracks: Tracks) -> tuple[bool, str]:
+        (track,) = tracks.values()
+        depths = track[len(track) // 4 :, 3]
+        median, deepest, highest = float(np.median(depths)), float(depths.max()), float(depths.min())
+        shown = f"median depth {median:.2f} m, from {highest:.2f} to {deepest:.2f} m (at most {most_m:g})"
+        return least_m <= median and deepest <= most_m, shown
 
     return check
 
@@ -95,14 +103,15 @@ def dives(depth_m: float, within_m: float) -> Callable[[Any], tuple[bool, str]]:
 DEPLOY = {"DEPLOY": "true", "MOOS_MANUAL_OVERRIDE": "false", "MOOS_MANUAL_OVERIDE": "false"}
 MISSIONS = {
     "s1_alpha": Mission(
-        {"alpha": "alpha.moos"}, {"alpha": (0, -20, 3, -90)}, "", DEPLOY, 600,
+        {"alpha": "alpha.moos"}, {"alpha": (0, -20, 3, -90)}, DEPLOY, 600,
         visits([(60, -40), (60, -160), (150, -160), (180, -100), (150, -40)], 15),
     ),
     "station-keep-uuv": Mission(
-        {"davis": "davis.moos"}, {"davis": (0, 0, 3, -90)}, "", {**DEPLOY, "STATION_KEEP": "true"}, 400,
+        {"davis": "davis.moos"}, {"davis": (0, 0, 3, -90)}, {**DEPLOY, "STATION_KEEP": "true"}, 400,
         stays((20, -20), 30, 0.5),
     ),
-    "s4_delta": Mission({"delta": "delta.moos"}, {"delta": (0, 0, 1, -90)}, "", DEPLOY, 600, dives(5.0, 3.0)),
+    # A constant depth of 50 m, limited to 7 m with a tolerance of 1 m, and periods at the surface.
+    "s4_delta": Mission({"delta": "delta.moos"}, {"delta": (0, 0, 1, -90)}, DEPLOY, 600, dives(4.0, 8.5)),
 }  # fmt: skip
 
 
@@ -123,19 +132,13 @@ def flown(mission: Mission, addresses: dict[str, int], warp: float) -> Iterator[
 
 def fly(name: str, mission: Mission, folder: Path, binaries: Path, warp: float) -> tuple[bool, str]:
     """Fly a mission; return whether it passed, and what was measured."""
+    environment = {**os.environ, "PATH": f"{binaries}:{os.environ['PATH']}"}
     with ExitStack() as stack:
         work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="moos-trial-"))) / name
         shutil.copytree(folder / name, work)
-        ports: dict[str, int] = {}
-        for vehicle, file in mission.files.items():
-            text = (work / file).read_text()
-            found = re.search(r"^\s*ServerPort\s*=\s*(\d+)", text, re.M | re.I)
-            if found is None:
-                raise ValueError(f"{file}: has no ServerPort")
-            ports[vehicle] = int(found[1])
-            (work / file).write_text(TAKEN_OUT.sub("", text))
-        environment = {**os.environ, "PATH": f"{binaries}:{os.environ['PATH']}"}
-        for file in [*mission.files.values(), *([mission.shore] if mission.shore else [])]:
+        ports = {vehicle: port_of(work / file) for vehicle, file in mission.files.items()}
+        for file in mission.files.values():
+            (work / file).write_text(TAKEN_OUT.sub("", (work / file).read_text()))
             log = stack.enter_context((work / f"{file}.log").open("w"))
             process = subprocess.Popen(
                 [str(binaries / "pAntler"), file, f"--MOOSTimeWarp={warp:g}"], cwd=work, env=environment, stdout=log,
@@ -143,41 +146,50 @@ def fly(name: str, mission: Mission, folder: Path, binaries: Path, warp: float) 
             )  # fmt: skip
             stack.callback(end, process)
         live = stack.enter_context(flown(mission, ports, warp))
-        tracks = {vehicle: watched(stack, vehicle, port, mission) for vehicle, port in ports.items()}
-        begun_s, at_s = time.monotonic(), live.simulator.time_s
-        while live.simulator.time_s - at_s < mission.lasts_s and time.monotonic() - begun_s < 600:
-            time.sleep(0.2)
+        rows = {vehicle: watched(stack, port) for vehicle, port in ports.items()}
+        pokers = [
+            stack.enter_context(MoosClient(Address("", "localhost", port), "poke", (), lambda _: None, lambda *_: None))
+            for port in ports.values()
+        ]
+        begun_s, at_s, pokes = time.monotonic(), live.simulator.time_s, 0
+        while live.simulator.time_s - at_s < mission.lasts_s and time.monotonic() - begun_s < LONGEST_S:
+            if pokes < POKES and time.monotonic() - begun_s > POKE_S * (pokes + 1):  # until all have their behaviors
+                pokes += 1
+                for each in pokers:
+                    each.publish(mission.pokes.items())
+            time.sleep(0.1)
         flown_s, wall_s = live.simulator.time_s - at_s, time.monotonic() - begun_s
-        good, texts = True, [f"{flown_s:.0f} s in {wall_s:.0f} s: {flown_s / wall_s:.1f} times real time"]
-        for vehicle, track in tracks.items():
-            if len(track) < 10:
-                return False, f"{vehicle}: no track"
-            passes, text = mission.passes(np.array(track))
-            speed = float(np.median(np.array(track)[:, 3]))
-            good, texts = good and passes, [*texts, f"{vehicle} {text}, median speed {speed:.2f} m/s"]
-        return good, "; ".join(texts)
+        if any(len(track) < 100 for track in rows.values()):
+            return False, f"tracks of {', '.join(str(len(track)) for track in rows.values())} points"
+        tracks = {vehicle: np.array(track) for vehicle, track in rows.items()}
+        good, text = mission.passes(tracks)
+        speeds = ", ".join(f"{np.median(track[:, 4]):.2f}" for track in tracks.values())
+        pace = f"{flown_s:.0f} s in {wall_s:.0f} s, {flown_s / wall_s:.1f} times real time"
+        return good, f"{pace}; {', '.join(tracks)}: {text}, median speed {speeds} m/s"
 
 
-def watched(stack: ExitStack, vehicle: str, port: int, mission: Mission) -> list[list[float]]:
-    """Start the mission and return the track, which grows."""
-    track: list[list[float]] = []
+def port_of(mission: Path) -> int:
+    """Return the port of a mission's MOOSDB."""
+    found = re.search(r"^\s*ServerPort\s*=\s*(\d+)", mission.read_text(), re.M | re.I)
+    if found is None:
+        raise ValueError(f"{mission.name}: has no ServerPort")
+    return int(found[1])
+
+
+def watched(stack: ExitStack, port: int) -> list[list[float]]:
+    """Return the track of a vehicle, which grows."""
+    rows: list[list[float]] = []
     latest: dict[str, float] = {}
 
     def take(messages: list[Message]) -> None:
         for each in messages:
             if isinstance(each.value, float):
                 latest[each.name] = each.value
-        if len(latest) == len(names) and (not track or math.dist(track[-1][:3], list(latest.values())[:3]) > 0):
-            track.append([latest[each] for each in names])
+        if len(latest) == len(NAMES):
+            rows.append([messages[-1].time_s, *(latest[each] for each in NAMES)])
 
-    names = ("NAV_X", "NAV_Y", "NAV_DEPTH", "NAV_SPEED")
-    client = stack.enter_context(MoosClient(Address("", "localhost", port), "trial", names, take, lambda *_: None))
-    until_s = time.monotonic() + 60
-    while not client.is_met and time.monotonic() < until_s:
-        time.sleep(0.05)
-    time.sleep(3.0)  # until the helm has its behaviors
-    client.publish(mission.pokes.items())
-    return track
+    stack.enter_context(MoosClient(Address("", "localhost", port), "watch", NAMES, take, lambda *_: None))
+    return rows
 
 
 def end(process: subprocess.Popen[bytes]) -> None:

@@ -335,3 +335,14 @@ def test_a_real_moosdb(tmp_path: Path) -> None:
     finally:
         process.terminate()
         process.wait(30)
+
+
+@pytest.mark.skipif(
+    MOOSDB is None or "UWSIM_MOOS_MISSIONS" not in os.environ,
+    reason="needs MOOS-IvP: its programs in the folder UWSIM_MOOS_BIN, its missions in UWSIM_MOOS_MISSIONS",
+)
+def test_missions_of_moos_ivp_are_flown() -> None:
+    trial = Path(__file__).parents[3] / "tools/moos-trial"
+    folders = ["--bin", os.environ["UWSIM_MOOS_BIN"], "--missions", os.environ["UWSIM_MOOS_MISSIONS"]]
+    done = subprocess.run([trial, *folders, "s1_alpha"], capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stdout + done.stderr

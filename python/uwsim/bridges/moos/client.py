@@ -18,7 +18,7 @@ from uwsim.bridges.moos.wire import encoded as packet_of
 from uwsim.bridges.rare_log import RareLog
 
 PORT = 9000
-"""Of a MOOSDB, unless its mission says otherwise."""
+"""The port of a MOOSDB, unless its mission sets another."""
 CONNECT_S, AGAIN_S, TIMING_S, SILENT_S = 5.0, 1.0, 1.0, 10.0
 """Time to connect, between attempts, between questions about the time, and of silence after which a peer is lost."""
 WAITING_MAX = 10_000

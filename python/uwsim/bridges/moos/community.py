@@ -28,13 +28,13 @@ SETPOINTS = ("DESIRED_SPEED", "DESIRED_HEADING", "DESIRED_DEPTH")
 OVERRIDES = ("MOOS_MANUAL_OVERRIDE", "MOOS_MANUAL_OVERIDE")  # the second is how MOOS once spelled it
 PAUSED = "USM_SIM_PAUSED"
 NAME = "moos"
-"""Of what steers, as helms and refusals call it."""
+"""The name of the source that steers, in helms and refusals."""
 FULL_PERCENT = 100.0
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a community's vehicle is given. name: of the application. rate_hz: of what it publishes [Hz].
+    """The settings of a community's vehicle. name: of the application. rate_hz: of its publications [Hz].
 
     by_setpoints: whether DESIRED_SPEED, HEADING and DEPTH steer it, instead of DESIRED_THRUST, RUDDER and ELEVATOR.
     from_truth: whether NAV_* is the true motion. full_elevator_deg: the elevator at full effort [deg].
@@ -86,7 +86,6 @@ class CommunityVehicle:
         """Leave the community."""
         self._subscription.cancel()
         self.client.__exit__()
-        self._steering.left(self._live, self._channel)
 
     def take_ping(self, reading: Reading) -> None:
         """Publish a ping of the sonar, a sensor_msgs/LaserScan, as UWSIM_SONAR. Does not block."""

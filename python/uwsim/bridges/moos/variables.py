@@ -1,4 +1,4 @@
-"""What a vehicle publishes to its MOOS community: the variables of uSimMarine, and its instruments."""
+"""The publications of a vehicle to its MOOS community: the variables of uSimMarine, and its instruments."""
 
 from __future__ import annotations
 

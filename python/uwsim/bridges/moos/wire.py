@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 PROTOCOL = b"ELKS CAN'T DANCE 2/8/10".ljust(32, b"\0")
-"""What a client sends first: the protocol's name."""
+"""The first bytes of a client: the protocol's name."""
 NOTIFY, REGISTER, DATA, WELCOME, POISON, TIMING, NOTHING = "N", "R", "i", "W", "K", "T", "."
 """The kinds of messages that matter here. POISON: a refusal."""
 PACKET_BYTES_MAX = 1 << 24
