@@ -299,16 +299,6 @@ def _lines(data: bytes) -> Iterator[str | bytes]:
             yield line.decode("utf-8", errors="replace")
 
 
-def _moos(data: bytes, _: Path) -> bytes:
-    """Read what a MOOSDB sends. Accepted packets are read alike after they are written."""
-    from uwsim.bridges.moos.wire import PacketReader, encoded
-
-    read = list(PacketReader().read(data))
-    written = encoded(read)
-    assert encoded(PacketReader().read(written)) == written
-    return written
-
-
 def _map(data: bytes, folder: Path) -> bytes:
     from uwsim.mapping import OccupancyMap
 
@@ -392,7 +382,7 @@ READERS = {
     "sdf": Reader(text_readers.robot("sdf", "read_sdf", ".sdf"), ("xml",)),
     "urdf": Reader(text_readers.robot("urdf", "read_urdf", ".urdf"), ("xml",)),
     "stonefish": Reader(text_readers.robot("stonefish", "read_stonefish", ".scn"), ("xml",)),
-    "moos": Reader(_moos, has_end=_without_end),
+    "moos": Reader(text_readers.moos, has_end=_without_end),
     "holoocean": Reader(text_readers.robot("holoocean", "read_holoocean", ".json"), ("json",), values=JSON),
     "thruster_csv": Reader(text_readers.thruster_sheet, ("csv",), has_end=_without_end),
     "profile": Reader(_profile, ("csv",), has_end=_without_end),

@@ -1,4 +1,4 @@
-"""Readers of JSON, thrusters' sheets, robots' descriptions, and the files of `uwsim identify` and `uwsim exercise`."""
+"""Readers of JSON, robots, MOOS packets, thrusters' sheets, and files of `uwsim identify` and `uwsim exercise`."""
 
 from __future__ import annotations
 
@@ -19,6 +19,16 @@ def json_text(data: bytes, _: Path) -> str:
     for each in value if isinstance(value, list) else value.values() if isinstance(value, dict) else [value]:
         assert not is_number(each) or float(each) == each or abs(each) > 2**53
     return repr(value)
+
+
+def moos(data: bytes, _: Path) -> bytes:
+    """Read what a MOOSDB sends. Accepted packets are read alike after they are written."""
+    from uwsim.bridges.moos.wire import PacketReader, encoded
+
+    read = list(PacketReader().read(data))
+    written = encoded(read)
+    assert encoded(PacketReader().read(written)) == written
+    return written
 
 
 def thruster_sheet(data: bytes, folder: Path) -> str:

@@ -94,7 +94,7 @@ class ExaminedBridges(FlagGroup):
 
     def __init__(self, **values: Any) -> None:
         self._given = {
-            name: plug.options(**{name: True}, **{each: values[each] for each in plug.examined if each in values})
+            name: plug.options(**{name: True} | {each: values[each] for each in plug.examined if each in values})
             for name, plug in offered().items()
             if plug.examined
         }

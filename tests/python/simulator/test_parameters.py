@@ -34,6 +34,7 @@ OTHER: dict[str, Any] = {
     "auv.sonar.frequency_hz": 300000.0,
     "drop_out": 0.9,
     "range_max_m": 0.5,
+    "readout_ms": 40.0,
     "range_min_m": 5.0,
     "usbl.range_max_m": 1.0,
     "altitude.range_max_m": 0.2,

@@ -44,6 +44,7 @@ OTHERS: dict[str, set[str]] = {
         "labels/",
         "multibeam/",
         "normals/",
+        "parts/",
         "sonar_arrays/",
         "sonar_classes/",
         "sonar_instances/",
@@ -51,10 +52,12 @@ OTHERS: dict[str, set[str]] = {
     "install": {"manylinux_2_35", "manylinux_2_39", "manylinux_2_NN"},  # wheel tags
     "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # from ROS and Open3D
     "missions": {"out/"},
+    "moos": {"speed_factor", "start_pos"},  # of pMarinePID and uSimMarine
     "recording": {"uwsim.end"},  # name of a record
     "ros1": {"octomap_rviz_plugins"},
     "ros2": {"rqt_console"},  # from ROS 2
-    "sweeps": {"bay.yaml", "runs/"},
+    "survey-formats": {"kmall2gsf.py"},  # of gsfu
+    "sweeps": {"runs/"},
     "troubleshooting": {"octomap_rviz_plugins"},
     "trust": {"_GLIBCXX_ASSERTIONS"},
 }

@@ -129,7 +129,7 @@ MISTAKES = [  # in the scenario, or in its vehicle's file
     ("slope,", "slop,", "'noise', 'raster', 'image', 'slope'; did you mean 'slope'?"),
     (", width_m: 2", "", ":10: obstacles[0].width_m: missing"),
     ("[20, 5, 0]", "[40, 5, 0]", "obstacle 'cairn': (39, 4) m lies outside the terrain"),
-    ("kind: kelp", "kind: kel", "'link', 'current', 'kelp'; did you mean 'kelp'?"),
+    ("kind: kelp", "kind: kel", "'current', 'tether', 'kelp'; did you mean 'kelp'?"),
     ("0.2, noise", "-1, noise", "attenuation_1_m = -1 1/m: must be in [0, 10] 1/m"),
     ("margin_db: 20", "margin_db: 70", "margin_db = 70 dB: must be in [0, 60]"),
     ("margin_db: 20", "margin: 20", "unknown key; did you mean 'margin_db'?"),

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.base.axes import AXES
 from uwsim.bridges.actions import Action
 from uwsim.bridges.moos.client import Address, MoosClient, logger
 from uwsim.bridges.moos.variables import instruments, is_true, latest, navigation, number, ping_summary
@@ -158,8 +159,7 @@ class CommunityVehicle:
 
     def _loop(self, vehicle: Any) -> Callable[[], dict[str, float]]:
         """Return the function that is called once per control period for the efforts."""
-        sink = _Efforts(vehicle)
-        controller = Controller(sink, CONTROL_S, estimate=vehicle if self._settings.from_truth else vehicle.estimate)
+        controller = Controller(vehicle, CONTROL_S, estimate=None if self._settings.from_truth else vehicle.estimate)
 
         def efforts() -> dict[str, float]:
             desired, pose = self._desired, controller.estimate.pose
@@ -170,22 +170,7 @@ class CommunityVehicle:
             speed_m_s = desired.get("DESIRED_SPEED", 0.0)
             ahead = speed_m_s * np.array([math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)])
             depth_m = desired.get("DESIRED_DEPTH")
-            controller.steer(course_rad, ahead, None if depth_m is None else -depth_m)
-            return sink.given
+            found = controller.steer_efforts(course_rad, ahead, None if depth_m is None else -depth_m)
+            return dict(zip(AXES, found, strict=True))
 
         return efforts
-
-
-class _Efforts:
-    """A vehicle whose efforts are kept, for a controller whose commands go through a door."""
-
-    def __init__(self, vehicle: Any) -> None:
-        self._vehicle = vehicle
-        self.given: dict[str, float] = {}
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._vehicle, name)
-
-    def set_effort(self, surge: float = 0, sway: float = 0, heave: float = 0, roll: float = 0, pitch: float = 0,
-                   yaw: float = 0) -> None:  # fmt: skip
-        self.given = {"surge": surge, "sway": sway, "heave": heave, "roll": roll, "pitch": pitch, "yaw": yaw}

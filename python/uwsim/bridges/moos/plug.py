@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, option
-from uwsim.bridges.doctor.finding import Finding
 from uwsim.bridges.plug import BridgePlug, Context, Opened
+
+if TYPE_CHECKING:
+    from uwsim.bridges.doctor.finding import Finding
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,7 @@ class MoosPlug(BridgePlug[MoosOptions]):
         """Join each MOOSDB for a moment, under a name of its own."""
         import time
 
+        from uwsim.bridges.doctor.finding import Finding
         from uwsim.bridges.moos.client import Address, MoosClient
 
         for text in options.moos:

@@ -14,6 +14,7 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import EstimateLike, SteeredVehicle
 
 Vector = NDArray[np.float64]
+Efforts = tuple[float, float, float, float, float, float]
 STILL = np.zeros(3)
 
 
@@ -77,7 +78,8 @@ class Controller(Sealed):
         velocity_world_m_s: Sequence[float] | Vector = STILL,
     ) -> None:
         """Go to a position (3,) and attitude, and hold them. velocity_world_m_s: velocity (3,) of a moving position."""
-        self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
+        efforts = self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
+        self.vehicle.set_effort(*efforts)
 
     def steer(
         self,
@@ -95,21 +97,43 @@ class Controller(Sealed):
         zero, and a vehicle without vertical thrust holds its pitch instead. pitch_rad: positive nose down.
         across_first: whether lateral force has priority over longitudinal force if the thrust is insufficient.
         """
+        self.vehicle.set_effort(
+            *self.steer_efforts(
+                heading_rad,
+                velocity_world_m_s,
+                z_world_m,
+                altitude_m=altitude_m,
+                pitch_rad=pitch_rad,
+                across_first=across_first,
+            )
+        )
+
+    def steer_efforts(
+        self,
+        heading_rad: float,
+        velocity_world_m_s: Sequence[float] | Vector,
+        z_world_m: float | None = None,
+        *,
+        altitude_m: tuple[float, float] | None = None,
+        pitch_rad: float = 0.0,
+        across_first: bool = False,
+    ) -> Efforts:
+        """Return the efforts that `steer` would set."""
         if altitude_m is not None:
             wanted_m, measured_m = altitude_m
             z_world_m = float(self.estimate.pose.position_world_m[2]) + wanted_m - measured_m
         east, north = velocity_world_m_s
         z_m = math.nan if z_world_m is None else z_world_m
         free = math.nan
-        self._reach((free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first)
+        return self._reach(
+            (free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first
+        )
 
     def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
         """Hold a velocity (6,) in body axes [m/s, rad/s], and stay level unless a rate about x or y is commanded."""
         self.vehicle.set_effort(*self.velocity_efforts(velocity_body))
 
-    def velocity_efforts(
-        self, velocity_body: Sequence[float] | Vector
-    ) -> tuple[float, float, float, float, float, float]:
+    def velocity_efforts(self, velocity_body: Sequence[float] | Vector) -> Efforts:
         """Return the efforts that `velocity` would set."""
         estimate = self.estimate
         return self._core.hold_velocity(estimate.pose, estimate.velocity, np.asarray(velocity_body, np.float64))
@@ -136,9 +160,9 @@ class Controller(Sealed):
         roll_rad: float = 0.0,
         pitch_rad: float = 0.0,
         across_first: bool = False,
-    ) -> None:
+    ) -> Efforts:
         estimate = self.estimate
-        efforts = self._core.reach(
+        return self._core.reach(
             estimate.pose,
             estimate.velocity,
             np.asarray(position_world_m, np.float64),
@@ -148,4 +172,3 @@ class Controller(Sealed):
             heading_rad,
             across_first,
         )
-        self.vehicle.set_effort(*efforts)

@@ -177,10 +177,7 @@ class Proximity(Message):
 
 
 class TetherDescription(Message):
-    """A vehicle's tether: its topics, and the world's origin in odom [m]. fastest_m_s: null without a winch.
-
-    turns: null without upright obstacles.
-    """
+    """A vehicle's tether. turns: null without upright obstacles. fastest_m_s: null without a winch."""
 
     shape: str
     tension: str
@@ -254,10 +251,7 @@ class SonarPicture(Message):
 
 
 class ViewDescription(Message):
-    """A view: its topics and the size of its pictures, 0 if that varies.
-
-    kind: `camera`, `station`, `chase` or a sonar's.
-    """
+    """A view, with the size of its pictures, 0 if that varies. kind: `camera`, `station`, `chase` or a sonar's."""
 
     name: str
     title: str

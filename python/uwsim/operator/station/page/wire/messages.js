@@ -187,7 +187,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[]} tilt_deg
  */
 
-/** A vehicle's tether: its topics, and the world's origin in odom [m]. fastest_m_s: null without a winch. turns: null without upright obstacles.
+/** A vehicle's tether. turns: null without upright obstacles. fastest_m_s: null without a winch.
  * @typedef {object} TetherDescription
  * @property {string} shape
  * @property {string} tension
@@ -252,7 +252,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} large_only
  */
 
-/** A view: its topics and the size of its pictures, 0 if that varies. kind: `camera`, `station`, `chase` or a sonar's.
+/** A view, with the size of its pictures, 0 if that varies. kind: `camera`, `station`, `chase` or a sonar's.
  * @typedef {object} ViewDescription
  * @property {string} name
  * @property {string} title
