@@ -87,8 +87,15 @@ def _arms(annotation: Any) -> tuple[list[Any], list[Any], bool]:
             return list(rule.models(own=True).values()), metadata, False
     if get_origin(annotation) in (Union, types.UnionType):
         arms = get_args(annotation)
-        return [arm for arm in arms if arm is not type(None)], metadata, type(None) in arms
+        found = [each for arm in arms if arm is not type(None) for each in _kinds_of(arm)]
+        return found, metadata, type(None) in arms
     return [annotation], metadata, False
+
+
+def _kinds_of(arm: Any) -> list[Any]:
+    """Return the models of a union's arm that is a spec of one of several kinds, or else the arm."""
+    rules = get_args(arm)[1:] if get_origin(arm) is Annotated else ()
+    return next((list(rule.models(own=True).values()) for rule in rules if isinstance(rule, Kinds)), [arm])
 
 
 def _one_kind(annotation: Any, metadata: list[Any]) -> str:
