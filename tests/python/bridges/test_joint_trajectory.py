@@ -198,4 +198,4 @@ def test_by_rosbridge(live):
             assert end["status"].value == SUCCEEDED
             assert end["values"]["error_code"] == 0
         finally:
-            client.terminate()
+            client.close()

@@ -18,6 +18,10 @@ from uwsim.cli.options import AsJson, print_json
 from uwsim.evidence.suites import ON_REQUEST, SUITES
 
 BY_DEFAULT = [name for name in SUITES if name not in ON_REQUEST]
+OFFERED = (
+    f"Any of {', '.join(BY_DEFAULT)} (default: all of these); reality, which needs --data; peers, which also uses gsw, "
+    "mujoco, opencv-python-headless, filterpy, pvlib."
+)
 
 
 @under("Check")
@@ -25,8 +29,7 @@ def validate(
     suites: Annotated[
         list[str] | None,
         typer.Argument(
-            help=f"Any of {', '.join(BY_DEFAULT)} (default: all of these); reality, which needs --data; peers, which "
-            "also uses gsw, mujoco, opencv-python-headless, filterpy, pvlib.",
+            help=OFFERED,
             **one_of(*SUITES),
         ),
     ] = None,
