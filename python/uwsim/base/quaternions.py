@@ -41,6 +41,23 @@ def matrix(xyzw: ArrayLike) -> NDArray[np.float64]:
     ])  # fmt: skip
 
 
+def of_matrix(rotation: ArrayLike) -> NDArray[np.float64]:
+    """Return the quaternion (4,) of a rotation matrix (3, 3): the root of its largest component, and quotients.
+
+    Source: S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1(3), 1978.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = np.asarray(rotation, np.float64).tolist()
+    squares = (1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i, 1.0 + a + e + i)
+    largest = max(range(4), key=squares.__getitem__)
+    found = (
+        (squares[0], b + d, c + g, h - f),
+        (b + d, squares[1], f + h, c - g),
+        (c + g, f + h, squares[2], d - b),
+        (h - f, c - g, d - b, squares[3]),
+    )[largest]
+    return np.array(found) * (0.5 / math.sqrt(squares[largest]))
+
+
 def turned(xyzw: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
     """Return rotated points, (3,) or (n, 3)."""
     # With BLAS, rounding may depend on the number of points; einsum does not use BLAS.

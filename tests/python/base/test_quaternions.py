@@ -13,6 +13,7 @@ from uwsim.base.quaternions import (
     about_z,
     heading_rad,
     matrix,
+    of_matrix,
     of_yaw_pitch_roll_deg,
     product,
     turned,
@@ -32,6 +33,12 @@ def test_products_and_turns_about_axes_are_those_of_scipy() -> None:
         assert same(about_x(angle_rad), Rotation.from_euler("x", angle_rad))
         assert same(about_y(angle_rad), Rotation.from_euler("y", angle_rad))
         assert same(about_z(angle_rad), Rotation.from_euler("z", angle_rad))
+
+
+def test_a_matrix_is_turned_into_its_quaternion_at_half_turns_too() -> None:
+    half_turns = [Rotation.from_quat(np.eye(4)[axis]) for axis in range(4)]
+    for turn in (*TURNS, *half_turns, *(each * Rotation.from_euler("xyz", (1e-9, -1e-9, 1e-9)) for each in half_turns)):
+        assert same(of_matrix(turn.as_matrix()), turn)
 
 
 def test_the_heading_is_that_of_the_x_axis() -> None:

@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from uwsim import Simulator
-from uwsim.operator.station.fit import PATIENCE, SHARES, Fit
+from uwsim.operator.station.fit import LEAST_BEHIND, PATIENCE, SHARES, Fit
 from uwsim.operator.station.prepared import Prepared
 from uwsim.scenario import load
 
@@ -44,6 +44,24 @@ def test_pictures_are_larger_and_more_frequent_only_where_they_slow_nothing():
     full_s = 0.025
     note(10 * PATIENCE, has_room=True)
     assert fit.share == 1.0  # 56 ms of 67 ms would be too long
+
+
+def test_pictures_shrink_while_the_steps_are_behind():
+    fit = Fit()
+
+    def note(pictures, is_behind):
+        for _ in range(pictures):
+            fit.note(0.03 * fit.share**2, 0.1, is_behind=is_behind)
+
+    note(LEAST_BEHIND - 1, is_behind=True)
+    note(1, is_behind=False)
+    assert fit.share == 1.0, "a moment's delay changes nothing"
+    note(LEAST_BEHIND, is_behind=True)
+    assert fit.share == 0.75
+    note(10 * LEAST_BEHIND, is_behind=True)
+    assert fit.share == SHARES[-1]
+    note(10 * PATIENCE, is_behind=False)
+    assert fit.share == 1.0
 
 
 def test_one_slow_picture_does_not_shrink_a_stream():

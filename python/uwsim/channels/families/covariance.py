@@ -7,6 +7,8 @@ quantum^2 / 12 (uniform over one step). Limits and lost samples are not included
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,11 +23,20 @@ def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) ->
 
     rate_hz: the sensor's sampling rate.
     """
-    noise = mount.channels.get(channel) or mount.noise or Noise(std=mount.noise_std or 0.0)
+    noise = mount.channels.get(channel) or mount.noise or _white(mount.noise_std or 0.0)
     white = noise.std**2 + noise.density**2 * rate_hz
-    flicker = _core.NoiseSpec(instability=noise.instability).flicker_std
-    bias = noise.turn_on_std**2 + noise.bias_std**2 + flicker**2 + noise.walk**2 * max(time_s, 0.0)
-    return white + bias + noise.quantum**2 / 12.0
+    bias = noise.turn_on_std**2 + noise.bias_std**2 + _flicker_std(noise.instability) ** 2
+    return white + (bias + noise.walk**2 * max(time_s, 0.0)) + noise.quantum**2 / 12.0
+
+
+@lru_cache(256)
+def _white(std: float) -> Noise:
+    return Noise(std=std)
+
+
+@lru_cache(256)
+def _flicker_std(instability: float) -> float:
+    return _core.NoiseSpec(instability=instability).flicker_std
 
 
 def isotropic(value: float) -> NDArray[np.float64]:
@@ -39,6 +50,14 @@ def of_velocity(beams: NDArray[np.float64], value: float) -> NDArray[np.float64]
     beams: unit vectors (n, 3). value: the variance of each beam velocity. With fewer than three directions, the
     covariance is unknown.
     """
-    if np.linalg.matrix_rank(beams) < 3:
-        return np.full(9, UNKNOWN)
-    return np.asarray(value * np.linalg.inv(beams.T @ beams), np.float64).ravel()
+    shape = _fit_covariance(beams.shape[0], beams.tobytes())
+    return np.full(9, UNKNOWN) if shape is None else value * shape
+
+
+@lru_cache(64)
+def _fit_covariance(count: int, beams: bytes) -> NDArray[np.float64] | None:
+    """Return the covariance (9,) for beams of variance 1, as a sensor's geometry changes seldom; None if unknown."""
+    directions = np.frombuffer(beams).reshape(count, 3)
+    if np.linalg.matrix_rank(directions) < 3:
+        return None
+    return np.asarray(np.linalg.inv(directions.T @ directions), np.float64).ravel()

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.quaternions import about_z
@@ -23,6 +25,7 @@ from uwsim.simulator.simulator import Simulator
 DEFAULT_HZ = 10.0  # for sensors without a rate
 BATTERY_HZ = 1.0
 ULTRASOUND = 0
+DOWN = np.array([1.0, -1.0, -1.0])  # turns x ahead, y to port, z up into x ahead, y to starboard, z down
 UNOBSERVED = 1e6  # variance of quantities that a sensor does not measure, in their unit squared
 DVL_MODE_BOTTOM = 1
 SAMPLED = Delivery(is_sampled=True)
@@ -222,12 +225,10 @@ def _default(kind: str, parameter: str) -> float:
 def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
     """Return a marine_acoustic_msgs/Dvl in axes with x forward, y to starboard and z along the beams."""
     mount = errors.mount
-    down = np.array([1.0, -1.0, -1.0])
-    velocity = down * value.velocity_m_s
-    (slant,) = np.radians(mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),))
-    (first,) = np.radians(mount.parameters.get("beam_azimuth_deg") or (_default("dvl", "beam_azimuth_deg"),))
-    azimuths = first + 0.5 * np.pi * np.arange(4)
-    beams = np.array([np.sin(slant) * np.cos(azimuths), np.sin(slant) * np.sin(azimuths), -np.full(4, np.cos(slant))])
+    velocity = DOWN * value.velocity_m_s
+    (slant_deg,) = mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),)
+    (first_deg,) = mount.parameters.get("beam_azimuth_deg") or (_default("dvl", "beam_azimuth_deg"),)
+    slant, beams = _beams_of(slant_deg, first_deg)
     good = np.isfinite(value.beam_ranges_m)
     velocity_variance = errors.variance("beam_velocity")
     return build.message(
@@ -235,7 +236,7 @@ def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
         header=header,
         velocity_mode=DVL_MODE_BOTTOM,
         velocity=build.vector(velocity),
-        velocity_covar=of_velocity(down * beams.T[good], velocity_variance),
+        velocity_covar=of_velocity(beams[good], velocity_variance),
         altitude=float(np.cos(slant) * value.beam_ranges_m[good].mean()) if good.any() else math.nan,
         course_gnd=math.atan2(velocity[1], velocity[0]),
         speed_gnd=math.hypot(velocity[0], velocity[1]),
@@ -243,13 +244,22 @@ def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
         sound_speed=errors.sound_speed_m_s,
         beam_ranges_valid=bool(good.any()),
         beam_velocities_valid=bool(good.any()),
-        beam_unit_vec=[build.vector(down * beam) for beam in beams.T],
+        beam_unit_vec=[build.vector(beam) for beam in beams],
         range=np.asarray(value.beam_ranges_m, np.float64),
         range_covar=np.full(4, errors.variance("beam_range"), np.float32),
         beam_quality=good.astype(np.float32),
         beam_velocity=np.asarray(value.beam_velocities_m_s, np.float32),
         beam_velocity_covar=np.full(4, velocity_variance, np.float32),
     )
+
+
+@lru_cache(64)
+def _beams_of(slant_deg: float, first_deg: float) -> tuple[float, NDArray[np.float64]]:
+    """Return a DVL's slant in radians and its beams' unit vectors (4, 3), in axes with z along the beams."""
+    slant, first = np.radians((slant_deg, first_deg))
+    azimuths = first + 0.5 * np.pi * np.arange(4)
+    beams = np.array([np.sin(slant) * np.cos(azimuths), np.sin(slant) * np.sin(azimuths), -np.full(4, np.cos(slant))])
+    return slant, DOWN * beams.T
 
 
 def _plain(name: str, field: str, channel: str) -> Write:

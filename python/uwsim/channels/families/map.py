@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.quaternions import of_matrix
 from uwsim.channels.channel import PING, Channel, Delivery, OverLink
 from uwsim.channels.families.map_changes import MapChanges
 from uwsim.channels.families.pings import Pings, TakenPing
@@ -164,12 +165,10 @@ class PingMap:
 
     def _read_placed(self, sim: Simulator) -> Any:
         """Return the latest ping together with the pose of the sonar."""
-        from scipy.spatial.transform import Rotation  # slow to import
-
         taken = self._pings.newest(sim)
         stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
         header = build.header(stamp_ns, self._source.frame("odom"))
-        pose = build.pose(sonar[:3, 3], Rotation.from_matrix(sonar[:3, :3]).as_quat())
+        pose = build.pose(sonar[:3, 3], of_matrix(sonar[:3, :3]))
         scan = scan_of(self._pings, taken)
         ranges_m = np.where(on_hull(scan, taken, self._pings.chain.hull), np.float32(np.inf), scan.ranges)
         angles = {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}

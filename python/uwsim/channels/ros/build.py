@@ -36,7 +36,10 @@ def message(name: str, /, **fields: Any) -> Any:
             pass
     if unknown := fields.keys() - defaults.keys():
         raise AttributeError(f"{name}: has no field {min(unknown)!r}")
-    return cls(**{field: fields[field] if field in fields else make() for field, make in defaults.items()})
+    for field, make in defaults.items():
+        if field not in fields:
+            fields[field] = make()
+    return cls(**fields)
 
 
 @cache
@@ -50,10 +53,16 @@ def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
     return typestore().types[name], made
 
 
+@cache
+def _class(name: str) -> Callable[..., Any]:
+    """Return a type's class, for the parts of almost all messages. Arguments: all fields in order."""
+    return _plan(name)[0]
+
+
 def time(stamp_ns: int) -> Any:
     """Return a builtin_interfaces/Time."""
     sec, nanosec = divmod(int(stamp_ns), 1_000_000_000)
-    return message("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
+    return _class("builtin_interfaces/msg/Time")(sec, nanosec)
 
 
 def duration(duration_s: float) -> Any:
@@ -64,7 +73,7 @@ def duration(duration_s: float) -> Any:
 
 def header(stamp_ns: int, frame_id: str) -> Any:
     """Return a std_msgs/Header."""
-    return message("std_msgs/msg/Header", stamp=time(stamp_ns), frame_id=frame_id)
+    return _class("std_msgs/msg/Header")(time(stamp_ns), frame_id)
 
 
 def text(data: str) -> Any:
@@ -75,7 +84,7 @@ def text(data: str) -> Any:
 def xyz(name: str, values: ArrayLike) -> Any:
     """Return a message with fields x, y and z, such as geometry_msgs/msg/Point, from (3,)."""
     x, y, z = np.asarray(values, np.float64).tolist()
-    return message(name, x=x, y=y, z=z)
+    return _class(name)(x, y, z)
 
 
 def vector(values: ArrayLike) -> Any:
@@ -86,25 +95,21 @@ def vector(values: ArrayLike) -> Any:
 def quaternion(orientation_xyzw: ArrayLike) -> Any:
     """Return a geometry_msgs/Quaternion from (4,)."""
     x, y, z, w = np.asarray(orientation_xyzw, np.float64).tolist()
-    return message("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+    return _class("geometry_msgs/msg/Quaternion")(x, y, z, w)
 
 
 def pose(position_m: ArrayLike, orientation_xyzw: ArrayLike) -> Any:
     """Return a geometry_msgs/Pose."""
     position = xyz("geometry_msgs/msg/Point", position_m)
-    return message("geometry_msgs/msg/Pose", position=position, orientation=quaternion(orientation_xyzw))
+    return _class("geometry_msgs/msg/Pose")(position, quaternion(orientation_xyzw))
 
 
 def transform(
     stamp_ns: int, parent: str, child: str, position_m: ArrayLike, orientation_xyzw: ArrayLike = IDENTITY_XYZW
 ) -> Any:
     """Return the geometry_msgs/TransformStamped parent_from_child."""
-    moved = message(
-        "geometry_msgs/msg/Transform", translation=vector(position_m), rotation=quaternion(orientation_xyzw)
-    )
-    return message(
-        "geometry_msgs/msg/TransformStamped", header=header(stamp_ns, parent), child_frame_id=child, transform=moved
-    )
+    moved = _class("geometry_msgs/msg/Transform")(vector(position_m), quaternion(orientation_xyzw))
+    return _class("geometry_msgs/msg/TransformStamped")(header(stamp_ns, parent), child, moved)
 
 
 def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:

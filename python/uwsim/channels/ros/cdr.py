@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
@@ -19,6 +20,7 @@ Distro = Literal["humble", "jazzy"]
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # RTPS 2.5, table 10.3: CDR_LE, no options
 LARGE_BYTES = 1 << 16  # from this size on, it pays not to zero bytes that will be overwritten
 BIG_ENDIAN = b"\x00\x00\x00\x00"
+HEADER = LITTLE_ENDIAN if sys.byteorder == "little" else BIG_ENDIAN
 
 
 class Schema(NamedTuple):
@@ -53,16 +55,21 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
     The returned bytes are read-only. Readers ignore the padding.
     """
-    store, name = store_of(distro), message.__msgtype__
-    definition = store.get_msgdef(name)
-    size = len(LITTLE_ENDIAN) + definition.getsize_cdr(0, message, store)
+    store, size_of, write = _encoder(message.__msgtype__, distro)
+    size = len(HEADER) + size_of(0, message, store)
     data = _blank(-(-size // 4) * 4, message)
-    if sys.byteorder == "little":
-        data[:4], write = LITTLE_ENDIAN, definition.serialize_cdr_le
-    else:
-        data[:4], write = BIG_ENDIAN, definition.serialize_cdr_be
+    data[:4] = HEADER
     write(data[4:size], 0, message, store)
     return data.toreadonly()
+
+
+@cache
+def _encoder(name: str, distro: Distro) -> tuple[Typestore, Callable[..., int], Callable[..., int]]:
+    """Return the types of a distribution, and the functions that give a message's size and write it."""
+    store = store_of(distro)
+    definition = store.get_msgdef(name)
+    write = definition.serialize_cdr_le if sys.byteorder == "little" else definition.serialize_cdr_be
+    return store, definition.getsize_cdr, write
 
 
 def _blank(size: int, message: Any) -> memoryview:
